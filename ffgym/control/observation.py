@@ -127,11 +127,7 @@ class Scales:
 
     @classmethod
     def of(cls, robot: RobotDescription) -> "Scales":
-        """Scales of a robot.
-
-        Raises:
-            FFGymError: if one of its parameters is 0, so that there is no scale.
-        """
+        """Scales of a robot."""
         breakaway = robot.friction.static
         divisors = {
             "error": ("servo.position_gain", robot.servo.position_gain),

@@ -23,11 +23,7 @@ def errors_at(where: str) -> Iterator[None]:
 
 
 def check_shape(name: str, value: Any, shape: Sequence[int | None]) -> Array:
-    """Return `value` as a finite float64 array of `shape`, where None stands for any length.
-
-    Raises:
-        FFGymError: if it is not numeric, has another shape, or holds NaN or infinity.
-    """
+    """Return `value` as a finite float64 array of `shape`, where None stands for any length."""
     try:
         if np.asarray(value).dtype.kind in "USc":
             raise TypeError("text and complex numbers are none")
@@ -45,11 +41,7 @@ def check_shape(name: str, value: Any, shape: Sequence[int | None]) -> Array:
 
 
 def check_rotation(name: str, value: Any) -> Array:
-    """Return `value` as a rotation matrix, shape (3, 3).
-
-    Raises:
-        FFGymError: if it is none.
-    """
+    """Return `value` as a rotation matrix, shape (3, 3)."""
     matrix = check_shape(name, value, (3, 3))
     bounded = np.all(np.abs(matrix) < 2)  # so that the product cannot overflow
     if not bounded or not np.allclose(matrix @ matrix.T, np.eye(3), atol=1e-6) or np.linalg.det(matrix) < 0:
@@ -58,11 +50,7 @@ def check_rotation(name: str, value: Any) -> Array:
 
 
 def check_rotations(name: str, value: Any, count: int) -> Array:
-    """Return `value` as rotation matrices, shape (count, 3, 3).
-
-    Raises:
-        FFGymError: if one of them is none.
-    """
+    """Return `value` as rotation matrices, shape (count, 3, 3)."""
     matrices = check_shape(name, value, (count, 3, 3))
     bounded = np.clip(matrices, -2.0, 2.0)  # so that no product can overflow
     off = np.abs(bounded @ bounded.swapaxes(1, 2) - np.eye(3)).max(axis=(1, 2)) > 1e-6
@@ -75,11 +63,7 @@ def check_rotations(name: str, value: Any, count: int) -> Array:
 def check_number(
     name: str, value: Any, *, unit: str = "", low: float = -np.inf, high: float = np.inf, open_low: bool = False
 ) -> float:
-    """Return `value` as a float within [low, high], or (low, high] with `open_low`.
-
-    Raises:
-        FFGymError: if it is not a finite number in the range.
-    """
+    """Return `value` as a float within [low, high], or (low, high] with `open_low`."""
     suffix = f" {unit}" if unit else ""
     try:
         if isinstance(value, str | bool):
@@ -96,11 +80,7 @@ def check_number(
 
 
 def check_whole(name: str, value: Any, *, unit: str = "", low: int, high: int | None = None) -> int:
-    """Return `value` as an int within [low, high].
-
-    Raises:
-        FFGymError: if it is not a whole number in the range.
-    """
+    """Return `value` as an int within [low, high]."""
     number = check_number(name, value, unit=unit, low=low, high=np.inf if high is None else high)
     if number != round(number):
         raise FFGymError(f"{name} = {number} must be a whole number.")
@@ -108,11 +88,7 @@ def check_whole(name: str, value: Any, *, unit: str = "", low: int, high: int | 
 
 
 def check_choice(name: str, value: str, available: Sequence[str]) -> str:
-    """Return `value` if it is one of `available`.
-
-    Raises:
-        FFGymError: if not; the message lists what is available.
-    """
+    """Return `value` if it is one of `available`."""
     if value not in available:
         raise FFGymError(f"Unknown {name} {value!r}. Available: {', '.join(sorted(available))}.")
     return value

@@ -11,11 +11,7 @@ from ffgym.core.errors import FFGymError
 
 
 def to_json(value: Any) -> Any:
-    """The value as JSON has it: dataclasses as objects, tuples as lists, numbers that are not finite as null.
-
-    Raises:
-        FFGymError: if there is something in it that JSON cannot say.
-    """
+    """The value as JSON has it: dataclasses as objects, tuples as lists, numbers that are not finite as null."""
     if is_dataclass(value) and not isinstance(value, type):
         return {f.name: to_json(getattr(value, f.name)) for f in fields(value)}
     if isinstance(value, np.generic | np.ndarray):
@@ -38,9 +34,6 @@ def from_json(kind: Any, value: Any, where: str) -> Any:
         kind: its type, as fields declare it.
         value: parsed JSON.
         where: its name, for messages.
-
-    Raises:
-        FFGymError: if an entry is missing, unknown, or of another type.
     """
     origin, arguments = get_origin(kind), get_args(kind)
     if kind is Any:

@@ -12,11 +12,7 @@ from ffgym.core.types import Array, BoolArray
 
 
 def checked_actions(actions: Any, shape: tuple[int, int], going: BoolArray | None) -> Array:
-    """Return actions as float64 of `shape` (B, N), zero where no episode is `going`, None is everywhere.
-
-    Raises:
-        FFGymError: if they have another shape, or are not finite where an episode is going.
-    """
+    """Return actions as float64 of `shape` (B, N), zero where no episode is `going`, None is everywhere."""
     with suppress(TypeError, ValueError, OverflowError):  # then check_shape says what is wrong
         values: Array = np.asarray(actions, dtype=np.float64)
         if values.shape == shape:
@@ -29,11 +25,7 @@ def checked_actions(actions: Any, shape: tuple[int, int], going: BoolArray | Non
 
 
 def reset_mask(mask: Any, n: int) -> BoolArray:
-    """Return which of `n` sub-environments to reset; None is all.
-
-    Raises:
-        FFGymError: if it is no array of `n` bool, or chooses none.
-    """
+    """Return which of `n` sub-environments to reset; None is all."""
     if mask is None:
         return np.ones(n, dtype=np.bool_)
     given = mask
@@ -45,11 +37,7 @@ def reset_mask(mask: Any, n: int) -> BoolArray:
 
 
 def options_for_each(options: Any, n: int) -> tuple[list[dict[str, Any]], Any]:
-    """Return the options of each of `n` sub-environments, and the reset mask among them.
-
-    Raises:
-        FFGymError: if they are no dict, or the entry 'each' is no list of `n` dicts.
-    """
+    """Return the options of each of `n` sub-environments, and the reset mask among them."""
     if not isinstance(options, Mapping | None):
         raise FFGymError(f"options = {options!r} must be a dict, e.g. {{'horizon': 250}}.")
     shared = dict(options or {})
@@ -62,11 +50,7 @@ def options_for_each(options: Any, n: int) -> tuple[list[dict[str, Any]], Any]:
 
 
 def seeds_for_each(seed: Any, n: int) -> list[int | None]:
-    """Return seeds of `n` sub-environments: i gets seed + i, or one is given for each; None is none.
-
-    Raises:
-        FFGymError: if they are not whole numbers from 0 on, or not `n` of them.
-    """
+    """Return seeds of `n` sub-environments: i gets seed + i, or one is given for each; None is none."""
     if seed is None:
         return [None] * n
     if isinstance(seed, str) or not isinstance(seed, Sequence | np.ndarray):
@@ -77,22 +61,14 @@ def seeds_for_each(seed: Any, n: int) -> list[int | None]:
 
 
 def check_seed(seed: Any) -> int:
-    """Return a seed if it is a whole number from 0 on.
-
-    Raises:
-        FFGymError: if it is not.
-    """
+    """Return a seed if it is a whole number from 0 on."""
     if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
         raise FFGymError(f"seed = {seed!r} must be a whole number >= 0, or None.")
     return int(seed)
 
 
 def autoreset_mode_of(mode: AutoresetMode | str) -> AutoresetMode:
-    """Return Gymnasium's autoreset mode of that name.
-
-    Raises:
-        FFGymError: if there is none.
-    """
+    """Return Gymnasium's autoreset mode of that name."""
     try:
         return AutoresetMode(mode)
     except ValueError as error:

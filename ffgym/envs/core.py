@@ -95,11 +95,7 @@ class TrackingCore:
         return np.multiply(self.step_index, self.robot.servo.control_dt)
 
     def reset(self, ids: IntArray, options: Sequence[Mapping[str, Any]]) -> Array:
-        """Begin episodes in sub-environments `ids`, with options for each; returns all observations, (B, D).
-
-        Raises:
-            FFGymError: if an option is unknown or not valid; within `all_or_nothing`, nothing has changed then.
-        """
+        """Begin episodes in sub-environments `ids`, with options for each; returns all observations, (B, D)."""
         recorder = self.settings.recorder
         if recorder is not None:
             recorder.claim(self)

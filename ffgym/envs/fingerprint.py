@@ -76,11 +76,7 @@ def _episode(name: str, seed: int, options: dict[str, Any]) -> list[float]:
 
 
 def check(name: str) -> None:
-    """Check that an environment still is what its id stands for.
-
-    Raises:
-        FFGymError: if its physics or its behaviour changed, or it has no stored fingerprint.
-    """
+    """Check that an environment still is what its id stands for."""
     kept = stored().get(name)
     if kept is None:
         raise FFGymError(f"{name} has no stored fingerprint; run python -m scripts.env_fingerprints.")

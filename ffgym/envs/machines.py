@@ -50,11 +50,7 @@ def is_workcell(name: str | Path) -> bool:
 
 
 def described_robot(name: str) -> RobotDescription:
-    """The built-in robot of a name, or that of a description's path, for what needs a description.
-
-    Raises:
-        FFGymError: if there is none of that name, or it is a workcell or a machine file.
-    """
+    """The built-in robot of a name, or that of a description's path, for what needs a description."""
     if is_workcell(name):
         from ffgym.envs.workcell_circles import CONTROLLER
 
@@ -66,11 +62,7 @@ def described_robot(name: str) -> RobotDescription:
 
 
 def workcell_named(name: str) -> "Workcell":
-    """The workcell called workcell:<name>, or workcell:<seed> for one that is drawn.
-
-    Raises:
-        FFGymError: if there is none of that name.
-    """
+    """The workcell called workcell:<name>, or workcell:<seed> for one that is drawn."""
     from ffgym.workcell import INSTANCES, draw, workcell
 
     short = name.removeprefix(WORKCELL)

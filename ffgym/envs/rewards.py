@@ -140,7 +140,8 @@ class RelativePathError(OfPathError):
 
     scale: float = 2e-5
     """s [m]; below it the cost is linear. Chosen: errors at 10 mm/s of a law with nominal parameters on robots whose
-    friction is off by tens of per cent."""
+    friction is off by tens of per cent.
+    """
     name: ClassVar[str] = "relative_path_error"
 
     def of_path(self, error: Array) -> Array:
@@ -170,11 +171,7 @@ REWARDS: dict[str, type[Reward]] = {
 
 
 def reward_of(reward: str | Reward, robot: RobotDescription | None = None) -> Reward:
-    """Return a reward from its name, or as it is.
-
-    Raises:
-        FFGymError: if it is neither, or if it is not defined for `robot`.
-    """
+    """Return a reward from its name, or as it is."""
     if isinstance(reward, str):
         reward = REWARDS[check_choice("reward", reward, list(REWARDS))]()
     if not isinstance(reward, Reward):

@@ -128,11 +128,7 @@ class SB3VecEnv(VecEnv):
         return [value for _ in self._get_indices(indices)]
 
     def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
-        """Not supported: sub-environments share one engine.
-
-        Raises:
-            FFGymError: always.
-        """
+        """Not supported: sub-environments share one engine."""
         raise FFGymError(
             f"Cannot set {attr_name!r} of single sub-environments, they share one engine; give it to make_sb3_env, or "
             f"use set_options for the next episodes."

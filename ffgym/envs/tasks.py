@@ -93,11 +93,7 @@ class Tasks(ABC):
 
 
 def check_not_empty(name: str, values: tuple[Any, ...], example: str) -> tuple[Any, ...]:
-    """Return `values` if there are any.
-
-    Raises:
-        FFGymError: if not.
-    """
+    """Return `values` if there are any."""
     if not values:
         raise FFGymError(f"{name} is empty, must hold at least one, e.g. {example}.")
     return values

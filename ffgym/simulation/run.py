@@ -102,11 +102,7 @@ def simulate(
 
 
 def one_robot(runs: Sequence[Run]) -> RobotDescription:
-    """The robot that the references of all runs are for.
-
-    Raises:
-        FFGymError: if there is no run, or they are for several.
-    """
+    """The robot that the references of all runs are for."""
     if not runs:
         raise FFGymError("There is nothing to simulate: runs is empty.")
     robots = {id(run.reference.robot): run.reference.robot for run in runs}
@@ -117,11 +113,7 @@ def one_robot(runs: Sequence[Run]) -> RobotDescription:
 
 
 def record_stride(plant: Plant, record_dt: float) -> int:
-    """Physics steps between samples that are recorded every `record_dt` [s].
-
-    Raises:
-        FFGymError: if that is no multiple of the physics step that divides the control step.
-    """
+    """Physics steps between samples that are recorded every `record_dt` [s]."""
     record_dt = check_number("record_dt", record_dt, unit="s", low=0.0, open_low=True)
     stride = round(record_dt / plant.physics_dt)
     if stride < 1 or abs(stride * plant.physics_dt - record_dt) > 1e-9 or plant.n_substeps % stride:

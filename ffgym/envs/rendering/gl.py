@@ -24,9 +24,6 @@ def open_context(model: mujoco.MjModel, width: int, height: int, font: mujoco.mj
     """OpenGL's context, of MuJoCo's `GLContext` kind, for pictures of that size, and the `MjrContext` in it.
 
     MUJOCO_GL decides which library makes it; where it is not set, the first that works does.
-
-    Raises:
-        FFGymError: if none works.
     """
     asked = os.environ.get("MUJOCO_GL", "").strip().lower()
     if asked in _OFF:
@@ -58,11 +55,7 @@ def has_display(environment: Mapping[str, str]) -> bool:
 
 
 def start_glfw() -> None:
-    """Start GLFW, which opens windows.
-
-    Raises:
-        ImportError: with GLFW's own words, if it does not start; by itself it only warns.
-    """
+    """Start GLFW, which opens windows."""
     import glfw
 
     with warnings.catch_warnings(record=True) as caught:

@@ -88,11 +88,7 @@ class Window:
 
 
 def check_screen() -> None:
-    """Check that a window can be opened.
-
-    Raises:
-        FFGymError: if not.
-    """
+    """Check that a window can be opened."""
     if platform.system() == "Linux" and not has_display(os.environ):
         raise FFGymError(f"render_mode='human' needs a screen, but DISPLAY is not set; {_WAY_OUT}.")
     try:

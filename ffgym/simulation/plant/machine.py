@@ -197,11 +197,7 @@ class Machine:
 
 
 def check_same_controller(own: RobotDescription, other: RobotDescription) -> None:
-    """Check that a plant fits the controller of a robot.
-
-    Raises:
-        FFGymError: if they differ in what a controller knows, or in the make of their joints, springs and tool.
-    """
+    """Check that a plant fits the controller of a robot."""
     pairs: dict[str, tuple[Any, Any]] = {
         "joints": (own.joints, other.joints),
         "drive.gear_ratio": (own.drive.gear_ratio, other.drive.gear_ratio),

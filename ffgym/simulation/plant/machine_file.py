@@ -51,11 +51,7 @@ def load_machine(path: str | Path, known: Mapping[str, type[Effect]] = EFFECTS, 
 
 
 def known_robot(path: str | Path) -> RobotDescription:
-    """The robot that a machine file names, without its numbers: what the machine's controller was made for.
-
-    Raises:
-        FFGymError: if the file cannot be read, or names no robot.
-    """
+    """The robot that a machine file names, without its numbers: what the machine's controller was made for."""
     try:
         return _robot(_tree(path).get("machine"), Path(path).parent)
     except FFGymError as error:
@@ -63,20 +59,12 @@ def known_robot(path: str | Path) -> RobotDescription:
 
 
 def origins_of(path: str | Path) -> tuple[Origin, ...]:
-    """Where the numbers of the effects of a machine file come from, in the order of `Machine.effects`.
-
-    Raises:
-        FFGymError: if the file cannot be read.
-    """
+    """Where the numbers of the effects of a machine file come from, in the order of `Machine.effects`."""
     return read_origins(_table(_tree(path), "effects"))
 
 
 def robot_reference(path: str | Path) -> str | Path:
-    """What a machine file calls its robot: a built-in name, or the path of a description.
-
-    Raises:
-        FFGymError: if the file cannot be read.
-    """
+    """What a machine file calls its robot: a built-in name, or the path of a description."""
     named = str(_table(_tree(path), "machine").get("robot"))
     return Path(path).parent / named if named.endswith(".toml") else named
 
@@ -132,11 +120,7 @@ def parse_machine(
 
 
 def parse_climate(tables: Mapping[str, Any]) -> Climate:
-    """Climate of the table [climate] of a file.
-
-    Raises:
-        FFGymError: if an entry is unknown, or has a wrong unit or value.
-    """
+    """Climate of the table [climate] of a file."""
     values: dict[str, Any] = {}
     for name, table in tables.items():
         unit = CLIMATE_UNITS[check_choice("entry of climate", name, list(CLIMATE_UNITS))]

@@ -58,11 +58,7 @@ def machine_text(
     origins: Sequence[Origin] = (),
     folder: Path = Path(),
 ) -> str:
-    """Text of a machine file for `folder`; other arguments as for `save_machine`.
-
-    Raises:
-        FFGymError: if the robot cannot be said in a machine file.
-    """
+    """Text of a machine file for `folder`; other arguments as for `save_machine`."""
     machine = Machine.of(machine)
     known, named = _named(machine.robot, robot, folder)
     parts = ["\n".join(toml_table("machine", {"title": str(title), "robot": named})) + "\n"]

@@ -49,9 +49,6 @@ def check_stable(warned: BoolArray, robot: str, began: Array, duration: float, p
         began: when each simulation began [s], shape (B,).
         duration: how long it ran [s].
         physics_dt: physics step [s].
-
-    Raises:
-        FFGymError: if one did.
     """
     failed = np.flatnonzero(warned[:, _BAD].any(axis=1))
     if failed.size:
@@ -81,11 +78,7 @@ _BAD = [
 
 
 def check_same_make(model: mujoco.MjModel, common: mujoco.MjModel, robot: str) -> None:
-    """Check that a model differs from that of its batch in numbers alone.
-
-    Raises:
-        FFGymError: if it has other joints or actuators.
-    """
+    """Check that a model differs from that of its batch in numbers alone."""
     if (model.nu, model.na) != (common.nu, common.na) or _joints(model) != _joints(common):
         raise FFGymError(
             f"Robot {robot!r} has other elastic joints, joints of effects or actuators than the other simulations of "

@@ -88,11 +88,7 @@ class JointProtocol(Protocol):
 
 
 def check_names(what: str, names: Any) -> None:
-    """Check that `names` is a list of names that differ.
-
-    Raises:
-        FFGymError: if it is none.
-    """
+    """Check that `names` is a list of names that differ."""
     listed = isinstance(names, Sequence) and not isinstance(names, str)
     if not listed or not all(isinstance(name, str) for name in names) or len(set(names)) < len(names):
         raise FFGymError(f"{what} = {names!r} must be a list of names, each of them once.")

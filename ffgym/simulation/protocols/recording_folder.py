@@ -131,11 +131,7 @@ def _index(
 
 
 def _prepare(folder: Path, index: dict[str, Any], *, force: bool) -> None:
-    """Make the folder, or check that it is for this session.
-
-    Raises:
-        FFGymError: if it is none, or holds other recordings and these may not be written over.
-    """
+    """Make the folder, or check that it is for this session."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:

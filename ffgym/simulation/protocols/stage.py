@@ -142,11 +142,7 @@ def _use(arm: RigidArm, q: Array, dq: Array, ddq: Array) -> float:
 
 
 def check_torque(arm: RigidArm, reference: Reference) -> None:
-    """Check that the drives can give what a motion takes.
-
-    Raises:
-        FFGymError: if a rigid arm would take more than MOST_TORQUE of a drive's peak torque.
-    """
+    """Check that the drives can give what a motion takes."""
     use = torque_use(arm, reference)
     if use > MOST_TORQUE:
         raise FFGymError(
@@ -156,11 +152,7 @@ def check_torque(arm: RigidArm, reference: Reference) -> None:
 
 
 def shrunk(stage: Stage, path: JointPath) -> Reference:
-    """A motion, made smaller about where it starts until it keeps the tool near and takes at most LARGE_TORQUE.
-
-    Raises:
-        FFGymError: if even the smallest takes more.
-    """
+    """A motion, made smaller about where it starts until it keeps the tool near and takes at most LARGE_TORQUE."""
     arm = stage.arm
     every = _stride(path)
     way, dq, ddq = path.q[::every] - path.q[0], path.dq[::every], path.ddq[::every]
