@@ -8,8 +8,8 @@ from ffgym.core.files import write_json, write_text
 from ffgym.diagnosis import diagnose
 from ffgym.diagnosis.search.search import MOST
 from ffgym.effects import Origin
+from ffgym.envs.circle_path import CONTROLLER
 from ffgym.envs.machines import is_workcell, rig_of
-from ffgym.envs.workcell_circles import CONTROLLER
 from ffgym.improvement import Plan, format_improvement, improve, improvement_figures, render_improvement
 from ffgym.report import save_figure
 from ffgym.robot import load_robot

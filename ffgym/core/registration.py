@@ -10,7 +10,7 @@ ENVIRONMENTS = {
     "ffgym/OneAxis-v0": "ffgym.envs.one_axis:OneAxis",
     "ffgym/JointMotion-v0": "ffgym.envs.joint_motion:JointMotion",
     "ffgym/FollowPath-v0": "ffgym.envs.follow_path:FollowPath",
-    "ffgym/WorkcellCircles-v0": "ffgym.envs.workcell_circles:WorkcellCircles",
+    "ffgym/WorkcellCircles-v0": "ffgym.envs.circle_path:WorkcellCircles",
 }
 """Id and where it is; the class of the single environment ends in Env, that of the vector environment in VectorEnv."""
 

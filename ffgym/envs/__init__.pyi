@@ -1,5 +1,7 @@
 from .circle_path import CirclePathEnv as CirclePathEnv
 from .circle_path import CirclePathVectorEnv as CirclePathVectorEnv
+from .circle_path import WorkcellCirclesEnv as WorkcellCirclesEnv
+from .circle_path import WorkcellCirclesVectorEnv as WorkcellCirclesVectorEnv
 from .follow_path import FollowPathEnv as FollowPathEnv
 from .follow_path import FollowPathVectorEnv as FollowPathVectorEnv
 from .joint_motion import JointMotionEnv as JointMotionEnv
@@ -27,5 +29,3 @@ from .settings import Settings as Settings
 from .tasks import Sensing as Sensing
 from .tasks import Stage as Stage
 from .tasks import Transition as Transition
-from .workcell_circles import WorkcellCirclesEnv as WorkcellCirclesEnv
-from .workcell_circles import WorkcellCirclesVectorEnv as WorkcellCirclesVectorEnv

@@ -8,58 +8,29 @@ from ffgym.envs.motion import Columns, Motion
 from ffgym.simulation.plant import Plant
 
 LARGEST = 64 * 2**20
-"""Size beyond which nothing is kept [bytes]: room for all motions of the thesis' circle test."""
-
-
-class SetpointTable:
-    """Position and velocity at every physics step of every control step, in MuJoCo's order of controls.
-
-    What it holds is computed as it would be at every step, bit for bit; docs/performance.md says what it saves.
-    """
-
-    def __init__(self, plant: Plant, fractions: Array) -> None:
-        self._plant, self._fractions = plant, fractions
-        self._rows = np.zeros((0, plant.n_substeps, plant.model.nu))
-
-    def take(self, rows: IntArray) -> Array:
-        """Controls of the control steps that begin at `rows` (B,), shape (B, S, 3 N), torque 0; a copy."""
-        return self._rows.take(rows, axis=0)
-
-    def write(self, start: int, position: Array, velocity: Array) -> None:
-        """Compute the rows from `start` on, of motor-side samples [rad], [rad/s], shape (T, N) each; the last is 0."""
-        steps = self._rows[start : start + len(position) - 1]
-        out_position, out_velocity, _ = self._plant.split_controls(steps[None])
-        dt = self._plant.robot.servo.control_dt
-        self._rows[start + len(steps)] = 0.0
-        interpolate_motion(position[None], velocity[None], dt, self._fractions, (out_position, out_velocity))
-
-    def move(self, start: int, to: int, length: int) -> None:
-        """Move `length` rows towards the front."""
-        self._rows[to : to + length] = self._rows[start : start + length]
-
-    def resize(self, length: int) -> bool:
-        """Make room for `length` rows; False if that would be too large."""
-        if length * self._rows[:0].itemsize * self._plant.n_substeps * self._plant.model.nu > LARGEST:
-            self._rows = self._rows[:0].copy()
-            return False
-        if length > len(self._rows):
-            self._rows.resize((length, *self._rows.shape[1:]), refcheck=False)
-        return True
-
-
+"""Size beyond which no controls are kept [bytes]: room for all motions of the thesis' circle test."""
 _KEEP_ROWS = 200_000
 """Motions that nobody follows any more are kept up to this number of rows in all: 50 MB, several times the thesis'
 circle test."""
 
 
 class MotionBank:
-    """Assigns motions to B sub-environments; each motion is stored once, however many follow it."""
+    """Assigns motions to B sub-environments; each motion is stored once, however many follow it.
 
-    def __init__(self, n: int, columns: Columns, padding: int, setpoints: SetpointTable | None = None) -> None:
-        self.columns = columns
-        self._setpoints = setpoints
-        self._padding = padding
+    With a plant, position and velocity at every physics step of every control step are kept too, in MuJoCo's order of
+    controls, as they would be computed at every step, bit for bit; docs/performance.md says what that saves.
+
+    Args:
+        n: number of sub-environments B.
+        columns: what stands where in the rows.
+        padding: how often the last row of a motion is repeated.
+        plant: whose controls are kept; None keeps none.
+    """
+
+    def __init__(self, n: int, columns: Columns, padding: int, plant: Plant | None = None) -> None:
+        self.columns, self._plant, self._padding = columns, plant, padding
         self._table = np.zeros((0, columns.width))
+        self._controls = None if plant is None else np.zeros((0, plant.n_substeps, plant.model.nu))
         self._filled = 0
         self._place: dict[int, tuple[Motion, int]] = {}
         """By identity: motion and its first row."""
@@ -84,41 +55,51 @@ class MotionBank:
         Shape (B', S, 3 N), a copy; None is all sub-environments. Returns None where they are not kept, because there
         are too many motions.
         """
-        if self._setpoints is None:
+        if self._controls is None:
             return None
         first: IntArray = self._offset + step
-        return self._setpoints.take(first if ids is None else first[ids])
+        return self._controls.take(first if ids is None else first[ids], axis=0)
 
     def _store(self, motion: Motion) -> None:
-        rows = motion.rows(self._padding)
-        if self._filled + len(rows) > len(self._table):
+        rows, start = motion.rows(self._padding), self._filled
+        if start + len(rows) > len(self._table):
             self._make_room(len(rows))
-        self._table[self._filled : self._filled + len(rows)] = rows
-        if self._setpoints is not None:
-            self._setpoints.write(self._filled, rows[:, self.columns.position], rows[:, self.columns.velocity])
-        self._place[id(motion)] = (motion, self._filled)
-        self._filled += len(rows)
+            start = self._filled
+        self._filled = end = start + len(rows)
+        self._table[start:end] = rows
+        self._place[id(motion)] = (motion, start)
+        if self._controls is None or self._plant is None:
+            return
+        position, velocity, _ = self._plant.split_controls(self._controls[None, start : end - 1])
+        samples = rows[None, :, self.columns.position], rows[None, :, self.columns.velocity]
+        fractions = np.arange(self._plant.n_substeps) / self._plant.n_substeps
+        interpolate_motion(*samples, self._plant.robot.servo.control_dt, fractions, (position, velocity))
+        self._controls[end - 1] = 0.0
 
     def _make_room(self, wanted: int) -> None:
-        """Move what is followed (and, if it is little, what was) to the front of the table, and make it long enough."""
+        """Move what is followed (and, if it is little, what was) to the front of the tables, and make them longer."""
         followed = {id(motion) for motion in self.motions if motion is not None}
         keep_all = self._filled <= _KEEP_ROWS
         kept = [(m, at) for key, (m, at) in self._place.items() if keep_all or key in followed]
         self._place, self._filled = {}, 0
         for motion, at in kept:  # as they stand in the table, so that none is overwritten before it has moved
             length = motion.n_steps + 1 + self._padding
-            self._table[self._filled : self._filled + length] = self._table[at : at + length]
-            if self._setpoints is not None:
-                self._setpoints.move(at, self._filled, length)
+            for table in (self._table, self._controls):
+                if table is not None:
+                    table[self._filled : self._filled + length] = table[at : at + length]
             self._place[id(motion)] = (motion, self._filled)
             self._filled += length
-        if self._filled + wanted > len(self._table):  # in place: a second table would double the memory
-            self._table.resize((int((self._filled + wanted) * 1.25), self.columns.width), refcheck=False)
-        if self._setpoints is not None and not self._setpoints.resize(len(self._table)):
-            self._setpoints = None
         for i, followed_now in enumerate(self.motions):
             if id(followed_now) in self._place:
                 self._offset[i] = self._place[id(followed_now)][1]
+        if self._filled + wanted > len(self._table):  # in place: a second table would double the memory
+            self._table.resize((int((self._filled + wanted) * 1.25), self.columns.width), refcheck=False)
+        if self._controls is not None:
+            shape = (len(self._table), *self._controls.shape[1:])
+            if np.prod(shape) * self._controls.itemsize > LARGEST:
+                self._controls = None
+            elif len(self._controls) < len(self._table):
+                self._controls.resize(shape, refcheck=False)
 
 
 def path_error(tcp: Array, rows: Array, columns: Columns, centre: Array, normal: Array) -> Array:

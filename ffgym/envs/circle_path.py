@@ -1,4 +1,7 @@
-"""`ffgym/CirclePath-v0`: the circle test of the thesis, at positions of a work area and constant TCP speeds."""
+"""`ffgym/CirclePath-v0` and `ffgym/WorkcellCircles-v0`: the circle test of the thesis, on robots and on workcells.
+
+It runs at positions of a work area and constant TCP speeds. The friction of a workcell nobody told its controller.
+"""
 
 from collections.abc import Mapping, Sequence
 from itertools import product
@@ -7,12 +10,14 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
+from gymnasium.vector import AutoresetMode
 
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_shape
 from ffgym.core.types import Array
+from ffgym.envs.machines import WORKCELL
 from ffgym.envs.motion import Motion
 from ffgym.envs.single import TrackingEnv
-from ffgym.envs.tasks import Tasks, check_not_empty
+from ffgym.envs.tasks import Sensing, Tasks, check_not_empty
 from ffgym.envs.vector import TrackingVectorEnv
 from ffgym.paths import RADII, SPEEDS, cartesian_reference, circle_test
 from ffgym.robot import RobotDescription, solve_path
@@ -59,13 +64,9 @@ class CircleTasks(Tasks):
         self._speeds = check_not_empty("speeds", _numbers("speeds", speeds), "0.010 m/s")
         self._radii = check_not_empty("radii", _numbers("radii", radii), "0.003 m")
         self._order = check_choice("order", order, ORDERS)
-        self._check()
-
-    def _check(self) -> None:
-        """Complain now, not in the middle of a training."""
-        area = self._area
+        # complain now, not in the middle of a training
         for position in self._positions:
-            solve_path(self.arm, self._point(position)[1][None], area.tool_rotation, area.home)
+            solve_path(self.arm, self._point(position)[1][None], self._area.tool_rotation, self._area.home)
         for radius, speed in product(self._radii, self._speeds):
             circle_test(np.zeros(3), speed, radii=[radius], dt=self.robot.servo.control_dt)
 
@@ -142,3 +143,53 @@ class CirclePathEnv(TrackingEnv):
     """One six-axis robot on the circle test; keyword arguments as `CirclePathVectorEnv`."""
 
     kind = CirclePathVectorEnv
+
+
+CONTROLLER = "irb4600_60_205_commissioned"
+"""What the controller of every workcell knows."""
+
+_ITS_OWN = ("robot", "plant", "randomization")
+"""Arguments of other environments that a workcell answers itself."""
+
+
+class WorkcellCirclesVectorEnv(CirclePathVectorEnv):
+    """Workcells on the circle test; their motor angles are read by resolvers.
+
+    Args:
+        num_envs: number of workcells.
+        workcell: name, with or without "workcell:", or seed of one that is drawn; reset option plant, e.g.
+            "workcell:12", changes it for an episode.
+        autoreset_mode: Gymnasium's NextStep, SameStep or Disabled.
+        render_mode: 'rgb_array' or None.
+        arguments: others of `CirclePathVectorEnv`, but for robot, plant and randomization.
+    """
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        *,
+        workcell: str | int = "thesis",
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        render_mode: str | None = None,
+        **arguments: Any,
+    ) -> None:
+        for name in _ITS_OWN:
+            if name in arguments:
+                raise FFGymError(
+                    f"{name} = {arguments[name]!r} cannot be given, a workcell is what it is. Choose another by "
+                    f"workcell=<name or seed>, or use ffgym/CirclePath-v0."
+                )
+        super().__init__(
+            num_envs,
+            robot=CONTROLLER,
+            plant=WORKCELL + str(workcell).removeprefix(WORKCELL),
+            autoreset_mode=autoreset_mode,
+            render_mode=render_mode,
+            **({"sensing": Sensing(encoder_bits=16)} | arguments),
+        )
+
+
+class WorkcellCirclesEnv(TrackingEnv):
+    """One workcell on the circle test; keyword arguments as `WorkcellCirclesVectorEnv`."""
+
+    kind = WorkcellCirclesVectorEnv

@@ -16,11 +16,11 @@ from ffgym.control.observation import BOUND, ObservationLayout
 from ffgym.control.setpoints import interpolate_motion, interpolate_torque, servo_torque
 from ffgym.core.errors import check_whole
 from ffgym.core.types import Array, BoolArray, IntArray
-from ffgym.envs.bank import MotionBank, SetpointTable, path_error
+from ffgym.envs.bank import MotionBank, path_error
 from ffgym.envs.motion import Columns, Motion
 from ffgym.envs.rewards import Reward, Signals, reward_of
 from ffgym.envs.settings import Settings
-from ffgym.envs.start import Start, Starts
+from ffgym.envs.start import Starts
 from ffgym.envs.tasks import MotorSensors, Observer, Tasks, Transition
 from ffgym.recordings import PHASE_KINDS
 from ffgym.simulation.plant import Plant
@@ -48,7 +48,7 @@ class TrackingCore:
         self.columns = Columns(n_joints=robot.n_joints, has_tcp=robot.tool is not None)
         self._width = max(layout.preview + 1, 2)
         self._fractions = np.arange(self.plant.n_substeps) / self.plant.n_substeps
-        self._bank = MotionBank(n, self.columns, self._width, SetpointTable(self.plant, self._fractions))
+        self._bank = MotionBank(n, self.columns, self._width, self.plant)
         if self.columns.has_tcp:
             self._sites = self.plant.batch.bind("site_xpos")
             self._tcp_site = self.plant.model.site("tcp").id
@@ -101,7 +101,8 @@ class TrackingCore:
             recorder.claim(self)
         starts = self.starts.draw(ids, options)
         self.plant.become(ids, [start.machine for start in starts])
-        self.plant.rest(*_at_start(starts), ids)
+        references = [start.motion.reference for start in starts]
+        self.plant.rest(np.stack([r.q[0] for r in references]), np.stack([r.dq[0] for r in references]), ids)
         self._touched = True
         self._rest(ids, [start.motion for start in starts])
         for i, start in zip(ids, starts, strict=True):
@@ -272,9 +273,3 @@ class TrackingCore:
         if signals.tcp is not None and signals.path_error is not None:
             out |= {"tcp": signals.tcp.copy(), "path_error": signals.path_error.copy()}
         return out
-
-
-def _at_start(starts: Sequence[Start]) -> tuple[Array, Array]:
-    """Angle and speed at which motions begin, link side [rad], [rad/s], shape (B', N) each."""
-    references = [start.motion.reference for start in starts]
-    return np.stack([r.q[0] for r in references]), np.stack([r.dq[0] for r in references])

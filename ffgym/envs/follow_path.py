@@ -52,7 +52,10 @@ class PathTasks(Tasks):
     def draw(self, rng: np.random.Generator, options: Mapping[str, Any]) -> Motion:
         """See base class; `path` may be any motion that the keyword takes."""
         if "path" in options:
-            return self._made(_one(options["path"]))
+            sources = _sources(options["path"])
+            if len(sources) != 1:
+                raise FFGymError(f"path = {options['path']!r} must be one motion: an episode follows one.")
+            return self._made(sources[0])
         return self._made(self._sources[int(rng.integers(len(self._sources)))])
 
     def listed(self) -> list[dict[str, Any]]:
@@ -62,20 +65,16 @@ class PathTasks(Tasks):
     def _made(self, source: Source, reference: Reference | None = None) -> Motion:
         def make() -> Motion:
             made = _reference(self._plain, source) if reference is None else reference
-            self._check(made)
+            if made.robot is not self.robot and _fingerprint(made.robot) != self._fingerprint:
+                raise FFGymError(
+                    f"Motion {made.name!r} is for robot {made.robot.name!r} with other numbers (perhaps another tool) "
+                    f"than those of this environment's robot {self.robot.name!r}; make it for that robot, or make an "
+                    f"environment of its own."
+                )
             task = {"path": made.name if isinstance(source, Reference) else str(source)}
             return Motion(reference=made, arm=self.arm, task=task, in_space=True)
 
         return self._cached(id(source) if isinstance(source, Reference) else str(source), make)
-
-    def _check(self, reference: Reference) -> None:
-        """Refuse motions of a robot that moves otherwise; one environment simulates one."""
-        if reference.robot is not self.robot and _fingerprint(reference.robot) != self._fingerprint:
-            raise FFGymError(
-                f"Motion {reference.name!r} is for robot {reference.robot.name!r} with other numbers (perhaps another "
-                f"tool) than those of this environment's robot {self.robot.name!r}; make it for that robot, or make an "
-                f"environment of its own."
-            )
 
 
 def _sources(path: Any) -> tuple[Source, ...]:
@@ -87,14 +86,6 @@ def _sources(path: Any) -> tuple[Source, ...]:
                 f"path = {source!r} must be the name of a motion, a path to a file, a Reference, or a list of these."
             )
     return tuple(listed)
-
-
-def _one(path: Any) -> Source:
-    """One motion, which may stand in a list."""
-    sources = _sources(path)
-    if len(sources) != 1:
-        raise FFGymError(f"path = {path!r} must be one motion: an episode follows one.")
-    return sources[0]
 
 
 def _reference(arm: RigidArm, source: Source) -> Reference:

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from ffgym.core.errors import FFGymError, check_number, check_shape
-from ffgym.core.types import Array
 from ffgym.envs.motion import Motion
 from ffgym.envs.single import TrackingEnv
 from ffgym.envs.tasks import Tasks
@@ -56,42 +55,26 @@ class RandomTasks(Tasks):
         home = np.zeros(n) if self.robot.work_area is None else self.robot.work_area.home
         centre = home + rng.uniform(-self._spread, self._spread, size=n)
         speed = np.exp(rng.uniform(np.log(self._peak_speeds[0]), np.log(self._peak_speeds[1]), size=n))
-        centre = np.clip(centre, *_inner(kinematics.range))
+        middle, half = kinematics.range.mean(axis=1), np.diff(kinematics.range, axis=1)[:, 0] / 2
+        low, high = middle - 0.8 * half, middle + 0.8 * half  # leaves room for the motion about its centre
+        centre = np.clip(centre, low, high)
         if "centre" in options:
-            centre = _checked_centre(options["centre"], kinematics.range)
+            centre = check_shape("centre", options["centre"], (n,))
+            if np.any((centre < low) | (centre > high)):
+                raise FFGymError(
+                    f"centre = {centre} must be within the middle 80 % of the joint ranges, {low} to {high} [rad or m]."
+                )
         if "peak_speed" in options:
-            speed = _checked_speed(options["peak_speed"], n)
+            speed = options["peak_speed"]
+            with suppress(ValueError):  # then check_shape says what is wrong
+                speed = np.broadcast_to(speed, n)
+            speed = check_shape("peak_speed", speed, (n,))
+            if np.any(speed < 0):
+                raise FFGymError(f"peak_speed = {speed} rad/s must be >= 0 on every joint.")
         joint_speed = speed / np.abs(self.robot.drive.gear_ratio)
         path = random_multisine(rng, centre, joint_speed, self._duration, dt=self.robot.servo.control_dt)
         task = {"centre": centre.tolist(), "peak_speed": speed.tolist()}
         return Motion(reference=joint_reference(self.robot, path), arm=self.arm, task=task)
-
-
-def _checked_centre(centre: Any, limits: Array) -> Array:
-    """Centre of a motion, link side [rad or m], shape (N,), with room for the motion about it."""
-    centre = check_shape("centre", centre, (len(limits),))
-    low, high = _inner(limits)
-    if np.any((centre < low) | (centre > high)):
-        raise FFGymError(
-            f"centre = {centre} must be within the middle 80 % of the joint ranges, {low} to {high} [rad or m]."
-        )
-    return centre
-
-
-def _checked_speed(speed: Any, n: int) -> Array:
-    """Peak speed of each motor [rad/s], shape (n,), from one number or one per joint."""
-    with suppress(ValueError):  # then check_shape says what is wrong
-        speed = np.broadcast_to(speed, n)
-    speed = check_shape("peak_speed", speed, (n,))
-    if np.any(speed < 0):
-        raise FFGymError(f"peak_speed = {speed} rad/s must be >= 0 on every joint.")
-    return speed
-
-
-def _inner(limits: Array) -> tuple[Array, Array]:
-    """The middle 80 % of the joint ranges (N, 2): room for the motion about its centre."""
-    middle, half = limits.mean(axis=1), np.diff(limits, axis=1)[:, 0] / 2
-    return middle - 0.8 * half, middle + 0.8 * half
 
 
 class JointMotionVectorEnv(TrackingVectorEnv):

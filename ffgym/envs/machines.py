@@ -52,7 +52,7 @@ def is_workcell(name: str | Path) -> bool:
 def described_robot(name: str) -> RobotDescription:
     """The built-in robot of a name, or that of a description's path, for what needs a description."""
     if is_workcell(name):
-        from ffgym.envs.workcell_circles import CONTROLLER
+        from ffgym.envs.circle_path import CONTROLLER
 
         raise FFGymError(
             f"{name} has no description: nothing of it is known but what it measures (ffgym simulate, ffgym record). "

@@ -65,7 +65,11 @@ class Settings:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "reward", reward_of(self.reward))
-        object.__setattr__(self, "layers", _layers(self.layers))
+        if not isinstance(self.layers, Sequence) or isinstance(self.layers, str):
+            raise FFGymError(
+                f"layers = {self.layers!r} must be a list, from the robot outwards, e.g. layers=[History(8)]."
+            )
+        object.__setattr__(self, "layers", tuple(self.layers))
         limit = check_number("error_limit", self.error_limit, unit="rad", low=0.0, open_low=True)
         object.__setattr__(self, "error_limit", limit)
         check_choice("sampling", self.sampling, ("random", "sequence"))
@@ -111,12 +115,6 @@ def check_kind(name: str, value: Any) -> Any:
         return value
     also = " or None" if may_be_none else ""
     raise FFGymError(f"{name} = {value!r} must be of class {kind.__name__}, e.g. {example}{also}.")
-
-
-def _layers(layers: Any) -> tuple[Any, ...]:
-    if not isinstance(layers, Sequence) or isinstance(layers, str):
-        raise FFGymError(f"layers = {layers!r} must be a list, from the robot outwards, e.g. layers=[History(8)].")
-    return tuple(layers)
 
 
 def check_horizon(horizon: int | None) -> int | None:

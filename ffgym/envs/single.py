@@ -114,13 +114,9 @@ class TrackingEnv(gym.Env[Array, Array]):
 
 def _first(info: dict[str, Any]) -> dict[str, Any]:
     """Info of sub-environment 0, without masks."""
-    return {
-        name: _first(value) if isinstance(value, dict) else _scalar(value[0])
-        for name, value in info.items()
-        if not name.startswith("_")
-    }
-
-
-def _scalar(value: Any) -> Any:
-    """Python's own number or text for a scalar; arrays as they are, copied."""
-    return value.item() if isinstance(value, np.generic) else value.copy()
+    first = {}
+    for name, value in info.items():
+        if not name.startswith("_"):
+            own = _first(value) if isinstance(value, dict) else value[0]
+            first[name] = own.item() if isinstance(own, np.generic) else own.copy()  # Python's own numbers and text
+    return first

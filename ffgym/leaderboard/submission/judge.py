@@ -16,8 +16,8 @@ from ffgym.core.errors import FFGymError
 from ffgym.core.files import decode_arrays, encode_arrays
 from ffgym.core.provenance import versions
 from ffgym.core.types import Array
+from ffgym.envs.circle_path import CONTROLLER
 from ffgym.envs.machines import is_workcell
-from ffgym.envs.workcell_circles import CONTROLLER
 from ffgym.leaderboard.evaluation.closed_loop import Flight, fly
 from ffgym.leaderboard.evaluation.jobs import cells_of
 from ffgym.leaderboard.plants import NOMINAL, ROBOT, THESIS_WORKCELL, plant_named
