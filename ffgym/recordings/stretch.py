@@ -1,13 +1,13 @@
 """A stretch of a recording: some of its rows, which keep their place on the clock of the session."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol
 
 import numpy as np
 
 from ffgym.core.types import Array
 from ffgym.recordings.header import Header, clipped
+from ffgym.recordings.io import Stored
 from ffgym.recordings.recording import Recording
 from ffgym.recordings.schema import VALID
 
@@ -25,27 +25,8 @@ _DIGITS = 6
 """Digits of times in the header [s], which differences of large time stamps would leave unround."""
 
 
-class Source(Protocol):
-    """A recording in memory or in a file."""
-
-    @property
-    def header(self) -> Header:
-        """What the columns mean."""
-        ...
-
-    @property
-    def t(self) -> Array:
-        """Controller clock [s], shape (T,)."""
-        ...
-
-    @property
-    def columns(self) -> Sequence[str] | Mapping[str, Array]:
-        """Names of the columns."""
-        ...
-
-    def __getitem__(self, column: str) -> Array:
-        """Samples of one column, shape (T,)."""
-        ...
+Source = Recording | Stored
+"""A recording in memory or in a file."""
 
 
 @dataclass(frozen=True, kw_only=True)
