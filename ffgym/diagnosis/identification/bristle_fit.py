@@ -13,9 +13,10 @@ from ffgym.core.errors import FFGymError
 from ffgym.core.measures import rms
 from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.identification.friction_data import AT_REST, FrictionTorque
-from ffgym.diagnosis.identification.resampling import Blocks, runs
+from ffgym.diagnosis.identification.resampling import Blocks
 from ffgym.diagnosis.identification.signals import LowPass
 from ffgym.diagnosis.identification.stribeck_fit import constant_share
+from ffgym.logs.quality.signals import stretches
 from ffgym.robot.friction import LuGreParameters
 
 _SLIDES = 3.0
@@ -151,8 +152,8 @@ def sliding_data(torques: Sequence[FrictionTorque], joint: int, presliding: floa
     known = np.zeros(speed.shape, dtype=np.bool_)
     for r, own in enumerate(speed.T):
         around = scipy.ndimage.maximum_filter1d(np.abs(own), max(1, round(_REST / dt)))
-        for start, stop in runs(around > AT_REST):
-            known[start:stop, r] = np.cumsum(np.abs(own[start:stop])) * dt > FORGOTTEN * presliding
+        for run in stretches(around > AT_REST):
+            known[run, r] = np.cumsum(np.abs(own[run])) * dt > FORGOTTEN * presliding
     return SlidingData(
         segments=tuple(torque.signals.segment for torque in torques),
         dt=dt,

@@ -8,6 +8,7 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError, check_number, check_whole
 from ffgym.core.types import Array, BoolArray, IntArray
+from ffgym.logs.quality.signals import stretches
 
 LEVEL = 0.9
 """Default probability of an interval."""
@@ -50,9 +51,10 @@ class Blocks:
         of_row: IntArray = np.full(len(strata[0]) if strata else 0, -1, dtype=np.intp)
         stratum: list[int] = []
         for s, rows in enumerate(strata):
-            for start, stop in runs(rows):
-                count = max(1, round((stop - start) / length))
-                of_row[start:stop] = len(stratum) + np.arange(stop - start) * count // (stop - start)
+            for run in stretches(rows):
+                n_rows = run.stop - run.start
+                count = max(1, round(n_rows / length))
+                of_row[run] = len(stratum) + np.arange(n_rows) * count // n_rows
                 stratum += [s] * count
         return cls(of_row=of_row, stratum=np.array(stratum, dtype=np.intp))
 
@@ -128,12 +130,6 @@ def intervals(estimate: Array, resampled: Array, level: float = LEVEL) -> Interv
     level = check_number("level", level, low=0.0, high=1.0, open_low=True)
     low, high = np.quantile(resampled, [(1 - level) / 2, (1 + level) / 2], axis=0)
     return Intervals(low=np.minimum(low, estimate), high=np.maximum(high, estimate))
-
-
-def runs(rows: BoolArray) -> list[tuple[int, int]]:
-    """First row, and the row after the last, of each run of True in `rows` (T,)."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], rows, [False]]).astype(np.int8)))
-    return [(int(start), int(stop)) for start, stop in edges.reshape(-1, 2)]
 
 
 Status = Literal["identified", "given", "wide", "at bound", "not excited"]

@@ -9,7 +9,8 @@ import scipy
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.diagnosis.identification.friction_data import FrictionTorque
-from ffgym.diagnosis.identification.resampling import RESAMPLES, Blocks, bootstrap, runs
+from ffgym.diagnosis.identification.resampling import RESAMPLES, Blocks, bootstrap
+from ffgym.logs.quality.signals import stretches
 
 WINDOW = 0.1
 """Time over which speeds are averaged to compare them [s]: an encoder of 16 bit then resolves 1e-3 rad/s."""
@@ -75,10 +76,10 @@ def steady_friction(torques: Sequence[FrictionTorque], joint: int, presliding: f
     tables: list[Array] = []
     for torque in torques:
         means = _means(torque, joint)
-        for start, stop in runs(_is_constant(means[:, 0])):
+        for run in stretches(_is_constant(means[:, 0])):
             # from where bristles have settled; the first and the last window have a ramp in them
-            travel = WINDOW * np.cumsum(np.abs(means[start : stop - 1, 0]))
-            rows = start + 1 + np.flatnonzero(travel[:-1] >= SETTLING_TRAVEL * presliding)
+            travel = WINDOW * np.cumsum(np.abs(means[run.start : run.stop - 1, 0]))
+            rows = run.start + 1 + np.flatnonzero(travel[:-1] >= SETTLING_TRAVEL * presliding)
             if len(rows):
                 tables.append(np.column_stack([means[rows], np.full(len(rows), len(tables))]))
     speed, friction, run = (np.concatenate(tables) if tables else np.zeros((0, 3))).T

@@ -5,7 +5,7 @@ import pytest
 
 from ffgym.core.errors import FFGymError
 from ffgym.diagnosis.identification import Blocks, bootstrap, intervals
-from ffgym.diagnosis.identification.resampling import runs
+from ffgym.logs.quality.signals import stretches
 
 
 def of_two_records(n_rows=1200, cut=700):
@@ -78,8 +78,8 @@ def test_same_seed_same_intervals_and_the_estimate_is_inside():
 
 
 def test_runs_are_found_at_the_ends_too():
-    assert runs(np.array([True, True, False, True])) == [(0, 2), (3, 4)]
-    assert runs(np.zeros(3, dtype=np.bool_)) == []
+    assert stretches(np.array([True, True, False, True])) == [slice(0, 2), slice(3, 4)]
+    assert stretches(np.zeros(3, dtype=np.bool_)) == []
 
 
 def test_no_rows_are_refused():
