@@ -1,5 +1,6 @@
 """Families whose members are found, not listed: those of a room, and those of other packages by entry points."""
 
+import pkgutil
 from functools import cache
 from importlib import import_module
 from importlib.metadata import entry_points
@@ -8,20 +9,24 @@ from ffgym.core.errors import FFGymError
 
 
 @cache
-def load_families(group: str) -> None:
-    """Import everything that declares members of a family, once: the room's own module `families`, then entry points.
+def load_families(group: str, own: str = "") -> None:
+    """Import everything that declares members of a family, once: those of a room, then those of other packages.
 
     Args:
-        group: dotted name of the room, e.g. 'ffgym.agents', which is the group of the entry points too.
+        group: of the entry points, e.g. 'ffgym.agents'.
+        own: module of the room that declares members, or package all of whose modules do; absent is `families` in the
+            room that the group is called after.
 
     Raises:
         FFGymError: if an entry point of another package cannot be imported.
     """
-    import_module(f"{group}.families")
+    room = import_module(own or f"{group}.families")
+    for module in pkgutil.iter_modules(getattr(room, "__path__", ())):
+        import_module(f"{room.__name__}.{module.name}")
     for point in sorted(entry_points(group=group), key=lambda point: point.name):
         try:
             point.load()
-        except (ImportError, AttributeError) as error:
+        except Exception as error:  # another package may raise anything
             owner = "a package" if point.dist is None else f"the package {point.dist.name!r}"
             raise FFGymError(
                 f"Entry point {point.name!r} = {point.value!r} of {owner} in group {group!r} cannot be loaded: "

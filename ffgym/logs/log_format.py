@@ -5,22 +5,18 @@ entry points of the group "ffgym.log_formats" (docs/extending.md).
 """
 
 import os
-import pkgutil
 from abc import ABC
 from collections.abc import Iterator
 from contextlib import contextmanager
-from functools import cache
-from importlib import import_module, metadata, util
+from importlib import util
 from pathlib import Path
 from typing import ClassVar
 
-from ffgym.core.errors import FFGymError
+from ffgym.core.errors import FFGymError, errors_at
 from ffgym.core.files import read_bytes
+from ffgym.core.plugins import load_families
 from ffgym.logs.contents import Contents
 from ffgym.logs.text_layout import TextLayout
-
-ENTRY_POINTS = "ffgym.log_formats"
-"""Group of the entry points that name formats of other packages."""
 
 PACKED = ".gz"
 """Suffix after that of a table in text, where gzip packed it."""
@@ -63,29 +59,9 @@ class LogFormat(ABC):
 _KINDS: list[type[LogFormat]] = []
 
 
-@cache
-def _find() -> None:
-    """Import what declares formats.
-
-    Raises:
-        FFGymError: if another package names one that cannot be imported.
-    """
-    folder = import_module("ffgym.logs.formats")
-    for module in pkgutil.iter_modules(folder.__path__):
-        import_module(f"{folder.__name__}.{module.name}")
-    for point in metadata.entry_points(group=ENTRY_POINTS):
-        try:
-            point.load()
-        except Exception as error:  # another package may raise anything
-            raise FFGymError(
-                f"The log format {point.name!r} cannot be imported from {point.value!r}: {error}. Mend or remove the "
-                "package that names it."
-            ) from error
-
-
 def log_formats() -> list[LogFormat]:
     """All formats in the order of their declaration; of two that recognise a file the later one reads it."""
-    _find()
+    load_families("ffgym.log_formats", "ffgym.logs.formats")
     return [kind() for kind in _KINDS]
 
 
@@ -99,33 +75,34 @@ def read_contents(path: str | os.PathLike[str], layout: TextLayout | None = None
     Raises:
         FFGymError: if the kind of file is unknown, or it cannot be read; the message begins with the path.
     """
-    place = Path(path)
-    try:
-        return _read(place, layout or TextLayout())
-    except FFGymError as error:
-        raise error if str(error).startswith(f"{place}: ") else FFGymError(f"{place}: {error}") from error
+    place, layout = Path(path), layout or TextLayout()
+    with errors_at(str(place)):
+        found = _format_of(place)
+        if layout != TextLayout() and not found.is_text:
+            texts = ", ".join(suffix for kind in log_formats() if kind.is_text for suffix in kind.suffixes)
+            raise FFGymError(f"[file] is about text files ({texts}); leave it out.")
+        if missing := [package for package in found.packages if util.find_spec(package) is None]:
+            raise FFGymError(
+                f"Reading {found.title} needs {', '.join(missing)}; pip install '{found.extra or ' '.join(missing)}'."
+            )
+        with one_error(found.title):
+            return found.read(place, layout)
 
 
-def _read(place: Path, layout: TextLayout) -> Contents:
+def _format_of(place: Path) -> LogFormat:
+    """Format that reads a file or folder."""
     kinds = sorted(log_formats(), key=lambda kind: not kind.is_text)
-    texts = ", ".join(suffix for kind in kinds if kind.is_text for suffix in kind.suffixes)
     found = next((kind for kind in reversed(kinds) if kind.recognises(place)), None)
-    if found is None:
-        if place.is_dir():
-            markers = " or ".join(kind.folder for kind in kinds if kind.folder)
-            raise FFGymError(f"the folder has no {markers}: neither a rosbag nor a LeRobot data set.")
-        if place.suffix.lower() == PACKED:
-            raise FFGymError(f"only tables in text ({texts}) are read packed; unpack it first.")
-        known = ", ".join(suffix for kind in kinds for suffix in kind.suffixes)
-        raise FFGymError(f"suffix {place.suffix.lower()!r} is unknown, must be one of {known}.")
-    if layout != TextLayout() and not found.is_text:
-        raise FFGymError(f"[file] is about text files ({texts}); leave it out.")
-    if missing := [package for package in found.packages if util.find_spec(package) is None]:
-        raise FFGymError(
-            f"Reading {found.title} needs {', '.join(missing)}; pip install '{found.extra or ' '.join(missing)}'."
-        )
-    with one_error(found.title):
-        return found.read(place, layout)
+    if found is not None:
+        return found
+    if place.is_dir():
+        markers = " or ".join(kind.folder for kind in kinds if kind.folder)
+        raise FFGymError(f"the folder has no {markers}: neither a rosbag nor a LeRobot data set.")
+    if place.suffix.lower() == PACKED:
+        texts = ", ".join(suffix for kind in kinds if kind.is_text for suffix in kind.suffixes)
+        raise FFGymError(f"only tables in text ({texts}) are read packed; unpack it first.")
+    known = ", ".join(suffix for kind in kinds for suffix in kind.suffixes)
+    raise FFGymError(f"suffix {place.suffix.lower()!r} is unknown, must be one of {known}.")
 
 
 def bare_name(path: str | os.PathLike[str]) -> str:

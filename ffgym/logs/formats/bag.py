@@ -54,11 +54,11 @@ class Bag(LogFormat):
         for stream, rows in streams.items():
             for field in dict.fromkeys(field for row in rows for field in row):
                 name = f"{stream}:{field}"
-                array = _column([row.get(field) for row in rows])
-                if array is None:
+                values = [row[field] for row in rows if field in row]
+                if len(values) < len(rows) or len({np.shape(value) for value in values}) > 1:
                     skipped[name] = "a field that is absent, or of another length, in some messages"
                 else:
-                    arrays[name], owner[name] = array, stream
+                    arrays[name], owner[name] = np.array(values), stream
             kinds = (STAMP, LOG_TIME)
             clocks[stream] = {kind: f"{stream}:{kind}" for kind in kinds if f"{stream}:{kind}" in arrays}
         return Contents(where=str(path), arrays=arrays, streams=owner, clocks=clocks, skipped=skipped)
@@ -84,13 +84,6 @@ def _messages(path: Path) -> tuple[dict[str, list[dict[str, Any]]], dict[str, st
         for i, rows in enumerate(groups.values(), start=1):
             streams[topic if len(groups) == 1 else f"{topic}#{i}"] = rows
     return streams, skipped
-
-
-def _column(values: list[Any]) -> NDArray[Any] | None:
-    """One field of all messages, shape (T,) or (T, K); None if some lack it or differ in length."""
-    if any(value is None for value in values) or len({np.shape(value) for value in values}) > 1:
-        return None
-    return np.array(values)
 
 
 def _joint_names(message: Any) -> tuple[str, ...] | None:

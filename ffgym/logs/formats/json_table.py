@@ -1,7 +1,8 @@
 """JSON logs: an object of lists, a list of objects, either within objects, or one object per line."""
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -37,14 +38,10 @@ def _tree(data: bytes) -> Any:
         raise FFGymError("it holds lists in lists without end.") from error
     except ValueError as whole:
         lines = [line for line in text.splitlines() if line.strip()]
-        try:
-            return [json.loads(line) for line in lines] if len(lines) > 1 else _refuse(whole)
-        except (ValueError, RecursionError):
-            return _refuse(whole)
-
-
-def _refuse(error: ValueError) -> Any:
-    raise FFGymError(f"it is no valid JSON, nor one object per line: {error}. Copy it again.") from error
+        with suppress(ValueError, RecursionError):
+            if len(lines) > 1:
+                return [json.loads(line) for line in lines]
+        raise FFGymError(f"it is no valid JSON, nor one object per line: {whole}. Copy it again.") from whole
 
 
 def _leaves(path: str, value: Any) -> Iterator[tuple[str, Any]]:
@@ -54,16 +51,12 @@ def _leaves(path: str, value: Any) -> Iterator[tuple[str, Any]]:
             yield from _leaves(f"{path}.{key}" if path else str(key), entry)
     elif isinstance(value, list) and value and all(isinstance(row, dict) for row in value):
         for key in dict.fromkeys(key for row in value for key in row):
-            yield from _leaves(f"{path}.{key}" if path else key, _column([row.get(key) for row in value]))
+            cells = [row.get(key) for row in value]
+            if any(isinstance(cell, dict) for cell in cells):  # whose keys are columns themselves
+                cells = [cell if isinstance(cell, dict) else {} for cell in cells]
+            yield from _leaves(f"{path}.{key}" if path else key, cells)
     else:
         yield path or "values", value
-
-
-def _column(cells: Sequence[Any]) -> Any:
-    """One key of all rows; objects in it are columns themselves."""
-    if any(isinstance(cell, dict) for cell in cells):
-        return [cell if isinstance(cell, dict) else {} for cell in cells]
-    return list(cells)
 
 
 def _array(value: Any) -> NDArray[Any] | None:

@@ -31,7 +31,13 @@ class LeRobot(LogFormat):
 
     def read(self, path: Path, layout: TextLayout) -> Contents:
         """See base class."""
-        info = _info(path)
+        text = read_text(path / self.folder)
+        try:
+            info = json.loads(text)
+        except (ValueError, RecursionError) as error:
+            raise FFGymError(f"{self.folder} is not JSON: {error}.") from error
+        if not isinstance(info, dict):
+            raise FFGymError(f"{self.folder} must be a JSON object, got {type(info).__name__}.")
         files = sorted(path.glob("data/*/*.parquet"))
         if not files:
             raise FFGymError(
@@ -51,17 +57,6 @@ class LeRobot(LogFormat):
         if rate.dtype.kind in NUMBERS:
             arrays["fps"] = rate
         return Contents(where=str(path), arrays=arrays, skipped=contents.skipped)
-
-
-def _info(folder: Path) -> dict[str, Any]:
-    text = read_text(folder / LeRobot.folder)
-    try:
-        info = json.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise FFGymError(f"{LeRobot.folder} is not JSON: {error}.") from error
-    if not isinstance(info, dict):
-        raise FFGymError(f"{LeRobot.folder} must be a JSON object, got {type(info).__name__}.")
-    return info
 
 
 def _named(info: dict[str, Any]) -> dict[str, list[str]]:

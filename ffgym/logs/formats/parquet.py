@@ -55,7 +55,10 @@ def _array(column: Any) -> NDArray[Any] | None:
     if pa.types.is_dictionary(kind):
         return _array(column.dictionary_decode())
     if pa.types.is_fixed_size_list(kind) or pa.types.is_list(kind) or pa.types.is_large_list(kind):
-        return _lists(column)
+        # lists of one length are rows, lists of lists further axes
+        lengths = set() if column.null_count else {len(row) for row in column}
+        inner = _array(column.flatten()) if len(lengths) == 1 else None
+        return None if inner is None else inner.reshape(len(column), lengths.pop(), *inner.shape[1:])
     if pa.types.is_timestamp(kind) or pa.types.is_duration(kind):
         if column.null_count:
             return None
@@ -68,14 +71,3 @@ def _array(column: Any) -> NDArray[Any] | None:
     if pa.types.is_string(kind) or pa.types.is_large_string(kind):
         return np.array(["" if cell is None else cell for cell in column.to_pylist()], dtype=np.str_)
     return None
-
-
-def _lists(column: Any) -> NDArray[Any] | None:
-    """Lists of one length as rows; lists of lists as further axes."""
-    if column.null_count or not len(column):
-        return None
-    lengths = {len(row) for row in column}
-    inner = _array(column.flatten())
-    if len(lengths) > 1 or inner is None:
-        return None
-    return inner.reshape(len(column), lengths.pop(), *inner.shape[1:])

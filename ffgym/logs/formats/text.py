@@ -43,17 +43,31 @@ class Text(LogFormat):
     def read(self, path: Path, layout: TextLayout) -> Contents:
         """See base class."""
         data = read_bytes(path)
-        return self.decode(_unpacked(data) if path.suffix.lower() == PACKED else data, str(path), layout)
+        if path.suffix.lower() == PACKED:
+            try:
+                data = gzip.decompress(data)
+            except (OSError, EOFError, zlib.error) as error:
+                raise FFGymError(f"is no whole gzip file: {error}. Copy it again.") from error
+        return self.decode(data, str(path), layout)
 
     def decode(self, data: bytes, where: str, layout: TextLayout | None = None) -> Contents:
         """See base class; `layout` says what cannot be seen."""
         layout = layout or TextLayout()
-        lines = _decoded(data, layout).replace("\r\n", "\n").replace("\r", "\n").removesuffix("\n").split("\n")
+        try:
+            text = data.decode(layout.encoding)
+        except UnicodeError as error:
+            raise FFGymError(
+                f"The file is not {layout.encoding} text ({error}). encoding in [file] of the column map names "
+                'another, e.g. "latin-1" or "utf-16".'
+            ) from error
+        lines = text.replace("\r\n", "\n").replace("\r", "\n").removesuffix("\n").split("\n")
         names_row = _names_row(lines, layout)
         _check_units_row(lines, names_row or 0, layout)
         first = layout.first_row or max(names_row or 0, layout.units_row or 0) + 1
         delimiter = layout.delimiter or _delimiter(lines, names_row or first, layout)
-        rows = _rows(lines, first, delimiter, layout)
+        numbered = enumerate(lines[first - 1 :], start=first)
+        kept = [(n, line) for n, line in numbered if line.strip() and not line.startswith(layout.comment)]
+        rows = [(number, _split(line, delimiter, number)) for number, line in kept]
         if not rows:
             raise FFGymError(f"There are no rows from line {first} on.")
         if names_row:
@@ -68,24 +82,6 @@ class Text(LogFormat):
         names = _names(titles)
         cells = zip(names, zip(*table, strict=True), strict=True)
         return Contents(where=where, arrays={name: _column(column, layout.decimal) for name, column in cells})
-
-
-def _unpacked(data: bytes) -> bytes:
-    """Bytes of a gzip file."""
-    try:
-        return gzip.decompress(data)
-    except (OSError, EOFError, zlib.error) as error:
-        raise FFGymError(f"is no whole gzip file: {error}. Copy it again.") from error
-
-
-def _decoded(data: bytes, layout: TextLayout) -> str:
-    try:
-        return data.decode(layout.encoding)
-    except (UnicodeDecodeError, UnicodeError) as error:
-        raise FFGymError(
-            f"The file is not {layout.encoding} text ({error}). encoding in [file] of the column map names another, "
-            'e.g. "latin-1" or "utf-16".'
-        ) from error
 
 
 def _names_row(lines: list[str], layout: TextLayout) -> int | None:
@@ -141,13 +137,6 @@ def _split(line: str, delimiter: str, number: int) -> list[str]:
         raise FFGymError(f"Line {number} is not a row of cells: {error}.") from error
 
 
-def _rows(lines: list[str], first: int, delimiter: str, layout: TextLayout) -> list[tuple[int, list[str]]]:
-    """Line numbers and cells of all rows."""
-    numbered = enumerate(lines[first - 1 :], start=first)
-    kept = ((number, line) for number, line in numbered if line.strip() and not line.startswith(layout.comment))
-    return [(number, _split(line, delimiter, number)) for number, line in kept]
-
-
 def _names(titles: list[str]) -> list[str]:
     """Names of columns; the second `q` is called `q#2`, and the third column `#3` if it has none."""
     seen: Counter[str] = Counter()
@@ -186,15 +175,13 @@ def _column(cells: tuple[str, ...], decimal: str) -> NDArray[Any]:
         with suppress(ValueError):  # cells that are empty, or words, are looked at one by one below
             return np.array(array("d", map(float, cells)))
     numbers = [_number(cell, decimal) for cell in cells]
-    if None in numbers:  # text; cells of it that are numbers get a decimal point, as a message says which are none
-        pairs = zip(cells, numbers, strict=True)
-        return np.array([_word(cell, decimal) if number is None else repr(number) for cell, number in pairs])
-    return np.array(numbers, dtype=np.float64)
-
-
-def _word(cell: str, decimal: str) -> str:
-    """A cell that is no number; one that would be with a decimal point says so."""
-    return f"{cell} with a decimal point" if decimal == "," and _number(cell, ".") is not None else cell
+    if None not in numbers:
+        return np.array(numbers, dtype=np.float64)
+    words = []  # cells that are numbers get a decimal point, as a message says which are none
+    for cell, number in zip(cells, numbers, strict=True):
+        with_point = decimal == "," and _number(cell, ".") is not None
+        words.append(repr(number) if number is not None else f"{cell} with a decimal point" if with_point else cell)
+    return np.array(words)
 
 
 def _number(cell: str, decimal: str) -> float | None:
