@@ -28,6 +28,11 @@ def listing(contents: Contents) -> list[str]:
 
 def draft(contents: Contents, layout: TextLayout | None = None) -> str:
     """TOML text of a column map with everything that the file shows, and '?' for what only its owner knows."""
+    # the table [file] says what the text needs to be read
+    layout, default = layout or TextLayout(), TextLayout()
+    said = {name: value for name, value in vars(layout).items() if value != getattr(default, name)}
+    sources = _by_number(contents)
+    proposed = f"  # one of {', '.join(map(_quoted, sources[:8]))}" if sources else "  # or a list, one name per joint"
     lines = [
         f"# Column map for {contents.where}: a draft.",
         f'# Fill in every "{TO_FILL_IN}", take away tables of what the file does not have, and add others like them;',
@@ -43,12 +48,12 @@ def draft(contents: Contents, layout: TextLayout | None = None) -> str:
         'position_side = "?"     # motor, or link: divided by the gear ratio',
         'torque_semantics = "?"  # motor_side, link_side, current, command or unspecified',
         'hold = "?"              # sampled, zoh, linear or unspecified',
-        *_file_table(layout or TextLayout()),
+        *(["", "[file]"] if said else []),
+        *(f"{name} = {_quoted(value) if isinstance(value, str) else value}" for name, value in said.items()),
         *_timestamp(contents),
     ]
-    sources = _by_number(contents)
     for family in _WANTED:
-        lines += ["", f'[columns."{family}"]', f"source = {_quoted(TO_FILL_IN)}{_proposed(sources)}", 'unit = "?"']
+        lines += ["", f'[columns."{family}"]', f"source = {_quoted(TO_FILL_IN)}{proposed}", 'unit = "?"']
     return "\n".join(lines) + "\n"
 
 
@@ -75,14 +80,6 @@ def _timestamp(contents: Contents) -> list[str]:
     return [*lines, 'unit = "?"']
 
 
-def _file_table(layout: TextLayout) -> list[str]:
-    """The table [file] where the text needs one to be read."""
-    default = TextLayout()
-    said = {name: value for name, value in vars(layout).items() if value != getattr(default, name)}
-    table = [f"{name} = {_quoted(value) if isinstance(value, str) else value}" for name, value in said.items()]
-    return ["", "[file]", *table] if table else []
-
-
 def _by_number(contents: Contents) -> list[str]:
     """Sources for one number per joint: arrays (T, N), and series of names like q1 ... q6 or topic:position.elbow."""
     tables = [name for name, array in contents.arrays.items() if array.ndim == 2 and array.dtype.kind in NUMBERS]
@@ -90,22 +87,17 @@ def _by_number(contents: Contents) -> list[str]:
     for name in contents.arrays.keys() - contents.streams.keys():
         for match in re.finditer(r"\d+", name):
             series[f"{name[: match.start()]}{{number}}{name[match.end() :]}"].append(match.group())
-    counted = [name for name, numbers in series.items() if _counts(numbers)]
+    counted = [  # 1, 2, ... in any order
+        name
+        for name, numbers in series.items()
+        if len(numbers) > 1 and sorted(numbers, key=int) == [str(i + 1) for i in range(len(numbers))]
+    ]
     joints: dict[str, list[str]] = defaultdict(list)
     for name in contents.streams:
         stem, dot, joint = name.rpartition(".")
         joints[f"{stem}.{{joint}}"] += [joint] if dot else []
     named = [name for name, found in joints.items() if re.search(r"position|velocity|effort", name) and found]
     return [*tables, *counted, *named]
-
-
-def _counts(numbers: list[str]) -> bool:
-    """Whether these are 1, 2, ... in any order."""
-    return len(numbers) > 1 and sorted(numbers, key=int) == [str(i + 1) for i in range(len(numbers))]
-
-
-def _proposed(sources: list[str]) -> str:
-    return f"  # one of {', '.join(map(_quoted, sources[:8]))}" if sources else "  # or a list, one name per joint"
 
 
 def _described(array: NDArray[Any]) -> str:

@@ -70,7 +70,14 @@ def motions_of(contents: Contents, columns: ColumnMap, segment: str, arrays: Ite
         labels = [f"{i:0{len(str(count - 1))}d}" for i in range(count)]
         places = [{"index": i} for i in range(count)]
     if columns.names:
-        labels = _names(contents, columns.names, len(places))
+        names, name = np.atleast_1d(contents[columns.names]), columns.names
+        if names.shape != (len(places),):
+            raise FFGymError(
+                f"[motions] names: {name!r} has shape {names.shape}, must be {(len(places),)}, one per motion."
+            )
+        labels = [str(label) for label in names.tolist()]
+        if len(set(labels)) < len(labels):
+            raise FFGymError(f"[motions] names: {name!r} = {labels} must be different for each motion.")
     several = len(places) > 1 or columns.names
     segments = [f"{segment}_{label}" if several else segment for label in labels]
     metas = [_meta(contents, columns.meta, k, len(places)) for k in range(len(places))]
@@ -89,16 +96,6 @@ def _cuts(name: str, splitting: NDArray[Any]) -> list[slice]:
     return [slice(first, end) for first, end in pairwise(borders)]
 
 
-def _names(contents: Contents, name: str, count: int) -> list[str]:
-    names = np.atleast_1d(contents[name])
-    if names.shape != (count,):
-        raise FFGymError(f"[motions] names: {name!r} has shape {names.shape}, must be {(count,)}, one per motion.")
-    labels = [str(label) for label in names.tolist()]
-    if len(set(labels)) < count:
-        raise FFGymError(f"[motions] names: {name!r} = {labels} must be different for each motion.")
-    return labels
-
-
 def _meta(contents: Contents, meta: Mapping[str, Any], k: int, count: int) -> dict[str, Any]:
     """Values of [meta] for motion k; an array with one entry per motion gives its own."""
     values = dict(meta)
@@ -111,27 +108,20 @@ def _meta(contents: Contents, meta: Mapping[str, Any], k: int, count: int) -> di
             continue
         array = contents[name]
         if value.get("since_first") is True:
-            array = _since_first(name, array)
+            try:
+                seconds = np.array([_seconds(time) for time in np.atleast_1d(array).tolist()])
+            except ValueError as error:
+                raise FFGymError(
+                    f"[meta]: {name!r} = {array.tolist()} must be seconds, or times like '20:29'."
+                ) from error
+            array = seconds - seconds.min()
         own = count > 1 and array.ndim > 0 and len(array) == count
         values[key] = (array[k] if own else array).tolist()
     return values
 
 
-def _since_first(name: str, times: NDArray[Any]) -> NDArray[Any]:
-    """Times of a day, in seconds or as 'hh:mm' or 'hh:mm:ss', as seconds since the earliest of them.
-
-    Raises:
-        FFGymError: if one of them is no time.
-    """
-    try:
-        seconds = np.array([_seconds(time) for time in np.atleast_1d(times).tolist()])
-    except ValueError as error:
-        raise FFGymError(f"[meta]: {name!r} = {times.tolist()} must be seconds, or times like '20:29'.") from error
-    return seconds - seconds.min()
-
-
 def _seconds(time: Any) -> float:
-    """Seconds of a time; the last of its parts between colons is minutes where there are two, else seconds."""
+    """Seconds of a time of day in seconds, as 'hh:mm' or as 'hh:mm:ss'."""
     parts = [float(part) for part in str(time).split(":")]
     if len(parts) == 2:
         parts.append(0.0)

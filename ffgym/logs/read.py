@@ -62,7 +62,7 @@ def read_logs(
     columns = load_columns(columns)
     if columns.is_for_recordings:
         return [corrected(read_recording(path), columns)]
-    described = robot_of(columns, robot)
+    described = _robot_of(columns, robot)
     with errors_at(columns.where):
         columns, made = with_drive_units(columns, header_of(columns, described), described)
     contents = read_contents(path, columns.layout)
@@ -90,53 +90,40 @@ def _digest(path: Path) -> str:
     return total.hexdigest()
 
 
-def robot_of(columns: ColumnMap, robot: RobotDescription | str | None = None) -> RobotDescription | None:
+def _robot_of(columns: ColumnMap, robot: RobotDescription | str | None) -> RobotDescription | None:
     """Robot whose logs a column map reads; None if the map has its joints, and its robot is just a name.
 
-    Args:
-        columns: the map.
-        robot: whose log it is, for a map that leaves this open; otherwise it must be the map's robot.
-
     Raises:
-        FFGymError: if no robot is named, or the map is for another one.
+        FFGymError: if neither map nor caller names a robot, or they name different ones.
     """
-    own = "joints" in columns.header
-    if own:
-        _check_same(columns, columns.robot, robot.name if isinstance(robot, RobotDescription) else robot)
-        return None
-    if isinstance(robot, RobotDescription):
-        description = robot
-    elif robot or columns.robot:
-        description = _described(columns, robot or columns.robot, given=robot is not None)
+
+    def described(name: str | Path) -> RobotDescription:  # it may lack what a log does not need
+        return load_draft(name).description_for("kinematics", "drive.gear_ratio")
+
+    if "joints" in columns.header:
+        found, mapped = None, columns.robot
+        given = robot.name if isinstance(robot, RobotDescription) else robot
     else:
-        raise FFGymError(
-            f"{columns.where} names no robot: pass robot=, on the command line --robot, or set robot in its [log]."
-        )
-    if columns.robot and robot is not None:
-        _check_same(columns, _described(columns, columns.robot, given=False).name, description.name)
-    return description
-
-
-def _described(columns: ColumnMap, robot: str, *, given: bool) -> RobotDescription:
-    """Description by name, or path from the folder of the map; it may lack what a log does not need."""
-    path = robot if given or not robot.endswith(".toml") else columns.folder / robot
-    return load_draft(path).description_for("kinematics", "drive.gear_ratio")
-
-
-def _check_same(columns: ColumnMap, mapped: str, given: str | None) -> None:
+        own = columns.folder / columns.robot if columns.robot.endswith(".toml") else columns.robot
+        of_map = described(own) if columns.robot else None
+        of_caller = described(robot) if isinstance(robot, str) else robot
+        found = of_map if of_caller is None else of_caller
+        if found is None:
+            raise FFGymError(
+                f"{columns.where} names no robot: pass robot=, on the command line --robot, or set robot in its [log]."
+            )
+        mapped = found.name if of_map is None else of_map.name
+        given = found.name
     if given is not None and given != mapped:
         raise FFGymError(
             f"{columns.where} is for robot {mapped!r}, not for {given!r}. Take the map of that robot, or leave the "
             "robot out of the map if the layout is the same."
         )
+    return found
 
 
 def header_of(columns: ColumnMap, robot: RobotDescription | None) -> Header:
-    """Header for the recordings of a column map; its segment is the map's, or empty.
-
-    Args:
-        columns: the map.
-        robot: what `robot_of` makes of it.
+    """Header for the recordings of a column map of a described robot, or of joints; its segment is the map's, or empty.
 
     Raises:
         FFGymError: if a field is invalid.
