@@ -4,7 +4,7 @@ What a check says stands in checks.toml; the function of the same name computes 
 """
 
 import tomllib
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from importlib import resources
 from typing import Any, Literal, final
@@ -19,7 +19,8 @@ Verdict = Literal["ok", "flagged", "refused", "not judged"]
 Overall = Literal["good", "usable", "insufficient"]
 """`good`: nothing flagged; `usable`: flagged, not refused; `insufficient`: something refused."""
 
-_SEVERITY: Mapping[Verdict, int] = {"refused": 0, "flagged": 1, "not judged": 2, "ok": 3}
+SEVERITY: Mapping[Verdict, int] = {"refused": 0, "flagged": 1, "not judged": 2, "ok": 3}
+"""Order in which findings are told."""
 
 
 def load_table(name: str) -> dict[str, Any]:
@@ -97,11 +98,6 @@ class QualityReport:
         return {**head, "findings": [asdict(finding) for finding in self.findings]}
 
 
-def worst_first(findings: Sequence[Finding]) -> tuple[Finding, ...]:
-    """Findings by severity; those of one severity stay in the order of the checks."""
-    return tuple(sorted(findings, key=lambda finding: _SEVERITY[finding.verdict]))
-
-
 @final
 @dataclass(frozen=True)
 class Seen:
@@ -147,28 +143,27 @@ class Check:
         return bad or (max(found, key=lambda finding: finding.value or 0.0),)
 
     def _finding(self, log: Log, seen: Seen) -> Finding:
-        verdict, limit = self._verdict(seen.value)
+        verdict: Verdict = "ok"
+        limit = self.flag
+        if self.refuse is not None and seen.value > self.refuse:
+            verdict, limit = "refused", self.refuse
+        elif self.flag is not None and seen.value > self.flag:
+            verdict = "flagged"
         message = f"{self.figure} is {seen.value:.4g} {self.unit}".rstrip() + "."
         if verdict != "ok":
             known = {"log": log, "header": log.recording.header, "robot": log.robot, "limit": self.flag}
             known |= {"value": seen.value, "columns": seen.columns, "joint": seen.joint}
             message = self.message.format(**known, **seen.words)
-        value = seen.value if np.isfinite(seen.value) else None
         return Finding(
             check=self.name,
             verdict=verdict,
             message=message,
             columns=seen.columns,
             joint=seen.joint,
-            value=value,
+            value=seen.value if np.isfinite(seen.value) else None,
             unit=self.unit,
             limit=limit,
         )
-
-    def _verdict(self, value: float) -> tuple[Verdict, float | None]:
-        if self.refuse is not None and value > self.refuse:
-            return "refused", self.refuse
-        return ("flagged" if self.flag is not None and value > self.flag else "ok"), self.flag
 
 
 def check(judge: Callable[[Log], Iterable[Seen]], name: str = "") -> Check:

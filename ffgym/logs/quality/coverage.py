@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from types import MappingProxyType
 from typing import final
 
@@ -23,101 +24,71 @@ _SLOWEST = 1e-3
 _PRESLIDING = 2e-4
 """Travel [rad or m, link side] after a reversal in which bristles bend: 20 to 200 microrad in robots."""
 
-Figure = Callable[[Log, int], float]
+FIGURES = (
+    *("travel", "reversals", "top_speed", "speed_ratio", "both_ways", "longest_rest", "presliding_rows"),
+    *("load_span", "temperature_span"),
+)
+"""Figures of coverage; joints that do not move have zeros."""
 
 
-def directions(log: Log, j: int) -> list[slice]:
-    """Stretches in which joint `j` goes one way for `_LASTS` at least, in order."""
-    shortest = log.rows(_LASTS)
-    both = [stretches(sign * log.dq[:, j] > _SLOWEST, shortest) for sign in (1, -1)]
-    return sorted(both[0] + both[1], key=lambda rows: rows.start)
-
-
-def _reversals(log: Log, j: int) -> float:
-    signs = [np.sign(log.dq[rows.start, j]) for rows in directions(log, j)]
-    return float(np.sum(np.diff(signs) != 0))
-
-
-def _speeds(log: Log, j: int) -> float:
-    typical = [float(np.median(np.abs(log.dq[rows, j]))) for rows in directions(log, j)]
-    return max(typical) / min(typical) if typical else 1.0
-
-
-def _top_speed(log: Log, j: int) -> float:
-    return float(np.abs(log.dq[:, j]).max())
-
-
-def _both_ways(log: Log, j: int) -> float:
-    """Share of the time in motion that goes the rarer way."""
-    forwards, backwards = (float(np.sum(sign * log.dq[:, j] > _SLOWEST)) for sign in (1, -1))
-    return min(forwards, backwards) / max(forwards + backwards, 1.0)
-
-
-def _longest_rest(log: Log, j: int) -> float:
-    rests = stretches(np.abs(log.dq[:, j]) <= _SLOWEST)
-    return max((float(log.t[rows.stop - 1] - log.t[rows.start]) for rows in rests), default=0.0)
-
-
-def _presliding_rows(log: Log, j: int) -> float:
-    """Rows in the first bit of travel after reversals, per reversal."""
-    q = log.smooth_q[:, j]
-    counts = [
-        int(np.argmax(np.abs(q[rows] - q[rows.start]) > _PRESLIDING) or rows.stop - rows.start)
-        for rows in directions(log, j)
-    ]
-    return float(np.median(counts)) if counts else 0.0
-
-
-def _load_span(log: Log, j: int) -> float:
-    model = model_of(log)
-    return float(np.ptp(model.gravity[:, j]) / model.robot.drive.peak_torque[j])
-
-
-def _temperature_span(log: Log, j: int) -> float:
-    if not log.recording.has("temperature"):
-        raise NotJudgedError("there is no temperature")
-    values = log.recording.joint_array("temperature")[:, j]
-    values = values[np.isfinite(values)]
-    return float(np.ptp(values)) if values.size else 0.0
-
-
-def _travel(log: Log, j: int) -> float:
-    return float(np.ptp(log.smooth_q[:, j]))
-
-
-def figures(log: Log, figure: Figure) -> Array:
-    """A figure of every joint, (N,); 0 for joints that do not move.
+def figures(log: Log, name: str) -> Array:
+    """A figure of every joint, (N,).
 
     Raises:
         NotJudgedError: if there are no positions, or the figure needs more.
     """
     if not log.has_positions:
         raise NotJudgedError("there are no positions")
-    return np.array([figure(log, j) if log.excited[j] else 0.0 for j in range(len(log.joints))])
+    if name == "load_span":
+        if not log.excited.any():
+            return np.zeros(len(log.joints))
+        model = model_of(log)
+        return np.where(log.excited, np.ptp(model.gravity, axis=0) / model.robot.drive.peak_torque, 0.0)
+    if name == "temperature_span":
+        if not log.excited.any():
+            return np.zeros(len(log.joints))
+        if not log.recording.has("temperature"):
+            raise NotJudgedError("there is no temperature")
+        columns = [x[np.isfinite(x)] for x in log.recording.joint_array("temperature").T]
+        return np.array([np.ptp(x) if moves and x.size else 0.0 for x, moves in zip(columns, log.excited, strict=True)])
+    return _motion_figures(log)[name]
 
 
-def _judge(figure: Figure) -> Callable[[Log], Iterator[Seen]]:
+@lru_cache(maxsize=4)
+def _motion_figures(log: Log) -> dict[str, Array]:
+    """Figures of the motion of every joint, (N,) each."""
+    found = {name: np.zeros(len(log.joints)) for name in FIGURES}
+    for j in np.flatnonzero(log.excited).tolist():
+        q, dq = log.smooth_q[:, j], log.dq[:, j]
+        found["travel"][j] = np.ptp(q)
+        found["top_speed"][j] = np.abs(dq).max()
+        # stretches in which the joint goes one way
+        forth, back = (stretches(sign * dq > _SLOWEST, log.rows(_LASTS)) for sign in (1, -1))
+        ways = sorted(forth + back, key=lambda rows: rows.start)
+        found["reversals"][j] = np.sum(np.diff([np.sign(dq[rows.start]) for rows in ways]) != 0)
+        typical = [float(np.median(np.abs(dq[rows]))) for rows in ways]
+        found["speed_ratio"][j] = max(typical) / min(typical) if typical else 1.0
+        # share of the time in motion that goes the rarer way
+        forwards, backwards = (float(np.sum(sign * dq > _SLOWEST)) for sign in (1, -1))
+        found["both_ways"][j] = min(forwards, backwards) / max(forwards + backwards, 1.0)
+        rests = stretches(np.abs(dq) <= _SLOWEST)
+        found["longest_rest"][j] = max((log.t[rows.stop - 1] - log.t[rows.start] for rows in rests), default=0.0)
+        # rows in the first bit of travel after reversals, per reversal
+        travelled = [np.abs(q[rows] - q[rows.start]) > _PRESLIDING for rows in ways]
+        counts = [int(np.argmax(beyond) or len(beyond)) for beyond in travelled]
+        found["presliding_rows"][j] = np.median(counts) if counts else 0.0
+    return found
+
+
+def _judge(name: str) -> Callable[[Log], Iterator[Seen]]:
     def judge(log: Log) -> Iterator[Seen]:
-        for j, value in enumerate(figures(log, figure)):
-            yield Seen(float(value), joint=log.joints[j])
+        for joint, value in zip(log.joints, figures(log, name).tolist(), strict=True):
+            yield Seen(value, joint=joint)
 
     return judge
 
 
-FIGURES: Mapping[str, Figure] = {
-    "travel": _travel,
-    "reversals": _reversals,
-    "top_speed": _top_speed,
-    "speed_ratio": _speeds,
-    "both_ways": _both_ways,
-    "longest_rest": _longest_rest,
-    "presliding_rows": _presliding_rows,
-    "load_span": _load_span,
-    "temperature_span": _temperature_span,
-}
-"""Figures of coverage by name; joints that do not move have zeros."""
-
-COVERAGE = tuple(check(_judge(figure), name) for name, figure in FIGURES.items())
+COVERAGE = tuple(check(_judge(name), name) for name in FIGURES)
 """What a log excites."""
 
 
@@ -155,12 +126,12 @@ def need_findings(log: Log, needs: Iterable[str], others: Sequence[Finding]) -> 
     found: list[Finding] = []
     for name in needs:
         need = NEEDS[check_choice("need", name, list(NEEDS))]
-        found += _columns(log, name, need) or _flaws(name, need, others) or _coverage(log, name, need) or [_met(name)]
+        # what the use does not bear, although others do
+        flagged = [finding for finding in others if finding.verdict == "flagged" and finding.check in need.sound]
+        flaws = [_refused(name, f"For {name}: {finding.message}", finding.columns) for finding in flagged]
+        met = Finding(check=f"need_{name}", verdict="ok", message=f"The log has what {name} needs.")
+        found += _columns(log, name, need) or flaws or _coverage(log, name, need) or [met]
     return tuple(found)
-
-
-def _met(name: str) -> Finding:
-    return Finding(check=f"need_{name}", verdict="ok", message=f"The log has what {name} needs.")
 
 
 def _columns(log: Log, name: str, need: Need) -> list[Finding]:
@@ -175,12 +146,6 @@ def _columns(log: Log, name: str, need: Need) -> list[Finding]:
     return []
 
 
-def _flaws(name: str, need: Need, others: Sequence[Finding]) -> list[Finding]:
-    """What the use does not bear, although others do."""
-    flagged = [finding for finding in others if finding.verdict == "flagged" and finding.check in need.sound]
-    return [_refused(name, f"For {name}: {finding.message}", finding.columns) for finding in flagged]
-
-
 def _refused(name: str, message: str, columns: tuple[str, ...] = ()) -> Finding:
     return Finding(check=f"need_{name}", verdict="refused", message=message, columns=columns)
 
@@ -190,7 +155,7 @@ def _coverage(log: Log, name: str, need: Need) -> list[Finding]:
     texts = []
     for figure, least in need.least.items():
         try:
-            values = figures(log, FIGURES[figure])
+            values = figures(log, figure)
         except NotJudgedError as reason:
             return [_refused(name, f"{figure} is not known: {reason}; {name} needs it ({need.why}).")]
         short |= values < least

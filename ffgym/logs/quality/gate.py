@@ -9,7 +9,7 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.logs.quality import agreement, cells, coverage, plausible, rows, tool, torque, torque_timing, values
-from ffgym.logs.quality.check import STAGE_ROWS, Check, Finding, QualityReport, worst_first
+from ffgym.logs.quality.check import SEVERITY, STAGE_ROWS, Check, Finding, QualityReport
 from ffgym.logs.quality.conditioning import conditioned
 from ffgym.logs.quality.coverage import need_findings
 from ffgym.logs.quality.even import notes_of
@@ -72,7 +72,7 @@ def check_quality(
         segment=recording.header.segment,
         n_rows=len(recording),
         duration=float(recording.t[-1] - recording.t[0]),
-        findings=worst_first(findings),
+        findings=tuple(sorted(findings, key=lambda finding: SEVERITY[finding.verdict])),
         conditioning=notes_of(made),
     )
 
@@ -83,21 +83,16 @@ def _found(log: Log, accept: Collection[str]) -> list[Finding]:
     stopped = ""
     for stage, checks in STAGES.items():
         if stopped:
-            findings += [_not_judged(check, stopped) for check in checks]
+            message = f"Not judged: something in {stopped!r} is refused, which this would repeat. Repair that first."
+            findings += [Finding(check=check.name, verdict="not judged", message=message) for check in checks]
             continue
-        found = [_overruled(finding, accept) for check in checks for finding in check.findings(log)]
-        findings += found
-        if any(finding.verdict == "refused" for finding in found):
+        for finding in (finding for check in checks for finding in check.findings(log)):
+            overruled = finding.verdict == "refused" and finding.check in accept
+            message = f"Accepted, though refused by {finding.check}: {finding.message}"
+            findings.append(replace(finding, verdict="flagged", message=message) if overruled else finding)
+        if any(finding.verdict == "refused" for finding in findings):
             stopped = stage
     return findings
-
-
-def _overruled(finding: Finding, accept: Collection[str]) -> Finding:
-    if finding.check not in accept or finding.verdict != "refused":
-        return finding
-    return replace(
-        finding, verdict="flagged", message=f"Accepted, though refused by {finding.check}: {finding.message}"
-    )
 
 
 def _mended(log: Log, others: Sequence[Finding]) -> list[Finding]:
@@ -112,11 +107,6 @@ def _mended(log: Log, others: Sequence[Finding]) -> list[Finding]:
             checks = [check for check in STAGES[stage] if check.name not in left]
             bad = bad or [f for check in checks for f in check.findings(log) if f.verdict in ("refused", "flagged")]
     return [replace(finding, verdict="flagged", message=f"Mended or left out: {finding.message}") for finding in bad]
-
-
-def _not_judged(check: Check, stage: str) -> Finding:
-    message = f"Not judged: something in {stage!r} is refused, which this would repeat. Repair that first."
-    return Finding(check=check.name, verdict="not judged", message=message)
 
 
 @final
@@ -192,14 +182,11 @@ def conditioned_alike(recordings: Sequence[Recording]) -> list[Recording]:
     uneven = [i for i, recording in enumerate(recordings) if not is_even(recording.t)]
     if not uneven:
         return found
-    period = _usual([recording.dt for recording in found])
+    # the sample period that most logs have, the shortest of several
+    periods = [recording.dt for recording in found]
+    counts = [sum(abs(one / other - 1.0) <= EVEN for one in periods) for other in periods]
+    period = min(period for period, count in zip(periods, counts, strict=True) if count == max(counts))
     for i in uneven:
         if abs(found[i].dt / period - 1.0) > EVEN and 1 / _ALIKE < found[i].dt / period < _ALIKE:
             found[i] = conditioned(recordings[i], period=period)
     return found
-
-
-def _usual(periods: Sequence[float]) -> float:
-    """The sample period that most logs have, the shortest of several."""
-    counts = [sum(abs(one / other - 1.0) <= EVEN for one in periods) for other in periods]
-    return min(period for period, count in zip(periods, counts, strict=True) if count == max(counts))
