@@ -53,20 +53,16 @@ def usual_steps(x: Array, resolution: float) -> Array:
 
     It is no less than the `resolution` of the column, and than `_FLOOR`.
     """
+    return _largest_beside(x, REACH - 1, resolution)
+
+
+def _largest_beside(x: Array, width: int, resolution: float) -> Array:
+    """Largest of the `width` steps on either side: of rows for `REACH` - 1, of the steps between rows for `REACH`."""
     steps = np.concatenate([np.zeros(REACH), np.abs(np.diff(x)), np.zeros(REACH)])
-    windows = _largest(steps, REACH - 1)
-    rows = np.arange(len(x))
-    before, after = windows[rows], windows[rows + REACH + 1]
-    return np.maximum(np.maximum(before, after), _floor(x, resolution))
-
-
-def _largest(values: Array, rows: int) -> Array:
-    """Largest of each `rows` neighbours in `values` (T,), shape (T - rows + 1,)."""
-    return np.asarray(scipy.ndimage.maximum_filter1d(values, rows)[rows // 2 : rows // 2 + len(values) - rows + 1])
-
-
-def _floor(x: Array, resolution: float) -> float:
-    return max(resolution, _FLOOR * float(np.ptp(x)), TINY)
+    largest = scipy.ndimage.maximum_filter1d(steps, width)[width // 2 : width // 2 + len(steps) - width + 1]
+    count = len(x) + REACH - 1 - width
+    usual = np.maximum(largest[:count], largest[REACH + 1 : REACH + 1 + count])
+    return np.maximum(usual, max(resolution, _FLOOR * float(np.ptp(x)), TINY))
 
 
 def outlier_ratio(x: Array, resolution: float) -> Array:
@@ -83,11 +79,7 @@ def outlier_ratio(x: Array, resolution: float) -> Array:
 
 def jump_ratio(x: Array, resolution: float) -> Array:
     """How much larger each difference of `x` (T,) is than those around it; shape (T - 1,)."""
-    steps = np.concatenate([np.zeros(REACH), np.abs(np.diff(x)), np.zeros(REACH)])
-    windows = _largest(steps, REACH)
-    rows = np.arange(len(x) - 1)
-    usual = np.maximum(np.maximum(windows[rows], windows[rows + REACH + 1]), _floor(x, resolution))
-    return np.asarray(np.abs(np.diff(x)) / usual)
+    return np.asarray(np.abs(np.diff(x)) / _largest_beside(x, REACH, resolution))
 
 
 @final

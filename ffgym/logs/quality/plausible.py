@@ -78,19 +78,15 @@ def _joint_range(log: Log) -> Iterator[Seen]:
     for family in positions:
         q = log.link_side(family)
         for j, joint in enumerate(log.joints):
-            low, high, whose = _limits(log, j)
+            if log.robot is not None and log.is_described:
+                (low, high), whose = log.robot.kinematics.range[j].tolist(), f"the range of {log.robot.name}"
+            elif log.recording.header.joint_types[j] == "hinge":
+                low, high, whose = -_TURNS, _TURNS, "what hinges of robots turn by"
+            else:
+                low, high, whose = -_REACH, _REACH, "what slides of robots move by"
             least, most = float(q[:, j].min()), float(q[:, j].max())
             words = {"least": least, "most": most, "low": low, "high": high, "whose": whose}
             yield Seen(max(most - high, low - least, 0.0) / (high - low), (f"{family}.{joint}",), joint, words)
-
-
-def _limits(log: Log, j: int) -> tuple[float, float, str]:
-    if log.robot is not None and log.is_described:
-        low, high = log.robot.kinematics.range[j]
-        return float(low), float(high), f"the range of {log.robot.name}"
-    if log.recording.header.joint_types[j] == "hinge":
-        return -_TURNS, _TURNS, "what hinges of robots turn by"
-    return -_REACH, _REACH, "what slides of robots move by"
 
 
 @check

@@ -103,13 +103,6 @@ def _table(log: Log) -> Array:
     return np.ascontiguousarray(np.stack(columns, axis=1) + 0.0)
 
 
-def _alive(table: Array) -> BoolArray:
-    """Where a row differs from the one before by more than `_ALIVE` steps in at least a third of all columns, (T,)."""
-    resolution = np.array([smallest_step(column) for column in table.T])
-    changes = np.abs(np.diff(table, axis=0, prepend=table[:1])) > _ALIVE * resolution
-    return np.asarray(changes.mean(axis=1) > 1 / 3)
-
-
 def _passing(log: Log, before: int, after: int) -> bool:
     """Whether a position goes on alike, by more than `_ALIVE` steps, into row `before` and out to row `after`.
 
@@ -132,7 +125,9 @@ def copies(log: Log) -> list[slice]:
     """
     table = _table(log)
     equal = np.concatenate([[False], np.all(table[1:] == table[:-1], axis=1)])
-    alive = _alive(table)
+    # rows that differ from the one before by more than `_ALIVE` steps in at least a third of all columns
+    resolution = np.array([smallest_step(column) for column in table.T])
+    alive = (np.abs(np.diff(table, axis=0, prepend=table[:1])) > _ALIVE * resolution).mean(axis=1) > 1 / 3
     inner = [rows for rows in stretches(equal) if rows.start >= 2 and rows.stop < len(equal)]
     between = [rows for rows in inner if alive[rows.start - 1] and alive[rows.stop]]
     return [rows for rows in between if _passing(log, rows.start - 1, rows.stop)]
@@ -178,19 +173,11 @@ def _copied_column(log: Log) -> Iterator[Seen]:
     for family in _MEASURED:
         if log.recording.has(family):
             for (one, x), (other, y) in combinations(log.columns(family).items(), 2):
-                yield Seen(_equal_share(x, y), (one, other), log.joint_of(one))
-
-
-def _equal_share(x: Array, y: Array) -> float:
-    """Share of the rows in which `x` or `y` (T,) changes where they are equal; 0 if there are too few to tell.
-
-    Joints that rest have equal values by chance, but not while they change, nor many of them.
-    """
-    changing = (np.diff(x) != 0) | (np.diff(y) != 0)
-    equal = x[1:] == y[1:]
-    if len(np.unique(x[1:][changing & equal])) < _DIFFERENT:
-        return 0.0
-    return float(equal[changing].mean())
+                # joints that rest have equal values by chance, but not while they change, nor many of them
+                changing = (np.diff(x) != 0) | (np.diff(y) != 0)
+                equal = x[1:] == y[1:]
+                enough = len(np.unique(x[1:][changing & equal])) >= _DIFFERENT
+                yield Seen(float(equal[changing].mean()) if enough else 0.0, (one, other), log.joint_of(one))
 
 
 @check

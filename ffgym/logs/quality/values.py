@@ -34,6 +34,9 @@ _CAUGHT_UP = 0.5
 """Share of what set-points moved on during a stretch of one value by which a stuck column jumps at its end; a joint
 that sticks by friction goes on from where it stood."""
 
+_ALIKE = 0.8
+"""Correlation of the steps of two columns from which on they go alike."""
+
 _ABRUPT = 5.0
 """Steps of the resolution in a third of `_BEFORE`, before a stretch of one value that begins abruptly."""
 
@@ -78,21 +81,15 @@ def stuck_stretches(log: Log) -> list[Stretch]:
     for family, j, name, x in log.joint_columns(_SENSED):
         if np.ptp(x) > 0.0:
             step = smallest_step(x)
-            held = _held(log, family, x)
+            # a column that is written more seldom than the rows keeps each value for some: a stretch must be longer
+            every = np.diff(np.flatnonzero(np.diff(x) != 0))
+            usual = float(np.quantile(every, _USUAL)) if every.size else 0.0
+            held = constant_stretches(x, max(_STUCK_ROWS, log.rows(_STUCK_TIME), int(_LONGER * usual)))
+            # at its extremes a torque is cut rather than stuck
+            edges = (x.min(), x.max()) if family in TORQUES else ()
+            held = [rows for rows in held if x[rows.start] not in edges]
             found += [Stretch(name, j, rows) for rows in held if _is_stuck(log, family, j, x, step, rows)]
     return found
-
-
-def _held(log: Log, family: str, x: Array) -> list[slice]:
-    """Long stretches of one value; not the extremes of a torque, at which it is cut rather than stuck.
-
-    A column that is written more seldom than the rows keeps each value for some rows: a stretch must be longer.
-    """
-    edges = (x.min(), x.max()) if family in TORQUES else ()
-    every = np.diff(np.flatnonzero(np.diff(x) != 0))
-    usual = float(np.quantile(every, _USUAL)) if every.size else 0.0
-    shortest = max(_STUCK_ROWS, log.rows(_STUCK_TIME), int(_LONGER * usual))
-    return [rows for rows in constant_stretches(x, shortest) if x[rows.start] not in edges]
 
 
 def _is_stuck(log: Log, family: str, j: int, x: Array, step: float, rows: slice) -> bool:
@@ -106,7 +103,8 @@ def _is_stuck(log: Log, family: str, j: int, x: Array, step: float, rows: slice)
     if not _abrupt(log, x, step, rows.start):
         return False
     if family.endswith("position"):
-        return rows.stop < len(x) and _jumps(x, rows.stop, max(_ABRUPT * step, _JUMP * _largest_step(x, rows.stop)))
+        after = np.abs(np.diff(x[rows.stop : rows.stop + 6])).max(initial=0.0)
+        return rows.stop < len(x) and _jumps(x, rows.stop, max(_ABRUPT * step, _JUMP * float(after)))
     moves = bool(log.moving[rows, j].mean() > 0.5)
     return moves and (rows.stop >= len(x) or _abrupt(log, x[::-1], step, len(x) - rows.stop))
 
@@ -120,24 +118,21 @@ def _abrupt(log: Log, x: Array, step: float, row: int) -> bool:
     return float(np.ptp(x[row - width : row + 1])) > max(3 * _ABRUPT * step, _SHARE * usual)
 
 
-def _largest_step(x: Array, row: int) -> float:
-    """Largest step of `x` (T,) just after a row."""
-    steps = np.abs(np.diff(x[row : row + 6]))
-    return float(steps.max()) if steps.size else 0.0
-
-
 def _others_move(log: Log, family: str, j: int, rows: slice) -> bool:
     """Whether another column that otherwise goes like this one moves during a stretch of one value."""
     if not family.endswith("position") or family not in log.motions:
         return False
     own = log.motions[family][:, j]
+    apart = np.ones(len(own) - 1, dtype=np.bool_)  # from the stretch
+    apart[max(0, rows.start - 1) : rows.stop] = False
     beside = [name for name in log.motions if name.endswith("position") and name != family]
     for name in beside:
         other = log.motions[name][:, j]
         moved = float(np.ptp(other[rows]))
         caught_up = not name.startswith("reference") or _jumps(own, rows.stop, _CAUGHT_UP * moved)
         least = max(0.05 * log.travel[family][j], EXCITED)
-        if moved > least and caught_up and _alike(own, other, rows):
+        steps = np.diff(own)[apart], np.diff(other)[apart]
+        if moved > least and caught_up and apart.sum() > 2 and compare(*steps).correlation > _ALIKE:
             return True
     return False
 
@@ -147,32 +142,21 @@ def _jumps(x: Array, row: int, least: float) -> bool:
     return row >= len(x) or abs(float(x[row] - x[row - 1])) > least
 
 
-def _alike(a: Array, b: Array, without: slice) -> bool:
-    """Whether two motions go alike, apart from a stretch of rows."""
-    kept = np.ones(len(a) - 1, dtype=np.bool_)
-    kept[max(0, without.start - 1) : without.stop] = False
-    return kept.sum() > 2 and compare(np.diff(a)[kept], np.diff(b)[kept]).correlation > 0.8
-
-
 @check
 def _clipped(log: Log) -> Iterator[Seen]:
     for _, j, name, x in log.joint_columns(TORQUES):
         if np.ptp(x) == 0.0:
             continue
-        share = sum(_plateau(x, edge) for edge in (x.max(), x.min())) / len(x)
-        words = {"low": x.min(), "high": x.max(), "unit": log.recording.unit(name)}
-        yield Seen(share, (name,), log.joints[j], words)
-
-
-def _plateau(x: Array, edge: float) -> int:
-    """Rows in which `x` stays at `edge` after it came there fast."""
-    step, count = smallest_step(x), 0
-    for rows in constant_stretches(x, 3):
-        if x[rows.start] == edge:
+        # rows that stay at an extreme after the torque came there, or before it left, fast
+        step, edges, count = smallest_step(x), (x.min(), x.max()), 0
+        for rows in constant_stretches(x, 3):
             into = abs(x[rows.start] - x[rows.start - 1]) if rows.start else 0.0
             away = abs(x[rows.stop] - x[rows.stop - 1]) if rows.stop < len(x) else 0.0
-            count += (rows.stop - rows.start) * (max(into, away) > 3 * step)
-    return count
+            if x[rows.start] in edges and max(into, away) > 3 * step:
+                count += rows.stop - rows.start
+        share = count / len(x)
+        words = {"low": x.min(), "high": x.max(), "unit": log.recording.unit(name)}
+        yield Seen(share, (name,), log.joints[j], words)
 
 
 @check
@@ -192,21 +176,13 @@ def _encoder_steps(log: Log) -> Iterator[Seen]:
     for _, j, name, x in log.joint_columns(("motor.position",)):
         gear = abs(header.gear_ratio[j]) if header.position_side == "link" else 1.0
         expected = 2 * np.pi / 2**header.encoder_bits / gear
-        ratio = _encoder_ratio(x, expected)
+        # a fast motion skips most steps, so that not the smallest that it shows counts but what all have in common
+        counts = (x - x[0]) / expected
+        whole = np.round(counts)
+        on_grid = bool(np.all(np.abs(counts - whole) < 0.05)) and len(np.unique(whole)) >= _GRID
+        ratio = float(np.gcd.reduce(whole.astype(np.int64))) if on_grid else grid_step(x) / expected
         value = max(ratio, 1 / ratio) if ratio > 0 else 0.0
         yield Seen(value, (name,), log.joints[j], {"step": ratio * expected, "ratio": ratio})
-
-
-def _encoder_ratio(x: Array, expected: float) -> float:
-    """Step of `x` (T,) over that of an encoder; 0 if it has none.
-
-    A fast motion skips most steps, so that not the smallest that it shows counts but what all have in common.
-    """
-    counts = (x - x[0]) / expected
-    whole = np.round(counts)
-    if np.all(np.abs(counts - whole) < 0.05) and len(np.unique(whole)) >= _GRID:
-        return float(np.gcd.reduce(whole.astype(np.int64)))
-    return grid_step(x) / expected
 
 
 @check
