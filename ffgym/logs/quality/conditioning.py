@@ -2,19 +2,19 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 from weakref import WeakSet
 
 import numpy as np
 
 from ffgym.core.errors import FFGymError
-from ffgym.core.types import Array, BoolArray, IntArray
+from ffgym.core.types import Array, BoolArray
 from ffgym.logs.quality.cells import (
     BURST,
     BURST_REFUSED,
     COMPUTED,
     REACH,
     SPIKE,
-    Column,
     burst_ratios,
     columns_of,
     outlier_ratio,
@@ -65,17 +65,15 @@ class _Repair:
     """What a step changes in a recording."""
 
     recording: Recording
-    masked: BoolArray
-    """Rows that do not count for each joint any more, shape (T, N)."""
     columns: dict[str, Array] = field(default_factory=dict)
     """Columns that are replaced."""
     texts: list[str] = field(default_factory=list)
     """What was found, where."""
 
-    @staticmethod
-    def of(recording: Recording) -> "_Repair":
-        """Nothing, so far."""
-        return _Repair(recording, np.zeros(recording.valid.shape, dtype=np.bool_))
+    @cached_property
+    def masked(self) -> BoolArray:
+        """Rows that do not count for each joint any more, shape (T, N)."""
+        return np.zeros(self.recording.valid.shape, dtype=np.bool_)
 
     def bridge(self, name: str, bad: BoolArray) -> None:
         """Replace rows `bad` (T,) of a column by what lies between the others."""
@@ -119,11 +117,15 @@ def without_spikes(recording: Recording) -> Recording:
 
     What a controller computed is left as it is: commands may jump.
     """
-    repair = _Repair.of(recording)
+    repair = _Repair(recording)
     odd = np.zeros_like(repair.masked)
     for column in columns_of(Log(recording)):
-        rows = _single(column)
-        if column.family in COMPUTED or not rows.size:
+        found = np.flatnonzero(outlier_ratio(column.values, column.resolution) > SPIKE)
+        # rows that stick out alone, if they are few
+        apart = np.diff(found, prepend=-np.inf, append=np.inf) > REACH
+        rows = column.rows[found[apart[:-1] & apart[1:]]]
+        too_many = found.size > max(_FEW, _SHARE * len(column.values))
+        if column.family in COMPUTED or too_many or not rows.size:
             continue
         bad = np.zeros(len(recording), dtype=np.bool_)
         bad[rows] = True
@@ -141,21 +143,12 @@ def without_spikes(recording: Recording) -> Recording:
     return repair.made(f"{note}{', '.join(repair.texts)}.")
 
 
-def _single(column: Column) -> IntArray:
-    """Rows of the recording in which a column sticks out alone, if they are few."""
-    found = np.flatnonzero(outlier_ratio(column.values, column.resolution) > SPIKE)
-    if found.size > max(_FEW, _SHARE * len(column.values)):
-        return found[:0]
-    apart = np.diff(found, prepend=-np.inf, append=np.inf) > REACH
-    return np.asarray(column.rows[found[apart[:-1] & apart[1:]]])
-
-
 def without_stops(recording: Recording) -> Recording:
     """The log with a mask over abrupt stops of all joints, as of brakes, and over the rest that follows them.
 
     No model of the motion has the robot's own stops.
     """
-    log, repair = Log(recording), _Repair.of(recording)
+    log, repair = Log(recording), _Repair(recording)
     if not log.excited.any() or log.dt > _SLOW:
         return recording
     for rows in _abrupt_stops(log):
@@ -170,7 +163,11 @@ def without_stops(recording: Recording) -> Recording:
 
 def _abrupt_stops(log: Log) -> list[slice]:
     """Rows from where an abrupt stop begins to brake to the end of the rest after it."""
-    braking = _speed_changes(log.q[:, log.excited], log.rows(_WINDOW))
+    # change of the mean speed from `width` rows before to as many after each row
+    q, width = log.q[:, log.excited], log.rows(_WINDOW)
+    braking = np.zeros_like(q)
+    if len(q) > 2 * width:
+        braking[width:-width] = np.abs(q[2 * width :] - 2 * q[width:-width] + q[: -2 * width])
     speed = np.abs(log.dq[:, log.excited])
     resting = np.all(speed <= RESTING * speed.max(axis=0), axis=1)
     ahead = log.rows(_BRAKING)
@@ -185,22 +182,14 @@ def _abrupt_stops(log: Log) -> list[slice]:
     for rows in rests:
         hard = np.any(braking[rows.start - ahead : rows.start + ahead] > _HARDER * most, axis=1)
         if hard.any():
-            begin = rows.start - ahead + int(np.argmax(hard)) - log.rows(_WINDOW)
+            begin = rows.start - ahead + int(np.argmax(hard)) - width
             found.append(slice(max(0, begin), rows.stop))
     return found
 
 
-def _speed_changes(q: Array, width: int) -> Array:
-    """Change of the mean speed from `width` rows before to as many after each row, in positions, (T, N)."""
-    changes = np.zeros_like(q)
-    if len(q) > 2 * width:
-        changes[width:-width] = np.abs(q[2 * width :] - 2 * q[width:-width] + q[: -2 * width])
-    return changes
-
-
 def without_stuck(recording: Recording) -> Recording:
     """The log with stuck columns bridged; where a position is not known, no torque counts, as it depends on all."""
-    repair = _Repair.of(recording)
+    repair = _Repair(recording)
     for stretch in stuck_stretches(Log(recording)):
         bad = np.zeros(len(recording), dtype=np.bool_)
         bad[stretch.rows] = True
@@ -213,7 +202,7 @@ def without_stuck(recording: Recording) -> Recording:
 
 def without_bursts(recording: Recording) -> Recording:
     """The log with a mask over stretches of a column that are far noisier than the rest of it."""
-    repair = _Repair.of(recording)
+    repair = _Repair(recording)
     for column in columns_of(Log(recording)):
         if FAMILIES[column.family].parts != "joint" or FAMILIES[column.family].may_miss:
             continue

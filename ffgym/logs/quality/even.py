@@ -6,7 +6,7 @@ import numpy as np
 import scipy
 
 from ffgym.core.measures import rms
-from ffgym.core.types import Array, BoolArray, IntArray
+from ffgym.core.types import Array, BoolArray
 from ffgym.logs.quality.log import Log
 from ffgym.logs.quality.rows import long_intervals
 from ffgym.logs.quality.signals import TINY, grid_step, has_two_rates, is_even, longest_interval
@@ -79,14 +79,10 @@ def bridged(t: Array, values: Array, bad: BoolArray, *, smooth: bool) -> Array:
         stop = int(known[place]) if place < len(known) else len(t)
         rows = np.arange(start, stop)
         filled[rows] = between(t[around], values[around], t[rows], smooth=smooth)
-    filled[bad] = on_grid(filled[bad], values[~bad])
+    if step := grid_step(values[~bad]):
+        origin = values[~bad][0]
+        filled[bad] = origin + step * np.round((filled[bad] - origin) / step)
     return filled
-
-
-def on_grid(values: Array, known: Array) -> Array:
-    """Values rounded to the grid on which all `known` ones lie, if there is one."""
-    step = grid_step(known)
-    return values if step == 0.0 else known[0] + step * np.round((values - known[0]) / step)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -110,49 +106,33 @@ def times_of(log: Log) -> Times:
     or of the arrival of a message, scatter about even times, and make the motion rough that is smooth at those. Steps
     of the clock over which the joints move on as in one interval are taken out before.
     """
-    t = _without_steps(log)
-    stepped = t is not log.t
-    stamps = Times(s=t, period=_period(t), kept=True, stepped=stepped)
-    even = _evenly(t, stepped=stepped)
+    rows, moved = long_intervals(log)
+    t, stepped = log.t, not moved.all()
+    if stepped:
+        excess = np.zeros(len(t))
+        excess[rows[~moved] + 1] = np.diff(t)[rows[~moved]] - log.dt
+        t = np.asarray(t - np.cumsum(excess))
+    # even times: the straight line through the stamps, over the numbers of the rows with those that are missing
+    steps, longest = np.diff(t), longest_interval(t)
+    usual = float(np.mean(steps[steps <= longest]))
+    missing = np.where(steps > longest, np.maximum(np.round(steps / usual) - 1, 0), 0)
+    numbers = np.concatenate([[0.0], np.cumsum(1 + missing)])
+    slope, first = (float(x) for x in np.polyfit(numbers, t - t[0], 1))
+    period = _rounded(slope)
+    even = Times(s=t[0] + first + period * numbers, period=period, kept=False, stepped=stepped)
     if not log.excited.any():
         return even
     q = log.q[:, log.excited]
     rough = float(np.exp(np.mean(np.log(_roughness(even.s, q) / _roughness(t, q)))))
-    return even if rough <= _NO_WORSE else stamps
+    if rough <= _NO_WORSE:
+        return even
+    median, mean = float(np.median(steps)), float(t[-1] - t[0]) / len(steps)
+    return Times(s=t, period=_rounded(mean if mean > _BATCHES * median else median), kept=True, stepped=stepped)
 
 
-def _without_steps(log: Log) -> Array:
-    """Time stamps without the steps of their clock."""
-    rows, moved = long_intervals(log)
-    if moved.all():
-        return log.t
-    excess = np.zeros(len(log.t))
-    excess[rows[~moved] + 1] = np.diff(log.t)[rows[~moved]] - log.dt
-    return np.asarray(log.t - np.cumsum(excess))
-
-
-def _period(t: Array) -> float:
-    """Period of an even clock for these times [s], without the digits that rounding of large times leaves."""
-    steps = np.diff(t)
-    period, mean = float(np.median(steps)), float(t[-1] - t[0]) / len(steps)
-    return float(f"{mean if mean > _BATCHES * period else period:.9g}")
-
-
-def _counts(t: Array) -> Array:
-    """Number of each row, those that are missing counted."""
-    steps = np.diff(t)
-    usual = steps[steps <= longest_interval(t)]
-    period = float(np.mean(usual))
-    missing = np.where(steps > longest_interval(t), np.maximum(np.round(steps / period) - 1, 0), 0)
-    return np.concatenate([[0.0], np.cumsum(1 + missing)])
-
-
-def _evenly(t: Array, *, stepped: bool) -> Times:
-    """Even times for rows, and those that are missing between them: the straight line through their stamps."""
-    counts = _counts(t)
-    period, first = (float(x) for x in np.polyfit(counts, t - t[0], 1))
-    period = float(f"{period:.9g}")
-    return Times(s=t[0] + first + period * counts, period=period, kept=False, stepped=stepped)
+def _rounded(period: float) -> float:
+    """Period [s] without the digits that rounding of large times leaves."""
+    return float(f"{period:.9g}")
 
 
 def _roughness(s: Array, q: Array) -> Array:
@@ -170,14 +150,6 @@ def _roughness(s: Array, q: Array) -> Array:
     return np.maximum(size, TINY)
 
 
-def in_gaps(s: Array, t: Array, period: float, least: float) -> BoolArray:
-    """Times `t` (T,) strictly within intervals of `s` (S,) that are longer than a period by more than `least` [s]."""
-    after = np.clip(np.searchsorted(s, t - 1e-6 * period), 1, len(s) - 1)
-    width = s[after] - s[after - 1]
-    near = np.minimum(np.abs(t - s[after]), np.abs(t - s[after - 1])) < 1e-3 * period
-    return np.asarray((width - period > max(least, 0.5 * period)) & ~near)
-
-
 def on_even_clock(recording: Recording, period: float | None = None) -> Recording:
     """The log at an even clock of a period [s], or its own; the log itself if its clock is even."""
     if is_even(recording.t) or has_two_rates(recording.t):  # of two clocks nobody knows which one is right
@@ -189,9 +161,16 @@ def on_even_clock(recording: Recording, period: float | None = None) -> Recordin
     times = times if period is None else replace(times, period=period)
     n = int(np.floor((times.s[-1] - times.s[0]) / times.period * (1 + 1e-12) + 1e-6)) + 1
     t = times.s[0] + times.period * np.arange(n)
-    gaps = in_gaps(times.s, t, times.period, BRIDGED)
-    columns, header = _at(recording, times.s, t)
-    valid = _valid_at(recording.valid, times.s, t) & ~gaps[:, None]
+    # strictly within intervals that are longer than a period by more than what is bridged
+    s, period = times.s, times.period
+    after = np.clip(np.searchsorted(s, t - 1e-6 * period), 1, len(s) - 1)
+    near = np.minimum(np.abs(t - s[after]), np.abs(t - s[after - 1])) < 1e-3 * period
+    gaps = (s[after] - s[after - 1] - period > max(BRIDGED, 0.5 * period)) & ~near
+    # a row counts if those on either side of it do
+    after = np.clip(np.searchsorted(s, t - 1e-9), 0, len(s) - 1)
+    before = np.where(s[after] - t > 1e-9, np.maximum(after - 1, 0), after)
+    valid = recording.valid[after] & recording.valid[before] & ~gaps[:, None]
+    columns, header = _at(recording, s, t)
     if recording.has(VALID) or gaps.any():
         columns |= mask_columns(header, valid)
     phases = clipped(header.phases, float(t[0]), float(t[-1]) + times.period)
@@ -222,52 +201,39 @@ def _longest_part(recording: Recording) -> Recording:
 def _at(recording: Recording, s: Array, t: Array) -> tuple[dict[str, Array], Header]:
     """Columns, known at `s`, at `t`; and a header that says when their torque acts."""
     header, columns = recording.header, {}
-    placed = _placed(s, t)
-    if placed is None:
-        header = replace(header, encoder_bits=None)  # what is between two readings is on no grid
-    for name, values in recording.columns.items():
-        if name == "timestamp" or name.startswith(f"{VALID}."):
-            continue
-        if placed is not None:
-            columns[name] = _bridged_at(s, values, t, placed, smooth=is_smooth(name))
-            continue
+    rows = np.round((s - t[0]) / (t[1] - t[0])).astype(np.intp)
+    inside = bool(np.all((rows >= 0) & (rows < len(t))))
+    if inside and np.all(np.abs(t[rows] - s) <= 1e-9 + 1e-6 * (t[1] - t[0])):  # every row lies at one of `t`
+        holes = np.ones(len(t), dtype=np.bool_)
+        holes[rows] = False
+        for name, values in _sampled(recording):
+            columns[name] = np.full(len(t), np.nan)
+            columns[name][rows] = values
+            if np.isfinite(values).all():
+                columns[name] = bridged(t, columns[name], holes, smooth=is_smooth(name))
+        return columns, header
+    middles = s + 0.5 * np.append(np.diff(s), s[-1] - s[-2])  # when held torques have acted for half their time
+    header = replace(header, encoder_bits=None)  # what is between two readings is on no grid
+    for name, values in _sampled(recording):
         known = np.isfinite(values)
         if not known.all():
             columns[name] = _seldom(s[known], values[known], t, is_smooth(name))
             continue
-        held = header.hold == "zoh" and _is_torque(name)
-        columns[name] = between(_middles(s) if held else s, values, t, smooth=is_smooth(name))
-    if placed is None and header.hold == "zoh" and any(map(_is_torque, columns)):
+        held = recording.header.hold == "zoh" and _is_torque(name)
+        columns[name] = between(middles if held else s, values, t, smooth=is_smooth(name))
+    if header.hold == "zoh" and any(map(_is_torque, columns)):
         header = replace(header, hold="sampled")
     return columns, header
 
 
-def _placed(s: Array, t: Array) -> IntArray | None:
-    """Rows of `t` at which those of `s` lie, if all do."""
-    rows = np.round((s - t[0]) / (t[1] - t[0])).astype(np.intp)
-    inside = (rows >= 0) & (rows < len(t))
-    if not inside.all() or np.any(np.abs(t[rows] - s) > 1e-9 + 1e-6 * (t[1] - t[0])):
-        return None
-    return rows
-
-
-def _bridged_at(s: Array, values: Array, t: Array, rows: IntArray, *, smooth: bool) -> Array:
-    """Values in their rows, and what lies between them in the others; NaN there, where some are missing."""
-    found = np.full(len(t), np.nan)
-    found[rows] = values
-    holes = np.ones(len(t), dtype=np.bool_)
-    holes[rows] = False
-    return bridged(t, found, holes, smooth=smooth) if np.isfinite(values).all() else found
+def _sampled(recording: Recording) -> list[tuple[str, Array]]:
+    """Columns without clock and mask."""
+    return [(n, x) for n, x in recording.columns.items() if n != "timestamp" and not n.startswith(f"{VALID}.")]
 
 
 def _is_torque(name: str) -> bool:
     family = family_of(name)
     return family is not None and family.decided_by == "torque_semantics"
-
-
-def _middles(s: Array) -> Array:
-    """When held torques have acted for half their time."""
-    return s + 0.5 * np.append(np.diff(s), s[-1] - s[-2])
 
 
 def _seldom(s: Array, values: Array, t: Array, smooth: bool) -> Array:
@@ -278,13 +244,6 @@ def _seldom(s: Array, values: Array, t: Array, smooth: bool) -> Array:
     after = np.clip(np.searchsorted(s, t), 1, len(s) - 1)
     far = s[after] - s[after - 1] > _FAR * np.median(np.diff(s))
     return np.where(far | (t < s[0]) | (t > s[-1]), np.nan, found)
-
-
-def _valid_at(valid: BoolArray, s: Array, t: Array) -> BoolArray:
-    """The mask at `t`: a row counts if those on either side of it do."""
-    after = np.clip(np.searchsorted(s, t - 1e-9), 0, len(s) - 1)
-    before = np.where(s[after] - t > 1e-9, np.maximum(after - 1, 0), after)
-    return np.asarray(valid[after] & valid[before])
 
 
 def _notes(recording: Recording, times: Times, gaps: BoolArray) -> list[str]:
