@@ -56,6 +56,13 @@ LAG_SPAN = 0.3
 """Largest delay [s] that is looked for: beyond, periodic motions fit themselves again."""
 
 
+_WHOLE, _PARTS = ("motor.effort", "command.effort"), ("feedforward.effort", "feedback.effort", "compensation.effort")
+"""Families of the motor torque, and of the parts of its command."""
+
+_OTHERWISE = "another scale or zero point"
+"""What was done to a signal whose factor nothing explains."""
+
+
 @final
 @dataclass(frozen=True, kw_only=True)
 class Misfit:
@@ -109,19 +116,16 @@ class Signals:
         """Signals that do not fit the majority."""
         found = []
         for j in self.numbers:
-            trusted = self.trusted(j)
-            found += [self._explained(family, trusted[0], j) for family in self.values if family not in trusted]
+            # the largest group of signals of a joint that agree is trusted, and the first of it says what is right
+            groups = {family: {family} for family in self.values}
+            for one, other in combinations(self.values, 2):
+                if self._fits(one, other, j):
+                    merged = groups[one] | groups[other]
+                    groups |= dict.fromkeys(merged, merged)
+            trusted = max(groups.values(), key=len)
+            first = next(family for family in self.values if family in trusted)
+            found += [self._explained(family, first, j) for family in self.values if family not in trusted]
         return tuple(misfit for misfit in found if misfit is not None)
-
-    def trusted(self, j: int) -> list[str]:
-        """The largest group of signals of joint `j` that agree, in the order of `values`."""
-        groups = {family: {family} for family in self.values}
-        for one, other in combinations(self.values, 2):
-            if self._fits(one, other, j):
-                merged = groups[one] | groups[other]
-                groups |= dict.fromkeys(merged, merged)
-        largest = max(groups.values(), key=len)
-        return [family for family in self.values if family in largest]
 
     def lag(self, family: str, other: str, j: int, alike: float = _SAME_MOTION) -> float | None:
         """Rows by which one signal of joint `j` is later than another; None if they are less than `alike`."""
@@ -142,7 +146,17 @@ class Signals:
         seen = compare(self.increments[one][:, j], self.increments[other][:, j])
         if seen.correlation > _ALIKE and abs(seen.slope - 1) < CLOSE:
             return True
-        return self.noisy and _alike_but_for_noise(self.values[one][:, j], self.values[other][:, j])
+        if not self.noisy:
+            return False
+        # noisy signals agree in their values, or in all but white noise and less than half a mean
+        a, b = self.values[one][:, j], self.values[other][:, j]
+        whole = compare(a - a.mean(), b - b.mean())
+        if whole.correlation > _TWINS and abs(whole.slope - 1) < CLOSE:
+            return True
+        rest = a - b
+        offset = abs(float(rest.mean()))
+        white = float(np.var(np.diff(rest))) > _WHITE * float(np.var(rest))
+        return white and offset < 0.5 * max(abs(float(a.mean())), abs(float(b.mean())), 2 * float(rest.std()))
 
     def _explained(self, family: str, other: str, j: int) -> Misfit | None:
         a, b = self.increments[family][:, j], self.increments[other]
@@ -158,26 +172,8 @@ class Signals:
             kind, text = explain(seen.slope, float(self.ratio[j]), _NEAR)
         else:
             kind, value, text = "agreement", seen.correlation, "it is another motion, or another quantity"
-        return Misfit(
-            kind=kind,
-            family=family,
-            joint=j,
-            other=other,
-            value=value,
-            other_joint=j if twin is None else twin,
-            text=text,
-        )
-
-
-def _alike_but_for_noise(a: Array, b: Array) -> bool:
-    """Whether two noisy signals (T,) agree: in their values, or in all but white noise and less than half a mean."""
-    whole = compare(a - a.mean(), b - b.mean())
-    if whole.correlation > _TWINS and abs(whole.slope - 1) < CLOSE:
-        return True
-    rest = a - b
-    offset = abs(float(rest.mean()))
-    white = float(np.var(np.diff(rest))) > _WHITE * float(np.var(rest))
-    return white and offset < 0.5 * max(abs(float(a.mean())), abs(float(b.mean())), 2 * float(rest.std()))
+        whose = j if twin is None else twin
+        return Misfit(kind=kind, family=family, joint=j, other=other, value=value, other_joint=whose, text=text)
 
 
 def channel_of(family: str) -> str:
@@ -207,43 +203,33 @@ def explain(slope: float, ratio: float, tolerance: float) -> tuple[Kind, str]:
         factors["motor side for link side"] = ("side", ratio)
         factors["link side for motor side"] = ("side", 1 / ratio)
     factors["the opposite sign"] = ("sign", -1.0)
-    text = min(factors, key=lambda name: _distance(slope, factors[name][1]))
-    kind, factor = factors[text]
-    return (kind, text) if _distance(slope, factor) < np.log1p(tolerance) else ("scale", "another scale or zero point")
-
-
-def _distance(slope: float, factor: float) -> float:
-    return abs(np.log(slope / factor)) if slope / factor > 0 else np.inf
+    shares = {text: slope / factor for text, (_, factor) in factors.items()}
+    distances = {text: abs(np.log(share)) if share > 0 else np.inf for text, share in shares.items()}
+    text = min(distances, key=distances.__getitem__)
+    return (factors[text][0], text) if distances[text] < np.log1p(tolerance) else ("scale", _OTHERWISE)
 
 
 @lru_cache(maxsize=4)
 def motion_signals(log: Log) -> Signals:
     """All that says how the joints move, as link-side positions."""
-    values = log.motions
-    moved = [np.ptp(x, axis=0) > EXCITED for x in values.values()]
+    moved = [np.ptp(x, axis=0) > EXCITED for x in log.motions.values()]
     judged = np.any(moved, axis=0) if moved else np.zeros(len(log.joints), dtype=np.bool_)
-    return _signals(log, values, _SLACK, judged, noisy=False)
+    return _signals(log, log.motions, _SLACK, judged, noisy=False)
 
 
 @lru_cache(maxsize=4)
 def torque_signals(log: Log) -> Signals:
     """What says how large the motor torque is: measured, commanded, and the sum of the parts of the command."""
-    recording = log.recording
-    parts = [name for name in ("feedforward", "feedback", "compensation") if recording.has(f"{name}.effort")]
-    values = {
-        family: recording.joint_array(family) for family in ("motor.effort", "command.effort") if recording.has(family)
-    }
-    if {"feedforward", "feedback"} <= set(parts):
-        values["+".join(f"{part}.effort" for part in parts)] = np.sum(
-            [recording.joint_array(f"{part}.effort") for part in parts], axis=0
-        )
-    moves = np.array(
-        [any(np.ptp(x[:, j]) > 0 for x in values.values()) for j in range(len(log.joints))], dtype=np.bool_
-    )
+    there = {f: log.recording.joint_array(f) for f in (*_WHOLE, *_PARTS) if log.recording.has(f)}
+    values = {family: x for family, x in there.items() if family in _WHOLE}
+    parts = {family: x for family, x in there.items() if family in _PARTS}
+    if {"feedforward.effort", "feedback.effort"} <= set(parts):
+        values["+".join(parts)] = np.sum([*parts.values()], axis=0)
+    moves = np.any([np.ptp(x, axis=0) > 0 for x in values.values()] or [np.zeros(len(log.joints))], axis=0)
     return _signals(log, values, 0.0, moves & log.excited, noisy=True)
 
 
-def _signals(log: Log, values: dict[str, Array], slack: float, judged: BoolArray, *, noisy: bool) -> Signals:
+def _signals(log: Log, values: Mapping[str, Array], slack: float, judged: BoolArray, *, noisy: bool) -> Signals:
     window = min(log.rows(_WINDOW), len(log.t) - 1)
     lags = min(max(3, round(LAG_SPAN / log.dt)), len(log.t) // 4)
     ratio = np.asarray(log.recording.header.gear_ratio)

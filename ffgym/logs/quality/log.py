@@ -118,13 +118,13 @@ class Log:
     @cached_property
     def motions(self) -> dict[str, Array]:
         """All `MOTION_FAMILIES` brought to joint positions by integration, from 0 at the first row, (T, N) each."""
-        return {family: self._as_position(family) for family in self.motion_families}
-
-    def _as_position(self, family: str) -> Array:
-        values = self.link_side(family)
-        for _ in range(("position", "velocity", "acceleration").index(family.rpartition(".")[2])):
-            values = np.asarray(scipy.integrate.cumulative_trapezoid(values, self.t, axis=0, initial=0))
-        return values - values[0]
+        found = {}
+        for family in self.motion_families:
+            values = self.link_side(family)
+            for _ in range(("position", "velocity", "acceleration").index(family.rpartition(".")[2])):
+                values = np.asarray(scipy.integrate.cumulative_trapezoid(values, self.t, axis=0, initial=0))
+            found[family] = values - values[0]
+        return found
 
     @cached_property
     def travel(self) -> dict[str, Array]:
@@ -170,7 +170,9 @@ class Log:
         for times in _LONGER:
             span = times * SMOOTHING
             moved = np.ptp(self.q, axis=0) > EXCITED
-            size = np.std(_acceleration(self.q, self.t, self.rows(span)), axis=0)[moved]
+            dq = np.gradient(averaged(self.q, self.rows(span)), self.t, axis=0)
+            ddq = np.gradient(averaged(dq, self.rows(span)), self.t, axis=0)
+            size = np.std(ddq, axis=0)[moved]
             # two averages make a triangle, whose second derivative is three samples of noise over its width squared
             noise = np.sqrt(6) * self.angle_noise[moved] / max(span, self.dt) ** 2
             if not moved.any() or np.median(noise / np.maximum(size, TINY)) < _NOISY:
@@ -208,8 +210,3 @@ class Log:
 def _arm_of(robot: RobotDescription) -> RigidArm:
     """Its rigid arm, kept for the next log of the same robot."""
     return RigidArm(robot)
-
-
-def _acceleration(q: Array, t: Array, rows: int) -> Array:
-    """Second derivative of positions that are averaged twice, (T, N)."""
-    return np.asarray(np.gradient(averaged(np.gradient(averaged(q, rows), t, axis=0), rows), t, axis=0))

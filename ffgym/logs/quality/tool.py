@@ -62,10 +62,16 @@ def _fit(log: Log) -> Fit:
     if np.ptp(planned, axis=0).max() < _TRAVEL:
         raise NotJudgedError("the tool does not move")
     dt = float(np.median(np.diff(log.t[rows])))
-    at_once, lag = _registered(measured, planned), _lag(measured, planned, dt)
-    moved = _registered(*_shifted(measured, planned, lag))
-    scale, angle, left, straight = moved if moved[2] < 0.7 * at_once[2] else at_once
+    # rows by which the measured path is later: the peak of the correlation of the speeds along both, in any frame
     speed = _speed(planned, dt)
+    fast, usual = (x - x.mean() for x in (_speed(measured, dt), speed))
+    reach, middle = min(round(_LAG_SPAN / dt), len(fast) // 4), len(usual) - 1
+    curve = scipy.signal.correlate(fast, usual, method="fft")
+    lag = int(np.argmax(curve[middle - reach : middle + reach + 1])) - reach
+    # the copy, of rows at once and of those that belong together if the measured path is later
+    later, earlier = (slice(max(x, 0), len(rows) + min(x, 0)) for x in (lag, -lag))
+    at_once, moved = _registered(measured, planned), _registered(measured[later], planned[earlier])
+    scale, angle, left, straight = moved if moved[2] < 0.7 * at_once[2] else at_once
     return Fit(
         scale=scale,
         angle=np.nan if straight or left > 0.2 else angle,
@@ -93,13 +99,6 @@ def _registered(measured: Array, planned: Array) -> tuple[float, float, float, b
     return scale, angle, left, bool(extents[1] < 0.2 * extents[0])
 
 
-def _shifted(a: Array, b: Array, lag: int) -> tuple[Array, Array]:
-    """Rows of two series that belong together if `a` is later by `lag` rows."""
-    if lag == 0:
-        return a, b
-    return (a[lag:], b[:-lag]) if lag > 0 else (a[:lag], b[-lag:])
-
-
 def _paths(log: Log) -> tuple[Array, Array, IntArray]:
     """Measured and planned tool positions [m], (R, 3) each, and their rows."""
     if not log.recording.has("tcp.position"):
@@ -117,35 +116,19 @@ def _paths(log: Log) -> tuple[Array, Array, IntArray]:
     raise NotJudgedError("it needs the robot with a tool, or tcp_reference.position")
 
 
-def _lag(a: Array, b: Array, dt: float) -> int:
-    """By how many rows path `a` (R, 3) is later than `b`: the peak of the correlation of their speeds, in any frame."""
-    fast, planned = (speed - speed.mean() for speed in (_speed(a, dt), _speed(b, dt)))
-    reach = min(round(_LAG_SPAN / dt), len(fast) // 4)
-    curve = scipy.signal.correlate(fast, planned, method="fft")
-    middle = len(planned) - 1
-    return int(np.argmax(curve[middle - reach : middle + reach + 1])) - reach
-
-
 def _speed(path: Array, dt: float) -> Array:
     """Way along a path (R, 3) in each `_WINDOW`."""
     window = max(1, round(_WINDOW / dt))
     return np.asarray(np.linalg.norm(path[window:] - path[:-window], axis=1))
 
 
-def _swing(log: Log) -> float:
-    """Factor by which the springs of the arm may enlarge its path: 1 for slow motions, `_LARGEST_SWING` at resonance.
-
-    A mass on a spring follows 1 / (1 - (f / f_1)^2) times as far; the springs may be half as stiff as described.
-    """
-    if log.robot is None or log.robot.drive.is_rigid.all() or not log.is_described:
-        return 1.0
-    ratio = bandwidth(log)[0] / first_resonance(log)
-    return 1 / max(1 - 2 * ratio**2, 1 / _LARGEST_SWING)
-
-
 @check
 def _tracker_scale(log: Log) -> Iterator[Seen]:
-    fit, swing = _fit(log), _swing(log)
+    fit, swing = _fit(log), 1.0
+    if log.robot is not None and log.is_described and not log.robot.drive.is_rigid.all():
+        # a mass on a spring follows 1 / (1 - (f / f_1)^2) times as far; springs may be half as stiff as described
+        ratio = bandwidth(log)[0] / first_resonance(log)
+        swing = 1 / max(1 - 2 * ratio**2, 1 / _LARGEST_SWING)
     unit, others = "It is in millimetres: divide by 1000", "Look at its unit, the gear ratios and the links"
     beyond = max(abs(np.log(max(fit.scale, 1e-12))) - np.log(swing), 0.0)
     words = {"fit": fit, "swing": swing, "hint": unit if fit.scale > 100 else others}

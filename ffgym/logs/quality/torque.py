@@ -129,18 +129,13 @@ def _torque_permutation(log: Log) -> Iterator[Seen]:
     own = np.diag(cost)
     gains = np.where(own > np.log(_MISFIT), own - cost[np.arange(len(own)), chosen], 0.0)
     for row, column in enumerate(chosen):
-        gain = float(gains[_exchanged(chosen, row)].min())  # all of them have changed places, or none
+        exchanged = [row]  # joints that have changed places with it: the one that it is like, and so on
+        while chosen[exchanged[-1]] != row:
+            exchanged.append(chosen[exchanged[-1]])
+        gain = float(gains[exchanged].min())  # all of them have changed places, or none
         one, other = (log.joints[joints[k]] for k in (row, column))
         words = {"times": np.exp(gain), "other": other}
         yield Seen(gain, (f"motor.effort.{one}", f"motor.effort.{other}"), one, words)
-
-
-def _exchanged(chosen: list[int], row: int) -> list[int]:
-    """Rows that have changed places with `row`: it, the row it is like, the row that one is like, and so on."""
-    found = [row]
-    while chosen[found[-1]] != row:
-        found.append(chosen[found[-1]])
-    return found
 
 
 def _left(model: Model, i: int, j: int) -> float:
@@ -189,7 +184,13 @@ def _gravity_direction(log: Log) -> Iterator[Seen]:
     size = float(np.linalg.norm(model.robot.gravity))
     torques = [model.robot.drive.motor_torque(arm.gravity_torque(q)) for arm in _pulled_along_axes(model.robot)]
     columns = np.stack([(torque[:, heavy] * weight).ravel() for torque in torques], axis=1)
-    angle = _angle(columns, (rest[:, heavy] * weight).ravel(), model.robot.gravity / size)
+    # gravity that explains the torques, and the expected one, in the directions that the torques tell apart
+    u, s, vt = np.linalg.svd(columns, full_matrices=False)
+    seen = s > _SEEN * s[0]
+    measured = (u[:, seen].T @ (rest[:, heavy] * weight).ravel()) / s[seen]
+    expected = vt[seen] @ (model.robot.gravity / size)
+    both = max(float(np.linalg.norm(measured) * np.linalg.norm(expected)), TINY)
+    angle = float(np.degrees(np.arccos(np.clip(measured @ expected / both, -1, 1))))
     yield Seen(angle, tuple(f"motor.effort.{log.joints[j]}" for j in heavy))
 
 
@@ -198,16 +199,3 @@ def _pulled_along_axes(robot: RobotDescription) -> tuple[RigidArm, ...]:
     """The robot in gravity as strong as its own, along each axis of the world; kept for the next log."""
     size = float(np.linalg.norm(robot.gravity))
     return tuple(RigidArm(replace(robot, gravity=size * axis)) for axis in np.eye(3))
-
-
-def _angle(columns: Array, torque: Array, expected: Array) -> float:
-    """Angle [deg] between the gravity that explains `torque` (R,) by `columns` (R, 3), and the expected one (3,).
-
-    Both are taken in the directions that the torques tell apart.
-    """
-    u, s, vt = np.linalg.svd(columns, full_matrices=False)
-    seen = s > _SEEN * s[0]
-    measured = (u[:, seen].T @ torque) / s[seen]
-    expected = vt[seen] @ expected
-    size = max(float(np.linalg.norm(measured) * np.linalg.norm(expected)), TINY)
-    return float(np.degrees(np.arccos(np.clip(measured @ expected / size, -1, 1))))

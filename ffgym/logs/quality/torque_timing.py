@@ -168,20 +168,15 @@ def _torque_lag(log: Log) -> Iterator[Seen]:
         raise NotJudgedError("no torque changes, or positions are too noisy")
     cost = _leftover(parts, joints.tolist(), reach)
     needed = _TELLS if len(joints) >= _FEW and parts.blur == 1 else _TELLS_ALONE
-    lag = _smallest(cost, _TELLS) * dt if cost.min() < -needed else 0.0
+    good = np.flatnonzero(cost < cost.min() + _TELLS) - reach
+    nearest = int(good[np.argmin(np.abs(good))])  # to no delay, of those that are as good as the best
+    lag = nearest * dt if cost.min() < -needed else 0.0
     within = max(_LATE, _ROWS_LATE * log.dt)
     columns = tuple(f"motor.effort.{log.joints[j]}" for j in joints)
     # with noisy angles none is refused: friction that turns round slowly looks late in one log, and a fit of the
     # wiring over all of them tells more
     value = abs(lag) / within if parts.blur == 1 else min(abs(lag) / within, ROWS["torque_lag"]["refuse"])
     yield Seen(value, columns, words={"late": late(lag), "seconds": abs(lag), "within": within})
-
-
-def _smallest(cost: Array, least: float) -> int:
-    """The shift nearest to none, of those from -R to R, whose `cost` (2 R + 1,) is the best but for `least`."""
-    reach = len(cost) // 2
-    good = np.flatnonzero(cost < cost.min() + least) - reach
-    return int(good[np.argmin(np.abs(good))])
 
 
 def _leftover(parts: TorqueParts, joints: list[int], reach: int) -> Array:
