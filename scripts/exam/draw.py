@@ -193,13 +193,8 @@ def miscalibrated(robot: RobotDescription, rng: np.random.Generator) -> RobotDes
 def errors_beside(hidden: Hidden, described: RobotDescription, machine: Machine, offset: Array) -> dict[str, float]:
     """What errors of the description add to the numbers of an effect, by their names.
 
-    One number of the machine is off by both, and nobody can tell them apart.
-
-    Args:
-        hidden: the effect, as large as in the log.
-        described: the nominal robot.
-        machine: the one that makes the log, without the effect.
-        offset: of its current sensors, as torque, motor side [N m], shape (N,).
+    One number of the machine is off by both, and nobody can tell them apart. The machine is that of the log, without
+    the effect; `offset` is that of its current sensors, as torque, motor side [N m], shape (N,).
     """
     parameters, found = hidden.effect.parameters(), dict[str, float]()
     for name, value in hidden.numbers(described).items():

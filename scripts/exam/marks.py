@@ -249,10 +249,7 @@ def _cycles_off(hidden: Truth, answer: Diagnosis) -> float | None:
 def write_marks(path: Path, head: Mapping[str, Any], marks: Sequence[Mark]) -> None:
     """Write all marks, one line for each question, whole or not at all, in the order of the exam.
 
-    Args:
-        path: of the file.
-        head: its first line, which says what all marks depend on beside the question.
-        marks: in any order.
+    The first line is `head`, which says what all marks depend on beside the question.
     """
     ordered = sorted(marks, key=lambda mark: (ROWS.index(mark.row), mark.number))
     write_text(path, "".join(json.dumps(line) + "\n" for line in (head, *(to_json(mark) for mark in ordered))))

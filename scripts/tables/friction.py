@@ -133,13 +133,7 @@ CANDIDATES = {each.name: each for each in (*PUBLISHED, *OTHERS, *EXTENDED)}
 
 
 def networks(candidates: Sequence[str] = tuple(CANDIDATES), n_starts: int = N_STARTS, seed: int = 0) -> Contents:
-    """NARX networks beside one another: fits in free run and one step ahead, over random starts.
-
-    Args:
-        candidates: names of those of `scripts.thesis.narx` to fit, to data of the LuGre model as thesis 6.2.
-        n_starts: random starts of each.
-        seed: of their first weights.
-    """
+    """NARX networks beside one another, fitted to data of the LuGre model as in thesis 6.2 from random weights."""
     friction = load_robot("one_axis").friction
     records, reach = narx_records(friction), reach_records(friction)
     floors = {name: static_misfit(friction, each).fit for name, each in (records | reach).items()}

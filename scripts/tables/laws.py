@@ -28,14 +28,7 @@ def elastic(
     speeds: Sequence[float] = SPEEDS,
     radii: Sequence[float] = RADII,
 ) -> Contents:
-    """What elastic feed-forward is worth, with a wrong model, and what limits it: mean RMS path error [mm].
-
-    Args:
-        robot: name of the simulated robot, and of the model that is made wrong.
-        positions: of the circles; None takes all.
-        speeds: TCP speeds [m/s].
-        radii: circle radii [m].
-    """
+    """What elastic feed-forward is worth, with a wrong model, and what limits it: mean RMS path error [mm]."""
     described = load_robot(robot)
     cases: dict[str, dict[str, tuple[RobotDescription, FeedForwardLaw]]] = {
         "law": {law.name: (described, law) for law in laws_of(described)},
@@ -102,13 +95,8 @@ def model(
 ) -> Contents:
     """What feed-forward from a machine's own model gives back of what each effect takes: mean RMS path error [um].
 
-    Args:
-        robot: name of the nominal robot, which the controller knows.
-        effects: effects to put on it, one at a time; those that no torque compensates are left out.
-        share: of the strongest plausible size.
-        positions: of the circles.
-        speeds: TCP speeds [m/s].
-        radii: circle radii [m].
+    Effects are put on the robot that the controller knows, one at a time, at a share of the strongest plausible size;
+    those that no torque compensates are left out.
     """
     arm = RigidArm(load_robot(robot))
     rows = []

@@ -34,16 +34,9 @@ def convergence(
     speeds: Sequence[float] = SPEEDS,
     radii: Sequence[float] = RADII,
 ) -> Contents:
-    """All tables of the page.
+    """All tables of the page: LuGre friction on one axis over a duration [s], energy, and circles, on a robot.
 
-    Args:
-        robot: name of the robot of the energy and circle tables.
-        steps: physics steps of the LuGre table [s], each half the one before.
-        energy_steps: the same of the energy table.
-        duration: simulated time of the LuGre table [s].
-        positions: of the circle table; None takes all.
-        speeds: TCP speeds of the circle table [m/s].
-        radii: circle radii of the circle table [m].
+    Physics steps [s] are each half the one before; circles at all positions if none are given.
     """
     described = load_robot(robot)
     halved = ModelOptions(physics_dt=described.physics_dt / 2, looks=False)

@@ -18,13 +18,7 @@ if TYPE_CHECKING:
 
 
 def basis_figure(speeds: Array, values: Array, close_up: float) -> "Figure":
-    """All basis functions, and those near zero speed.
-
-    Args:
-        speeds: motor speeds [rad/s], ascending, shape (T,).
-        values: basis functions there, shape (T, S).
-        close_up: half of the range of the second panel [rad/s].
-    """
+    """All basis functions (T, S) over motor speeds [rad/s] (T,), and a close-up of those near zero speed."""
     with panels(1, 2, size=(10.0, 2.6), sharey=True) as (figure, grid):
         both = grid[0]
         for axes, reach in zip(both, (float(speeds[-1]), close_up), strict=True):
@@ -166,13 +160,9 @@ def _draw_row(row: "Sequence[Axes]", fit: NarxFit, samples: Samples) -> None:
 
 
 def fits_figure(fits: Mapping[str, Array], floor: Array, records: Sequence[str]) -> "Figure":
-    """Fit in free run on each record, one mark per network, with the static curve as floor.
+    """Fit in free run on each record [%], one mark per network, with the static curve as floor (records,).
 
-    Args:
-        fits: by label, fit [%] of each start, shape (S, records); marks are medians, bars reach from the worst
-            start to the best.
-        floor: fit of the static curve [%], shape (records,).
-        records: their names.
+    Of the starts of a network (S, records) marks are medians; bars reach from the worst to the best.
     """
     with house_style():
         figure = new_figure(9.6, 4.2)
