@@ -66,11 +66,9 @@ class Laboratory:
     """The nominal robot, the one-axis model and a workcell, with the tests of the thesis; all randomness is seeded."""
 
     def __init__(self, *, n_threads: int = 0, stage: Stage = silent) -> None:
-        """Make a laboratory in which nothing has been simulated.
+        """Make a laboratory in which nothing has been simulated; `stage` is told of what goes on.
 
-        Args:
-            n_threads: threads of the engine, 0 for all cores; results are the same at any number.
-            stage: is told of what goes on.
+        Threads of the engine are as many as there are cores for 0; results are the same at any number.
         """
         self.n_threads = n_threads
         self.stage = stage

@@ -144,29 +144,30 @@ def possible(robot: RobotDescription, columns: Columns) -> tuple[str, ...]:
     return tuple(name for name, kind in KINDS.items() if all(there[need] for need in kind.needs))
 
 
-def _either(limit: float) -> Full:
-    return lambda robot, j, rng: limit * float(rng.choice([-1.0, 1.0]))
+def _up(limit: float | Callable[[RobotDescription, int], float], *, either: bool = False) -> Full:
+    """A size, or one that a joint of a robot has; of either sign by chance if it may have both."""
+
+    def full(robot: RobotDescription, j: int, rng: np.random.Generator) -> float:
+        sign = float(rng.choice([-1.0, 1.0])) if either else 1.0
+        return sign * (limit(robot, j) if callable(limit) else limit)
+
+    return full
 
 
-def _up(limit: float) -> Full:
-    return lambda robot, j, rng: limit
+def _either(limit: float | Callable[[RobotDescription, int], float]) -> Full:
+    return _up(limit, either=True)
 
 
-def _of_coulomb(limit: float) -> Full:
-    return lambda robot, j, rng: limit * float(robot.friction.coulomb[j])
+def _of_coulomb(share: float, most: float = np.inf) -> Callable[[RobotDescription, int], float]:
+    return lambda robot, j: min(most, share * float(robot.friction.coulomb[j]))
 
 
-def _offset(robot: RobotDescription, j: int, rng: np.random.Generator) -> float:
-    return float(rng.choice([-1.0, 1.0])) * min(_LIMIT_OF_OFFSET, 0.3 * float(robot.friction.coulomb[j]))
-
-
-def _payload(robot: RobotDescription, j: int, rng: np.random.Generator) -> float:
+def _payload(robot: RobotDescription, j: int) -> float:
     return float(robot.tool.mass) if robot.tool is not None else 1.0
 
 
-def _balance(robot: RobotDescription, j: int, rng: np.random.Generator) -> float:
-    peak = robot.drive.peak_torque[j] * abs(robot.drive.gear_ratio[j])
-    return float(rng.choice([-1.0, 1.0])) * min(100.0, 0.05 * float(peak))
+def _balance(robot: RobotDescription, j: int) -> float:
+    return min(100.0, 0.05 * float(robot.drive.peak_torque[j] * abs(robot.drive.gear_ratio[j])))
 
 
 def _larger(*names: str, of_coulomb: bool = False) -> Change:
@@ -268,7 +269,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType(
         "growth": Kind("hardening", _up(1.0), _growth, needs=("elastic",)),
         "gap": Kind("backlash", _up(3e-4), _fault("gap"), {"half_gap": "size"}, needs=("elastic",)),
         "tooth": Kind("kinematic_error", _up(3e-4), _fault("tooth"), _ONCE, needs=("elastic",)),
-        "payload": Kind("payload", _payload, _heavier, _PAYLOAD, at_machine=True),
+        "payload": Kind("payload", _up(_payload), _heavier, _PAYLOAD, at_machine=True),
         "rotor": _described("rotor_inertia", _either(0.2), _larger("rotor"), _CHANGE),
         "torque_error": Kind(
             "torque_constant",
@@ -276,23 +277,27 @@ KINDS: Mapping[str, Kind] = MappingProxyType(
             _fault("torque_error"),
             {"error": "size", "saturation": 0.0, "magnets": 0.0},
         ),
-        "offset": Kind("torque_offset", _offset, _fault("offset"), {"offset": "size"}),
+        "offset": Kind(
+            "torque_offset", _either(_of_coulomb(0.3, _LIMIT_OF_OFFSET)), _fault("offset"), {"offset": "size"}
+        ),
         "lag": Kind("torque_delay", _up(0.0015), _fault("lag")),
         "cogging": Kind(
-            "cogging", _of_coulomb(0.3), _fault("cogging", cycles="cogging_cycles"), {"amplitude": "size", **_WAVE}
+            "cogging", _up(_of_coulomb(0.3)), _fault("cogging", cycles="cogging_cycles"), {"amplitude": "size", **_WAVE}
         ),
         "ripple": Kind(
             "torque_ripple", _up(0.05), _fault("ripple", cycles="ripple_cycles"), {"share": "size", **_WAVE}
         ),
         "resolver": Kind("resolver_ripple", _up(3e-3), _fault("resolver"), _ONCE),
-        "balance": Kind("gravity_term", _balance, _fault("balance"), {"sine": 0.0, "cosine": "size", "stiffness": 0.0}),
+        "balance": Kind(
+            "gravity_term", _either(_balance), _fault("balance"), {"sine": 0.0, "cosine": "size", "stiffness": 0.0}
+        ),
         "reflector": _at_tracker("tool_frame", 1.5e-3, "offset", _vector("offset")),
         "frame_shift": _at_tracker("tracker_frame", 1.5e-3, "shift", _vector("shift")),
         "frame_turn": _at_tracker("tracker_frame", 1e-3, "turn", _vector("turn")),
         "latency": _at_tracker("tracker_clock", 0.005, "latency", {"latency": "size", "drift": 0.0}),
-        "brake": Kind("", _of_coulomb(0.5), _fault("brake", frequency="frequency")),
-        "clock": Kind("", _of_coulomb(0.3), _fault("clock", frequency="frequency")),
-        "neighbour": Kind("", _of_coulomb(0.4), _fault("neighbour"), needs=("neighbour",)),
+        "brake": Kind("", _up(_of_coulomb(0.5)), _fault("brake", frequency="frequency")),
+        "clock": Kind("", _up(_of_coulomb(0.3)), _fault("clock", frequency="frequency")),
+        "neighbour": Kind("", _up(_of_coulomb(0.4)), _fault("neighbour"), needs=("neighbour",)),
     }
 )
 """Every kind of effect, by the name that the exam gives it."""

@@ -55,6 +55,12 @@ def test_mass_matrix_and_bias_are_the_parts_of_inverse_dynamics(rng):
     )
 
 
+def plant_of(numbers, servo, dt=0.0005):
+    """Plant of bristles, with its clock at zero and without warming."""
+    clock, warming = np.zeros(numbers.shape[0]), np.zeros(numbers.shape)
+    return Plant(numbers, contact_of(numbers.presliding), servo, dt=dt, clock=clock, warming=warming)
+
+
 def contact_of(stiffness, blocks=False):
     """Contact of bristles alone, or of blocks alone."""
     return Contact(stiffness=stiffness, has_blocks=np.full(stiffness.shape, blocks))
@@ -83,7 +89,7 @@ def let_go(numbers, servo, q, dt, steps, every):
         speed=np.zeros((2 * steps + 1, *shape)),
         ahead=np.zeros((2 * steps + 1, *shape)),
     )
-    plant = Plant(numbers, contact_of(numbers.presliding), servo, dt=dt, clock=np.zeros(1), warming=np.zeros(shape))
+    plant = plant_of(numbers, servo, dt)
     plant._at_rest = lambda q, orders: np.stack([q, 0 * q, q * numbers.gear_ratio, 0 * q, 0 * q, 0 * q])
     plant._memory = np.zeros((*shape, 1))
     return plant.run(q, orders, every)
@@ -132,15 +138,7 @@ def still(robot, numbers, servo, seconds=1.5):
     steps = round(seconds / 0.0005)
     q = np.zeros(numbers.shape)
     zero = np.zeros((2 * steps + 1, *numbers.shape))
-    plant = Plant(
-        numbers,
-        contact_of(numbers.presliding),
-        servo,
-        dt=0.0005,
-        clock=np.zeros(len(q)),
-        warming=np.zeros(numbers.shape),
-    )
-    return plant.run(q, Orders(position=zero, speed=zero, ahead=zero), steps)
+    return plant_of(numbers, servo).run(q, Orders(position=zero, speed=zero, ahead=zero), steps)
 
 
 def servo_of(robot, shape):
@@ -225,15 +223,7 @@ def test_a_cascade_brings_motors_to_their_set_points(rng):
     ramp = np.clip((t - 0.1) / 0.4, 0, 1)
     wanted = (ramp**3 * (10 - 15 * ramp + 6 * ramp**2))[:, None, None] * 0.2 * numbers.gear_ratio
     orders = Orders(position=wanted, speed=np.gradient(wanted, 0.00025, axis=0), ahead=np.zeros_like(wanted))
-    plant = Plant(
-        numbers,
-        contact_of(numbers.presliding),
-        servo,
-        dt=0.0005,
-        clock=np.zeros(1),
-        warming=np.zeros(shape),
-    )
-    course = plant.run(np.zeros(shape), orders, steps)
+    course = plant_of(numbers, servo).run(np.zeros(shape), orders, steps)
     np.testing.assert_allclose(course.angle[-1], 0.2 * numbers.gear_ratio, rtol=0.02)
 
 
@@ -248,8 +238,11 @@ def test_friction_that_depends_on_direction_does_so_by_the_same_torque_at_any_sp
     wanted = np.cumsum(rate, axis=0) * dt / 2
     ahead = np.zeros_like(wanted)
     servo = servo_of(robot, both.shape)
-    plant = Plant(both, contact_of(both.presliding), servo, dt=dt, clock=np.zeros(1), warming=np.zeros(both.shape))
-    torque = plant.run(np.zeros(both.shape), Orders(position=wanted, speed=rate, ahead=ahead), 1).torque[..., 0]
+    torque = (
+        plant_of(both, servo, dt)
+        .run(np.zeros(both.shape), Orders(position=wanted, speed=rate, ahead=ahead), 1)
+        .torque[..., 0]
+    )
     for part in range(4):
         settled = slice(part * steps // 4 + steps // 6, (part + 1) * steps // 4 - 5)
         more = np.mean(np.diff(torque[settled], axis=1))
@@ -264,15 +257,7 @@ def test_what_is_recorded_of_a_motor_is_what_its_resolver_reads(rng):
     rate = np.full((4001, *shape), 0.2) * robot.kinematics.max_speed * numbers.gear_ratio
     rate = rate * np.linspace(0, 1, len(rate))[:, None, None]
     orders = Orders(position=np.cumsum(rate, axis=0) * dt / 2, speed=rate, ahead=np.zeros_like(rate))
-    plant = Plant(
-        numbers,
-        contact_of(numbers.presliding),
-        servo_of(robot, shape),
-        dt=dt,
-        clock=np.zeros(1),
-        warming=np.zeros(shape),
-    )
-    course = plant.run(np.zeros(shape), orders, 1)
+    course = plant_of(numbers, servo_of(robot, shape), dt).run(np.zeros(shape), orders, 1)
     true = course.q * numbers.gear_ratio
     assert np.ptp(true) > 2 * np.pi
     np.testing.assert_allclose(course.angle - true, 2e-3 * np.sin(true), atol=1e-9)
