@@ -86,10 +86,10 @@ def compare(robot: RobotDescription, rng: np.random.Generator, n_sweeps: int = N
     friction = StaticLuGre(robot.friction).at_speed
     speed = np.linspace(-TOP_SPEED, TOP_SPEED, 4 * N_SAMPLES)[:, None]
     still = np.zeros_like(speed)  # so slow that there is no acceleration to speak of
-    first: dict[str, StaticBSN | MLP] = {
-        "bsn_static": StaticBSN.zero(1).filled(friction),
-        "mlp_fel": _fitted(MLP.untrained(robot, rng), speed, friction(speed)),
-    }
+    perceptron = MLP.untrained(robot, rng)
+    for _ in range(N_UPDATES):
+        perceptron = perceptron.fitted_to(speed, still, friction(speed))
+    first: dict[str, StaticBSN | MLP] = {"bsn_static": StaticBSN.zero(1).filled(friction), "mlp_fel": perceptron}
     up = np.linspace(SEEN_FROM, TOP_SPEED, N_SAMPLES)[:, None]
     sweeps = np.concatenate([up if i % 2 == 0 else up[::-1] for i in range(n_sweeps)])
     second = {name: _in_order(network, sweeps, CHANGE * friction(sweeps)) for name, network in first.items()}
@@ -102,13 +102,6 @@ def compare(robot: RobotDescription, rng: np.random.Generator, n_sweeps: int = N
         )
         for name in first
     }
-
-
-def _fitted(network: MLP, motor_dq: Array, wanted: Array) -> MLP:
-    """A perceptron after updates from all samples (T, 1) at once."""
-    for _ in range(N_UPDATES):
-        network = network.fitted_to(motor_dq, np.zeros_like(motor_dq), wanted)
-    return network
 
 
 def _in_order(network: StaticBSN | MLP, motor_dq: Array, wanted: Array) -> StaticBSN | MLP:
