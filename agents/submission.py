@@ -1,7 +1,6 @@
 """Agents of this package as submissions: which file or name is of which kind, and how each is made from it."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,7 @@ from ffgym.agents.residual.policy import KIND, load_policy
 from ffgym.control import FeedForwardLaw, Policy
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import read_bytes
+from ffgym.leaderboard.submission.manifest import AgentSource
 from ffgym.robot import RobotDescription
 
 LOADERS: Mapping[str, str] = {
@@ -23,19 +23,8 @@ LOADERS: Mapping[str, str] = {
 """Module whose `load` makes an agent, by its kind."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Source:
-    """What a submission of an agent consists of, see `ffgym.leaderboard.submission.manifest.AgentSource`."""
-
-    kind: str
-    law: str | None = None
-    file: str | None = None
-    content: bytes | None = field(default=None, repr=False)
-    """Of the file."""
-
-
-def submitted(agent: str) -> Source:
-    """What a submission of `agent` consists of.
+def submitted(agent: str) -> tuple[AgentSource, bytes | None]:
+    """What a submission of `agent` consists of, and the content of its file if it has one.
 
     Args:
         agent: name in the catalogue, model:machine.toml, or a path: .npz of a law or a residual policy, .py.
@@ -44,10 +33,10 @@ def submitted(agent: str) -> Source:
         FFGymError: if there is no such agent, it is trained anew each time it is made, or its file cannot be read.
     """
     if agent.endswith(".py"):
-        return Source(kind="python", file="agent.py", content=read_bytes(agent))
+        return AgentSource(kind="python", file="agent.py"), read_bytes(agent)
     if agent.endswith(".npz"):
         kind = "policy" if unpack(agent)[0].get("kind") == KIND else "law"
-        return Source(kind=kind, file="agent.npz", content=read_bytes(agent))
+        return AgentSource(kind=kind, file="agent.npz"), read_bytes(agent)
     name, colon, file = agent.partition(":")
     entry = entry_of(name)
     if name not in SUBMITTED:
@@ -56,10 +45,10 @@ def submitted(agent: str) -> Source:
             f"Submit {', '.join(SUBMITTED)}, or the file .npz of what was learned, or a .py."
         )
     if not colon:
-        return Source(kind="law", law=name)
+        return AgentSource(kind="law", law=name), None
     if not entry.takes_machine:
         raise FFGymError(f"Agent {name!r} takes no file, got {agent!r}.")
-    return Source(kind="law", law=name, file="agent.toml", content=read_bytes(file))
+    return AgentSource(kind="law", law=name, file="agent.toml"), read_bytes(file)
 
 
 def load(source: Mapping[str, Any], folder: Path, robot: RobotDescription) -> Policy:

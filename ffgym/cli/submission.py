@@ -11,7 +11,7 @@ from ffgym.core.errors import FFGymError
 from ffgym.core.files import write_bytes
 from ffgym.leaderboard.plants import ROBOT
 from ffgym.leaderboard.submission.judge import CHECKS, Judge
-from ffgym.leaderboard.submission.manifest import About, AgentSource, Claim, Refused, read_archive
+from ffgym.leaderboard.submission.manifest import About, Claim, Refused, read_archive
 from ffgym.leaderboard.submission.process import isolation_note
 
 
@@ -19,11 +19,11 @@ def submit(config: Submit) -> None:
     """Check, run, pack, print."""
     inputs = (config.agent, config.agent.partition(":")[2])
     check_outputs({"--out": config.out, "--json": config.json}, inputs=inputs, suffix=".zip")
-    source = submitted(config.agent)
+    source, content = submitted(config.agent)
     said = {field.name: getattr(config, field.name) for field in fields(About)}
     about = About(**said | {"title": config.title or config.name})
     judge = Judge(loaders=LOADERS, n_threads=config.threads, stage=progress_bar)
-    packed = judge.pack(about, AgentSource(kind=source.kind, law=source.law, file=source.file), source.content)
+    packed = judge.pack(about, source, content)
     write_bytes(config.out, packed.data)
     info = provenance("ffgym leaderboard submit", config, ROBOT, None, config.seed)
     measured = {"inference_us_measured": packed.inference_us}

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ffgym.core.errors import FFGymError, check_choice, check_number
+from ffgym.core.files import read_text
 from ffgym.core.typed_json import from_json
 from ffgym.envs.machines import is_workcell
 from ffgym.leaderboard.plants import NOMINAL, draw_number
@@ -135,13 +136,7 @@ def read_row(path: Path) -> Row:
     Raises:
         FFGymError: if the file cannot be read, is damaged, or of another format.
     """
-    try:
-        text = path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise FFGymError(f"{path}: cannot be read: {error.strerror}.") from error
-    except ValueError as error:
-        raise FFGymError(f"{path}: is damaged, no text: {error}. {_AGAIN}") from error
-    return decode_row(text, str(path))
+    return decode_row(read_text(path), str(path))
 
 
 def decode_row(text: str, path: str) -> Row:

@@ -11,7 +11,6 @@ from ffgym.agents.residual.actor import Actor, Layer
 from ffgym.agents.residual.policy import ResidualPolicy, save_policy
 from ffgym.agents.submission import SUBMITTED, load, submitted
 from ffgym.core.errors import FFGymError
-from ffgym.leaderboard.submission.manifest import AgentSource
 from ffgym.robot import load_robot
 from tests.leaderboard.submission_samples import ROBOT, judge, packed
 
@@ -40,34 +39,34 @@ def law_file(tmp_path):
 
 
 def test_a_residual_policy_is_accepted(policy_file):
-    source = submitted(str(policy_file))
+    source, content = submitted(str(policy_file))
     assert (source.kind, source.file) == ("policy", "agent.npz")
-    data = packed(AgentSource(kind=source.kind, file=source.file), source.content).data
+    data = packed(source, content).data
     verdict = judge().verify(data)
     assert (verdict.manifest.preview, verdict.manifest.action_scale) == (8, 30.0)
     assert verdict.action_difference == 0.0
 
 
 def test_a_learned_law_is_told_from_a_residual_policy_and_made(law_file, tmp_path):
-    source = submitted(str(law_file))
+    source, content = submitted(str(law_file))
     assert (source.kind, source.law, source.file) == ("law", None, "agent.npz")
-    (tmp_path / "agent.npz").write_bytes(source.content)
+    (tmp_path / "agent.npz").write_bytes(content)
     assert load(vars(source), tmp_path, load_robot(ROBOT)).preview == 1
 
 
 def test_every_law_that_can_be_submitted_by_its_name_is_made_from_the_robot_alone(tmp_path):
     assert set(SUBMITTED) >= {"lugre_static", "lugre_dynamic", "elastic", "model"}
     for name in SUBMITTED:
-        source = submitted(name)
+        source, _ = submitted(name)
         policy = load(vars(source), tmp_path, load_robot(ROBOT))
         assert policy.preview >= 1
 
 
 def test_a_machine_file_is_packed_with_its_law(tmp_path):
     (tmp_path / "machine.toml").write_text(MACHINE)
-    source = submitted(f"model:{tmp_path / 'machine.toml'}")
+    source, content = submitted(f"model:{tmp_path / 'machine.toml'}")
     assert (source.kind, source.law, source.file) == ("law", "model", "agent.toml")
-    (tmp_path / "agent.toml").write_bytes(source.content)
+    (tmp_path / "agent.toml").write_bytes(content)
     assert load(vars(source), tmp_path, load_robot(ROBOT)).preview == 4
 
 

@@ -62,35 +62,30 @@ class Row:
 def parameter_rows(fit: RigidBodyFit) -> list[Row]:
     """Rotors, friction, offsets, springs: all but the bodies."""
     places = [i for i, label in enumerate(fit.labels) if label.split(".")[0] not in (*fit.robot.links, "tool")]
-    columns = (fit.described, fit.estimate, fit.intervals.low, fit.intervals.high, fit.shares)
-    return _rows(fit, [fit.labels[i] for i in places], places, [column[places] for column in columns])
+    numbers = {"before": fit.described, "now": fit.estimate, "low": fit.intervals.low, "high": fit.intervals.high}
+    numbers = {key: column[places] for key, column in (numbers | {"share": fit.shares}).items()}
+    return _rows(fit, [fit.labels[i] for i in places], places, numbers)
 
 
 def base_rows(fit: RigidBodyFit) -> list[Row]:
     """Combinations that torque can tell."""
-    base, intervals = fit.base, fit.base_intervals
-    columns = [base.values(fit.described), base.values(fit.estimate), intervals.low, intervals.high, fit.base_shares]
-    return _rows(fit, [base.text(i) for i in range(len(base.own))], base.own, columns)
+    base, ends = fit.base, fit.base_intervals
+    numbers = {
+        "before": base.values(fit.described),
+        "now": base.values(fit.estimate),
+        "low": ends.low,
+        "high": ends.high,
+    }
+    return _rows(fit, [base.text(i) for i in range(len(base.own))], base.own, numbers | {"share": fit.base_shares})
 
 
-def _rows(fit: RigidBodyFit, names: Sequence[str], places: Iterable[int], columns: Sequence[Array]) -> list[Row]:
-    """A row for each name, from columns before, now, low, high and share; units and what was fitted by `places`."""
+def _rows(fit: RigidBodyFit, names: Sequence[str], places: Iterable[int], numbers: Mapping[str, Array]) -> list[Row]:
+    """A row for each name, with numbers by field; units and what was fitted are those of the parameters at `places`."""
     rows = []
-    for name, place, *numbers in zip(names, places, *columns, strict=True):
-        before, now, low, high, share = map(float, numbers)
-        by = "data" if share >= SURE else "description" if share < 1 - SURE else "both"
-        rows.append(
-            Row(
-                name=name,
-                unit=fit.units[place],
-                before=before,
-                now=now,
-                low=low,
-                high=high,
-                share=share,
-                verdict=by if fit.fitted[place] else "not excited",
-            )
-        )
+    for k, (name, place) in enumerate(zip(names, places, strict=True)):
+        own = {key: float(column[k]) for key, column in numbers.items()}
+        by = "data" if own["share"] >= SURE else "description" if own["share"] < 1 - SURE else "both"
+        rows.append(Row(name=name, unit=fit.units[place], verdict=by if fit.fitted[place] else "not excited", **own))
     return rows
 
 
