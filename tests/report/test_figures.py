@@ -12,7 +12,7 @@ from ffgym.report import circle_figures, one_axis_figures, save_figure
 from ffgym.report.circles.errors_plot import motor_error_figure, ratios_figure
 from ffgym.report.circles.friction_plot import joint_loops_figure, one_axis_figure
 from ffgym.report.circles.paths_plot import flat_circles, magnification_of, paths_figure
-from ffgym.report.figure import encode_figure
+from ffgym.report.figure import encode_figure, house_style, new_figure
 from ffgym.report.laws import law_styles
 
 
@@ -189,3 +189,22 @@ def test_save_figure_writes_by_suffix_and_refuses_others(circle, tmp_path):
     assert save_figure(figure, tmp_path / "a.svg").read_bytes().startswith(b"<?xml")
     with pytest.raises(FFGymError, match="figure format 'bmp'"):
         save_figure(figure, tmp_path / "a.bmp")
+
+
+def drawn(n_points):
+    with house_style():
+        figure = new_figure(4.0, 3.0)
+        axes = figure.subplots()
+        axes.plot(np.random.default_rng(0).normal(size=n_points))
+    return encode_figure(figure)
+
+
+def test_a_line_of_few_points_is_a_vector():
+    assert b"<image" not in drawn(5_000)
+
+
+def test_lines_of_very_many_points_are_pixels_between_vector_axes():
+    picture = drawn(300_000)
+    assert b"<image" in picture
+    assert b"<text" in picture or b"<use" in picture
+    assert len(picture) < 1_000_000
