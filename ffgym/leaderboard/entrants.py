@@ -72,19 +72,9 @@ class Entrant:
 
     def row(self) -> Row:
         """Its row, without outcomes."""
-        return Row(
-            name=self.name,
-            title=self.title,
-            track=self.track,
-            about=self.about,
-            page=self.page,
-            base=self.base,
-            seeded=len(self.seeds) > 1,
-            command=self.command,
-            ranked=self.ranked,
-            outcomes=(),
-            learning_curve=self.learning_curve(),
-        )
+        names = ("name", "title", "track", "about", "page", "base", "command", "ranked")
+        said: dict[str, Any] = {name: getattr(self, name) for name in names}
+        return Row(**said, seeded=len(self.seeds) > 1, outcomes=(), learning_curve=self.learning_curve())
 
 
 @dataclass(frozen=True)
