@@ -10,6 +10,7 @@ from ffgym.core.errors import FFGymError, check_shape
 from ffgym.core.types import Array, ComplexArray
 from ffgym.report.figure import ReportFigure, panels
 from ffgym.report.laws import law_styles
+from ffgym.report.page import words_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -104,10 +105,7 @@ def learning_figure(curves: Sequence[LearningCurves]) -> ReportFigure:
     return ReportFigure(
         name="learning",
         title="Learning at several rates",
-        caption="Left: mean square of the learning signal over that of the first trial at several learning rates, "
-        "predicted from the robot's description (lines) and simulated (dots). Right: eigenvalues of one iteration at "
-        "rate 1. A rate is stable if all lie within the circle through 0 about 1 / rate, drawn for the largest stable "
-        f"rate and for the largest rate on the left. Largest stable rates: {limits}.",
+        caption=words_of("learning")["caption"].format(limits=limits),
         figure=figure,
     )
 

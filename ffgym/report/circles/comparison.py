@@ -7,6 +7,7 @@ from statistics import fmean, median
 
 from ffgym.published import published_mm
 from ffgym.report.laws import UNCOMPENSATED, baseline_of, law_column, law_styles
+from ffgym.report.page import words_of
 from ffgym.report.table import Cell, Column, Table, filled, pair, underlined
 from ffgym.studies import CircleStudy, OneAxisStudy
 
@@ -128,12 +129,7 @@ def percent(share: float) -> str:
 
 def format_text(study: CircleStudy) -> str:
     """One table per speed: simulated beside published path error, and their ratio without compensation."""
-    legend = filled(
-        f"Path error of {study.title} [mm]: deviation of the tool from the circle, in the plane of the circle, "
-        "as RMS (max); offset at standstill removed; lead-in and lead-out do not count. simulated: ffgym. published: "
-        "the real robot, by laser tracker, as printed in the thesis (Tables 4.1, 4.2, 5.1, 5.2). '-': not published."
-    )
-    parts = [legend]
+    parts = [filled(words_of("circles")["legend"].format(title=study.title))]
     for table in circle_tables(study):
         speed, near = f"{table.speed_mm_s:g} mm/s", nearness(table.ratios().values())
         if UNCOMPENSATED not in table.agents:
@@ -151,11 +147,7 @@ def format_text(study: CircleStudy) -> str:
 
 def format_one_axis(study: OneAxisStudy) -> str:
     """Motor error of the sine test, one line per frequency and law."""
-    legend = filled(
-        f"Sine test of {study.robot.title}, simulated: motor position error, motor side, after the start has settled. "
-        "RMS removed: share of the first law's RMS that is gone. The thesis prints no numbers, only "
-        "Figures 4.3 and 4.5."
-    )
+    legend = filled(words_of("circles")["sine_legend"].format(title=study.robot.title))
     return f"{legend}\n\n{sine_table(study).text()}\n"
 
 

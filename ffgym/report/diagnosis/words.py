@@ -10,23 +10,14 @@ import numpy as np
 from ffgym.core.types import Array
 from ffgym.diagnosis.held_out import LoopLevel
 from ffgym.diagnosis.residual import UNITS, Channel, MotionResidual, Residual
-from ffgym.diagnosis.result import Cause, Diagnosis, Level, Rival, Size, Unjudged, Verdict
+from ffgym.diagnosis.result import Cause, Diagnosis, Level, Rival, Size, Unjudged
 from ffgym.effects import EFFECTS
 from ffgym.report.identification.plots import MEASURED, NEW, OLD
+from ffgym.report.page import words_of
 from ffgym.report.table import Column, Table, filled
 from ffgym.robot import RobotDescription
 
-VERDICTS: Mapping[Verdict, str] = MappingProxyType(
-    {
-        "none": "these motions do not falsify the model",
-        "named": "causes explain what the model lacks",
-        "partly": "a cause explains much, and something is left",
-        "ambiguous": "several causes explain it as well, and one more motion would tell them apart",
-        "unknown": "something is there that no effect of the library explains; patterns say what it depends on",
-        "wiring": "columns are not what they are called; no physical cause was looked for",
-        "insufficient": "these logs do not allow a diagnosis",
-    }
-)
+VERDICTS = words_of("verdicts")
 """What each verdict means."""
 
 

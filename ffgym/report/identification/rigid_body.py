@@ -11,7 +11,7 @@ from ffgym.diagnosis.identification.rigid_body import RigidBodyFit, TorqueErrors
 from ffgym.recordings import Recording
 from ffgym.report.figure import ReportFigure
 from ffgym.report.identification.plots import torque_figure
-from ffgym.report.page import Note, Page, Section
+from ffgym.report.page import Note, Page, Section, words_of
 from ffgym.report.table import Column, Kind, Table, filled, underlined
 from ffgym.studies.torque_prediction import TorquePrediction
 
@@ -103,11 +103,7 @@ def format_rigid_body(report: RigidBodyReport) -> str:
     if fit.not_excited:
         parts += [filled(f"note: not excited, and so as described: {', '.join(fit.not_excited)}"), ""]
     parts += [filled(f"note: {doubt}") for doubt in report.doubts]
-    legend = (
-        "RMS of the motor torque and of what is left of it [N m], over rows that move, below "
-        f"{fit.filtering.parallel.cutoff:g} Hz. logs: those that were fitted; below, each that was not. file: fitted "
-        "again without what a parameter file cannot hold."
-    )
+    legend = words_of("rigid_body")["legend"].format(cutoff=fit.filtering.parallel.cutoff)
     return "\n".join([*parts, f"{filled(legend)}\n\n{_errors(report).text()}"])
 
 
@@ -118,11 +114,7 @@ def render_rigid_body_page(report: RigidBodyReport, used: Recording, info: Mappi
     """
     fit = report.fit
     excited = f"Not excited, and so as described: {', '.join(fit.not_excited)}." if fit.not_excited else ""
-    left = (
-        f"RMS, motor side [N m], over rows that move, below {fit.filtering.parallel.cutoff} Hz. The first block is of "
-        "the logs that were fitted, the others are of logs that were not. file: fitted again without what a parameter "
-        "file cannot hold."
-    )
+    left = words_of("rigid_body")["left"].format(cutoff=fit.filtering.parallel.cutoff)
     tables = {
         "Rotors, friction, offsets": _row_table(fit, "parameter, motor side", parameter_rows(fit), "parameters"),
         "Bodies": _bodies(fit),

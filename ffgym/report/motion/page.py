@@ -5,19 +5,12 @@ from typing import Any
 
 from ffgym.report.laws import law_column, law_styles
 from ffgym.report.motion.plot import motion_figures
-from ffgym.report.page import Legend, Note, Page, Part, Section
+from ffgym.report.page import Legend, Note, Page, Part, Section, words_of
 from ffgym.report.table import Cell, Column, Table, filled, pair, underlined
 from ffgym.robot import RobotDescription
 from ffgym.studies import MotionResult, MotionStudy
 
-_JOINTS = (
-    "Motor error [mrad]: reference minus motor, motor side, RMS (max), without standstill. Torque: largest asked of "
-    "the drive, in percent of its peak torque. Speed: largest of the reference, in percent of the limit."
-)
-_PATH = (
-    "distance of the tool from the nearest point of its path, in space, and how far it is behind or ahead along the "
-    "path; offset at the start removed, without standstill."
-)
+_WORDS = words_of("motion")
 
 
 def format_motion(study: MotionStudy) -> str:
@@ -38,12 +31,12 @@ def _text(study: MotionStudy, name: str) -> str:
             Column("along: RMS", [stretch.lag_rms_mm for stretch in whole], ".3f"),
             Column("max", [stretch.lag_max_mm for stretch in whole], ".3f"),
         ]
-        parts += [filled(f"Path error [mm]: {_PATH}"), "", Table(columns=columns).text(), ""]
+        parts += [filled(f"Path error [mm]: {_WORDS['path']}"), "", Table(columns=columns).text(), ""]
     joints = list(enumerate(study.robot.joints))
     errors = [Column(joint, [_motor_error(result, j) for result in results], kind="name") for j, joint in joints]
     torques = [Column(joint, [result.torque_use[j] for result in results], ".1%", kind="name") for j, joint in joints]
     speeds = [Column(joint, [results[0].speed_use[j]], ".1%", kind="name") for j, joint in joints]
-    parts += [filled(_JOINTS), ""]
+    parts += [filled(_WORDS["joints"]), ""]
     parts += [Table(columns=[law_column("motor error [mrad]", agents), *errors]).text(), ""]
     parts += [Table(columns=[law_column("torque [%]", agents), *torques]).text(), ""]
     parts += [Table(columns=[Column("speed [%]", ["all laws"], kind="text"), *speeds]).text()]
@@ -100,10 +93,13 @@ def _section(study: MotionStudy, name: str) -> Section:
             Column("error RMS (max)", errors, unit="mrad", group=law, colour=colour),
             Column("torque", [result.torque_use[j] for j in joints], ".1%", group=law),
         ]
-    parts: list[Part] = [Section("Joints", [Note(_JOINTS), Table(columns=limits)]), *motion_figures(study, name)]
+    parts: list[Part] = [
+        Section("Joints", [Note(_WORDS["joints"]), Table(columns=limits)]),
+        *motion_figures(study, name),
+    ]
     if results[0].path:
         table = Table(columns=stretches, strong=[0])
-        parts.insert(0, Section("Path error [mm]", [Note(f"Across and along: {_PATH}"), table]))
+        parts.insert(0, Section("Path error [mm]", [Note(f"Across and along: {_WORDS['path']}"), table]))
     return Section(f"{reference.name} ({reference.duration:.2f} s)", parts)
 
 

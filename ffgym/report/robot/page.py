@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ffgym.core.types import Array
-from ffgym.report.page import Items, Note, Page, Section
+from ffgym.report.page import Items, Note, Page, Section, words_of
 from ffgym.report.robot.pictures import robot_figures
 from ffgym.report.table import Cell, Column, Table, filled, underlined
 from ffgym.robot import CAPABILITIES
@@ -16,6 +16,7 @@ from ffgym.robot.reading.quantity import ORIGINS
 from ffgym.robot.reading.rules import RULES
 from ffgym.studies.robot_check import POSES, RobotCheck
 
+_WORDS = words_of("robot")
 _SHOWN_MODES = 3
 """Resonances that a table shows, the lowest ones: those that feed-forward meets."""
 
@@ -150,7 +151,7 @@ def _places(check: RobotCheck) -> Table:
             locked, free = _modes(found.locked), _modes(found.free)
         rows.append((place.name, "yes" if place.q is not None else "no", condition, pose, locked, free))
     headings = ("place", "reached", "condition", "joints", "resonances, motors held [Hz]", "motors free [Hz]")
-    note = f"Condition: of the Jacobian of the TCP; above {MAX_CONDITION:g} a path counts as too near a singularity."
+    note = _WORDS["places"].format(most=MAX_CONDITION)
     return Table.of_rows(headings, rows, name="places", title="Places", note=note)
 
 
@@ -161,11 +162,7 @@ def _loads(check: RobotCheck) -> Table:
         columns["worst"] = _numbers(check.gravity.worst)
         if check.gravity.motor_worst is not None:
             columns["worst, motor side"] = _numbers(check.gravity.motor_worst)
-    note = (
-        f"Torque that holds the arm still, link side [N m; N for a sliding joint]; worst: over {POSES} poses in the "
-        "ranges."
-    )
-    return _table("gravity", "Gravity load", columns, note)
+    return _table("gravity", "Gravity load", columns, _WORDS["loads"].format(poses=POSES))
 
 
 def _motors(check: RobotCheck) -> Table:
@@ -177,12 +174,7 @@ def _motors(check: RobotCheck) -> Table:
         columns["breakaway"] = _shares(margin.breakaway / margin.peak)
         columns["friction at speed limit"] = _shares(margin.friction_at_speed / margin.peak)
         columns |= {"left at start": _shares(margin.at_start), "acceleration": _numbers(margin.acceleration)}
-    note = (
-        "Links / rotor: inertia at the motor. Shares are of the peak torque, gravity in its worst pose; friction at "
-        "the speed limit by the viscous line, which overstates it. Acceleration: of one joint alone at home "
-        "[rad/s^2, m/s^2]."
-    )
-    return _table("motors", "Motors", columns, note)
+    return _table("motors", "Motors", columns, _WORDS["motors"])
 
 
 def _table(name: str, title: str, columns: Mapping[str, Sequence[str]], note: str) -> Table:

@@ -11,6 +11,7 @@ from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
 from ffgym.envs.rendering.canvas import Canvas, Panel, camera_on
 from ffgym.report.figure import ReportFigure, new_figure, panels, require_matplotlib
+from ffgym.report.page import words_of
 from ffgym.robot import ModelOptions, compile_model
 from ffgym.studies.robot_check import POSES, RobotCheck, Skeleton, skeleton
 
@@ -71,15 +72,14 @@ def _skeleton(check: RobotCheck) -> ReportFigure:
     with panels(1, len(_VIEWS), size=(11.0, 4.0), legend=False) as (figure, grid):
         for axes, view in zip(grid[0], _VIEWS, strict=True):
             _draw(axes, view, bones, check.reach.points, check.draft.joints, with_masses=with_masses)
-    masses = (
-        " Blue: centres of mass, with areas in proportion to the masses, and ellipsoids of uniform density that have "
-        "the masses and inertias of the links."
-    )
+    words = words_of("robot")
+    caption = words["skeleton"].format(pose=check.rest.name, poses=POSES)
+    if with_masses:
+        caption += f" {words['masses']}"
     return ReportFigure(
         name="skeleton",
         title="Joints, masses, reach",
-        caption=f"The robot at {check.rest.name}: joints and links black, joint axes orange, the tip green (TCP, or "
-        f"end of the chain). Grey: where the tip comes over {POSES} poses in the joint ranges.{masses * with_masses}",
+        caption=caption,
         figure=figure,
     )
 
