@@ -15,7 +15,7 @@ from ffgym.core.files import made_folder, write_text
 from ffgym.diagnosis import Calibration, Diagnosis, Examined, examine
 from ffgym.diagnosis.document import write_diagnosis
 from ffgym.diagnosis.extended import save_extended
-from ffgym.diagnosis.held_out import HeldOut, LoopLevel, check_comparable, closed_loop_gain, held_out_levels
+from ffgym.diagnosis.held_out import LoopLevel, check_comparable, closed_loop_gain, held_out_levels, is_better
 from ffgym.diagnosis.search.search import MOST
 from ffgym.diagnosis.thinning import note_of
 from ffgym.logs import write_corrected
@@ -43,8 +43,8 @@ WORSE = "The extended model leaves more than the nominal one of motions that wer
 class Compared:
     """Both models on logs that were not diagnosed."""
 
-    replayed: HeldOut | None = None
-    """None without such logs, or if the diagnosis compared nothing."""
+    replayed: Sequence[LoopLevel] = ()
+    """Empty without such logs, or if the diagnosis compared nothing."""
     closed_loop: Sequence[LoopLevel] = ()
     """Empty where no closed loop can be simulated."""
 
@@ -84,15 +84,15 @@ def _diagnose(config: Diagnose) -> None:
     examined = replace(examined, diagnosis=replace(examined.diagnosis, provenance=origin))
     models = _models(config, examined, nominal, recordings)
     compared = _compared(config, models, examined, nominal, held_out)
-    if compared.replayed is not None and not compared.replayed.is_better and examined.diagnosis.causes:
+    if compared.replayed and not is_better(compared.replayed) and examined.diagnosis.causes:
         examined = replace(examined, diagnosis=replace(examined.diagnosis, gains=False))
         _remove(config, EXTENDED)
     _write(config, examined, compared)
     # everything for people
     diagnosis = examined.diagnosis
     print(format_diagnosis(diagnosis, robot))
-    if compared.replayed is not None:
-        print(f"\n{compared_table('held out, RMS of', compared.replayed.levels).text()}")
+    if compared.replayed:
+        print(f"\n{compared_table('held out, RMS of', compared.replayed).text()}")
     if compared.closed_loop:
         print(f"\n{compared_table('closed loop, RMS of', compared.closed_loop).text()}")
     if diagnosis.causes and not diagnosis.gains:
@@ -226,7 +226,7 @@ def _write(config: Diagnose, examined: Examined, compared: Compared) -> None:
         diagnosis=diagnosis,
         before=examined.before,
         after=examined.after if diagnosis.causes else None,
-        held_out=() if compared.replayed is None else compared.replayed.levels,
+        held_out=compared.replayed,
         closed_loop=compared.closed_loop,
     )
     write_text(config.out / REPORT, render_diagnosis_page(page))

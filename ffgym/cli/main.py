@@ -24,102 +24,62 @@ class Command(NamedTuple):
     summary: str
     """Line in lists of commands."""
     example: str
+    """Arguments of an example."""
 
 
 COMMANDS = {
-    "demo": Command(
-        "motion_options:Demo", "demo:run", "circle test of the thesis, and a diagnosis", "ffgym demo --positions p1"
-    ),
+    "demo": Command("motion_options:Demo", "demo:run", "circle test of the thesis, and a diagnosis", "--positions p1"),
     "robot new": Command(
-        "log_options:NewRobot",
-        "robot:new",
-        "describe the robot of an arm file",
-        "ffgym robot new arm.urdf --out mine.toml",
+        "log_options:NewRobot", "robot:new", "describe the robot of an arm file", "arm.urdf --out mine.toml"
     ),
-    "robot fill": Command(
-        "log_options:FillRobot", "robot:fill", "fill in what a description lacks", "ffgym robot fill mine.toml"
-    ),
+    "robot fill": Command("log_options:FillRobot", "robot:fill", "fill in what a description lacks", "mine.toml"),
     "robot check": Command(
-        "log_options:CheckRobot",
-        "robot:check",
-        "what a description says, lacks and allows",
-        "ffgym robot check mine.toml",
+        "log_options:CheckRobot", "robot:check", "what a description says, lacks and allows", "mine.toml"
     ),
-    "simulate": Command(
-        "motion_options:Simulate", "simulate:run", "any robot on any motion", "ffgym simulate irb4600_60_205 circles"
-    ),
+    "simulate": Command("motion_options:Simulate", "simulate:run", "any robot on any motion", "irb4600_60_205 circles"),
     "play": Command(
-        "motion_options:Play", "play:run", "an episode as a video", "ffgym play --law lugre_dynamic --out episode.mp4"
+        "motion_options:Play", "play:run", "an episode as a video", "--law lugre_dynamic --out episode.mp4"
     ),
     "export": Command(
-        "motion_options:Export",
-        "export:run",
-        "a motion in files for plain MuJoCo",
-        "ffgym export irb4600_60_205 circles",
+        "motion_options:Export", "export:run", "a motion in files for plain MuJoCo", "irb4600_60_205 circles"
     ),
     "record": Command(
-        "motion_options:Record", "record:run", "measure by protocols", "ffgym record one_axis speed_ladder --out logs"
+        "motion_options:Record", "record:run", "measure by protocols", "one_axis speed_ladder --out logs"
     ),
     "log columns": Command(
-        "log_options:ListColumns",
-        "log:columns",
-        "what a file of another tool holds",
-        "ffgym log columns trace.csv --out map.toml",
+        "log_options:ListColumns", "log:columns", "what a file of another tool holds", "trace.csv --out map.toml"
     ),
     "log convert": Command(
         "log_options:ConvertLog",
         "log:convert",
         "recordings of a file of another tool",
-        "ffgym log convert trace.csv --columns map.toml --out recording.npz",
+        "trace.csv --columns map.toml --out recording.npz",
     ),
-    "log check": Command(
-        "log_options:CheckLogs", "log:check", "what logs are good for", "ffgym log check logs/*.npz --robot one_axis"
-    ),
-    "identify": Command(
-        "log_options:Identify", "identify:run", "from logs to parameters", "ffgym identify logs --robot one_axis"
-    ),
+    "log check": Command("log_options:CheckLogs", "log:check", "what logs are good for", "logs/*.npz --robot one_axis"),
+    "identify": Command("log_options:Identify", "identify:run", "from logs to parameters", "logs --robot one_axis"),
     "diagnose": Command(
-        "log_options:Diagnose",
-        "diagnose:run",
-        "what a simulation gets wrong, and why",
-        "ffgym diagnose logs --robot one_axis",
+        "log_options:Diagnose", "diagnose:run", "what a simulation gets wrong, and why", "logs --robot one_axis"
     ),
-    "improve": Command(
-        "log_options:Improve", "improve:run", "what a diagnosed model gains in control", "ffgym improve machine.toml"
-    ),
+    "improve": Command("log_options:Improve", "improve:run", "what a diagnosed model gains in control", "machine.toml"),
     "train policy": Command(
-        "learning_options:Policy",
-        "train_policy:run",
-        "a residual policy on a law",
-        "ffgym train policy --algorithm ppo --out mine",
+        "learning_options:Policy", "train_policy:run", "a residual policy on a law", "--algorithm ppo --out mine"
     ),
     "train bspline": Command(
-        "learning_options:BSpline",
-        "train_bspline:bspline",
-        "a B-spline network, trial by trial",
-        "ffgym train bspline --out network.npz",
+        "learning_options:BSpline", "train_bspline:bspline", "a B-spline network, trial by trial", "--out network.npz"
     ),
     "train stability": Command(
-        "learning_options:Stability",
-        "train_bspline:stability",
-        "how fast a network may learn",
-        "ffgym train stability --robot one_axis",
+        "learning_options:Stability", "train_bspline:stability", "how fast a network may learn", "--robot one_axis"
     ),
     "leaderboard": Command(
-        "learning_options:Leaderboard",
-        "leaderboard:run",
-        "all agents, compared",
-        "ffgym leaderboard --agents none elastic",
+        "learning_options:Leaderboard", "leaderboard:run", "all agents, compared", "--agents none elastic"
     ),
     "leaderboard submit": Command(
         "learning_options:Submit",
         "submission:submit",
         "make a submission of an agent",
-        "ffgym leaderboard submit mine.py --name mine --author me --track causal",
+        "mine.py --name mine --author me --track causal",
     ),
-    "leaderboard verify": Command(
-        "learning_options:Verify", "submission:verify", "run a submission again", "ffgym leaderboard verify mine.zip"
-    ),
+    "leaderboard verify": Command("learning_options:Verify", "submission:verify", "run a submission again", "mine.zip"),
 }
 """Subcommands by name, in the order of `ffgym --help`."""
 
@@ -192,7 +152,7 @@ def _run(given: list[str]) -> int:
         raise SystemExit(2)
     command, options = COMMANDS[name], given[len(name.split()) :]
     if {"--help", "-h"} & set(options):
-        print(f"example: {command.example}\n")
+        print(f"example: ffgym {name} {command.example}\n")
     return _work(loaded(command.options), lambda chosen: loaded(command.work)(chosen), f"ffgym {name}", options)
 
 
@@ -201,7 +161,9 @@ def _overview(group: str = "") -> str:
     shown = {name: command for name, command in COMMANDS.items() if name.startswith(group)}
     width = max(map(len, shown))
     lines = [f"  {name:<{width}}  {command.summary}" for name, command in shown.items()]
-    examples = [f"  {shown[name].example}" for name in ("demo", "simulate", "diagnose", *shown) if name in shown][:3]
+    examples = [
+        f"  ffgym {name} {shown[name].example}" for name in ("demo", "simulate", "diagnose", *shown) if name in shown
+    ][:3]
     head = [f"usage: ffgym {group}COMMAND ...    {DESCRIPTION}", "", "examples:", *examples, "", "commands:"]
     return "\n".join(
         [*head, *lines, "", "ffgym COMMAND --help tells the options of a command, ffgym --version the version."]

@@ -14,7 +14,7 @@ from ffgym.core.errors import FFGymError
 from ffgym.core.files import read_text, write_json
 from ffgym.core.typed_json import from_json, to_json
 from ffgym.diagnosis.residual import UNITS
-from ffgym.diagnosis.result import Diagnosis, Level
+from ffgym.diagnosis.result import Diagnosis
 
 FORMAT = "ffgym-diagnosis"
 """What the entry `format` says."""
@@ -38,7 +38,11 @@ def diagnosis_document(diagnosis: Diagnosis) -> dict[str, Any]:
     document = {"format": FORMAT, "version": VERSION} | to_json(diagnosis)
     del document["levels"]
     for entry in LEVELS:
-        document[entry] = _by_channel(diagnosis.levels, entry)
+        channels: dict[str, dict[str, Any]] = {}
+        for level in diagnosis.levels:
+            values = channels.setdefault(level.channel, {})
+            values[level.component] = {"value": to_json(getattr(level, entry)), "unit": level.unit}
+        document[entry] = channels
     return document
 
 
@@ -90,30 +94,21 @@ def parse_diagnosis(document: Any) -> Diagnosis:
     return diagnosis
 
 
-def _by_channel(levels: tuple[Level, ...], entry: str) -> dict[str, dict[str, Any]]:
-    channels: dict[str, dict[str, Any]] = {}
-    for level in levels:
-        values = channels.setdefault(level.channel, {})
-        values[level.component] = {"value": to_json(getattr(level, entry)), "unit": level.unit}
-    return channels
-
-
 def _levels(*objects: Any) -> list[dict[str, Any]]:
     """Levels as JSON, of the objects that stand for them."""
-    kind = dict[str, dict[str, dict[str, Any]]]
+    kind, found = dict[str, dict[str, dict[str, Any]]], []
     tables = [from_json(kind, table, name) for name, table in zip(LEVELS, objects, strict=True)]
     places = [[(channel, component) for channel in table for component in table[channel]] for table in tables]
     if any(own != places[0] for own in places):
         raise FFGymError(f"{', '.join(LEVELS)} must have the same channels and components, in the same order.")
-    return [_level(channel, component, tables) for channel, component in places[0]]
-
-
-def _level(channel: str, component: str, tables: list[dict[str, dict[str, dict[str, Any]]]]) -> dict[str, Any]:
-    if channel not in UNITS:
-        raise FFGymError(f"{next(iter(LEVELS))} has unknown channel {channel!r}; there are {', '.join(UNITS)}.")
-    entries = [table[channel][component] for table in tables]
-    for name, entry in zip(LEVELS, entries, strict=True):
-        if set(entry) != {"value", "unit"} or entry["unit"] != entries[0]["unit"]:
-            raise FFGymError(f"{name}.{channel}.{component} must have value and unit, the same unit everywhere.")
-    level = {name: entry["value"] for name, entry in zip(LEVELS, entries, strict=True)}
-    return level | {"channel": channel, "component": component, "unit": entries[0]["unit"]}
+    for channel, component in places[0]:
+        if channel not in UNITS:
+            raise FFGymError(f"{next(iter(LEVELS))} has unknown channel {channel!r}; there are {', '.join(UNITS)}.")
+        entries = {name: table[channel][component] for name, table in zip(LEVELS, tables, strict=True)}
+        unit = entries["measured"].get("unit")
+        for name, entry in entries.items():
+            if set(entry) != {"value", "unit"} or entry["unit"] != unit:
+                raise FFGymError(f"{name}.{channel}.{component} must have value and unit, the same unit everywhere.")
+        place = {"channel": channel, "component": component, "unit": unit}
+        found.append({name: entry["value"] for name, entry in entries.items()} | place)
+    return found

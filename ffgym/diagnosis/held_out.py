@@ -200,22 +200,15 @@ def _at(t: Array, recording: Recording, values: Array) -> Array:
     return np.stack([np.interp(t, since[known], column[known]) for column in values.T], axis=1)
 
 
-@dataclass(frozen=True, kw_only=True)
-class HeldOut:
-    """Measured minus predicted of two models, component by component."""
-
-    levels: tuple[LoopLevel, ...]
-
-    @property
-    def is_better(self) -> bool:
-        """Whether the second model leaves less than the first, each component in units of what the first leaves."""
-        shares = [(level.after / level.before) ** 2 for level in self.levels if level.before > 0]
-        return bool(shares) and float(np.mean(shares)) < 1.0
+def is_better(levels: Sequence[LoopLevel]) -> bool:
+    """Whether the second model leaves less than the first, each component in units of what the first leaves."""
+    shares = [(level.after / level.before) ** 2 for level in levels if level.before > 0]
+    return bool(shares) and float(np.mean(shares)) < 1.0
 
 
 def held_out_levels(
     before: Machine, after: Machine, recordings: Sequence[Recording], *, cutoff: float | None = None
-) -> HeldOut:
+) -> tuple[LoopLevel, ...]:
     """Replay two models along recordings, and compare what they leave.
 
     Args:
@@ -232,7 +225,7 @@ def held_out_levels(
     log = log_of(before.physical, recordings, cutoff=cutoff)
     rest = [residual_rows(log, predicted(replay(log, model))) for model in (before, after)]
     counting, measured = counting_rows(log), measured_rows(log)
-    levels = [
+    return tuple(
         LoopLevel(
             quantity=channel,
             component=name,
@@ -244,5 +237,4 @@ def held_out_levels(
         for channel in rest[0]
         for c, name in enumerate(components(channel, before.robot))
         if (rows := counting[channel, c]).any()
-    ]
-    return HeldOut(levels=tuple(levels))
+    )

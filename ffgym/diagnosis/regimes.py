@@ -43,7 +43,9 @@ class LogRows:
 def log_rows(residual: Residual, channel: Channel) -> LogRows:
     """Rows of a log with the residual of one channel, which all its motions have; none after the last that counts."""
     motions, n = residual.motions, residual.robot.n_joints
-    kept = [_length(motion) for motion in motions]
+    # rows up to the last that counts; at least one
+    counting = [np.flatnonzero(motion.valid) for motion in motions]
+    kept = [int(rows[-1]) + 1 if len(rows) else 1 for rows in counting]
     ends = np.cumsum([motion.t[k - 1] - motion.t[0] for motion, k in zip(motions, kept, strict=True)])
     begins = np.concatenate([[0.0], ends[:-1]])
 
@@ -66,12 +68,6 @@ def log_rows(residual: Residual, channel: Channel) -> LogRows:
         stood=joined(lambda motion: motion.at_rest_for),
         temperature=state("temperature"),
     )
-
-
-def _length(motion: MotionResidual) -> int:
-    """Rows up to the last that counts; at least one."""
-    counting = np.flatnonzero(motion.valid)
-    return int(counting[-1]) + 1 if len(counting) else 1
 
 
 REST = 0.05

@@ -219,7 +219,11 @@ def _best(
     for p in planned:
         own = range(first, first + len(p.motions))
         first += len(p.motions)
-        ratio, pair = _hardest(foreseen, own, len(causes))
+        # the smallest ratio between any two causes, whichever is right
+        ratio, pair = min(
+            (min(foreseen.ratio(own, a, b), foreseen.ratio(own, b, a)), (a, b))
+            for a, b in combinations(range(len(causes)), 2)
+        )
         if ratio >= SURE:
             sure.append((ratio / p.lasts, p.proposal, pair))
     if not sure:
@@ -228,12 +232,6 @@ def _best(
     return SeparatingMotion(
         between=(causes[a].label, causes[b].label), protocol=proposal.name, toml=proposal.toml(), expected=rate
     )
-
-
-def _hardest(foreseen: Foreseen, motions: Sequence[int], n_causes: int) -> tuple[float, tuple[int, int]]:
-    """Smallest ratio between any two causes, whichever is right, and which two these are."""
-    pairs = combinations(range(n_causes), 2)
-    return min((min(foreseen.ratio(motions, a, b), foreseen.ratio(motions, b, a)), (a, b)) for a, b in pairs)
 
 
 def next_motion(

@@ -60,10 +60,11 @@ def variants(kind: type[Effect], robot: RobotDescription, cycles: Cycles) -> Ite
     per_joint = any(p.per in ("joint", "pair") for p in known.values() if p.role == "size")
     if per_joint and not joints:
         return
+    parts: dict[str, Sequence[int | None]] = {"vector": range(3), "pair": range(robot.n_joints)}
     for choice, shape in enumerate(_shapes(known, robot, cycles)):
         for size in (p for p in known.values() if p.role == "size"):
             for span, fixed in enumerate(_spans(known, shape)):
-                for part in _parts(size, robot):
+                for part in parts.get(size.per, (None,)):
                     values = {name: np.asarray(value, dtype=np.float64) for name, value in fixed.items()}
                     values[size.name] = _size(size, robot, joints, part)
                     effect = kind(**_complete(known, values, robot))
@@ -88,12 +89,6 @@ def _places(size: Parameter, joints: list[int], part: int | None) -> tuple[int, 
     if size.per == "joint":
         return tuple(joints)
     return tuple(j for j in joints if j != part) if size.per == "pair" else ()
-
-
-def _parts(size: Parameter, robot: RobotDescription) -> tuple[int | None, ...]:
-    if size.per == "vector":
-        return (0, 1, 2)
-    return tuple(range(robot.n_joints)) if size.per == "pair" else (None,)
 
 
 def _size(size: Parameter, robot: RobotDescription, joints: list[int], part: int | None) -> Array:

@@ -124,7 +124,10 @@ def sentence_of(
     tied = [rival for rival in rivals if rival.tied]
     instead = [rival for rival in tied if rival.against in {cause.label for cause in causes}]
     left = "; ".join(_strongest(patterns))
-    named, others = _all_of(causes), _any_of(tied)
+    # each effect on its joint once, however many waves it has
+    counts = Counter(f"{cause.title} {('of ' + cause.joint if cause.joint else '')}".strip() for cause in causes)
+    named = ", and ".join(name if n == 1 else f"{name} in {n} waves" for name, n in counts.items())
+    others = _any_of(tied)
     share = f"{100 * min(judged.removed, 1.0):.0f} %"
     if judged.verdict == "none":
         return f"These motions do not falsify the model of {robot.name}: what is left is noise and calibration."
@@ -158,12 +161,6 @@ def _strongest(patterns: Sequence[Pattern]) -> list[str]:
         if (pattern.channel, pattern.component) == (best.channel, best.component)
         and (pattern is best or pattern.share > _AS_MUCH * best.share)
     ]
-
-
-def _all_of(causes: Sequence[Cause]) -> str:
-    """Each effect on its joint once, however many waves it has."""
-    counts = Counter(f"{cause.title} {('of ' + cause.joint if cause.joint else '')}".strip() for cause in causes)
-    return ", and ".join(name if n == 1 else f"{name} in {n} waves" for name, n in counts.items())
 
 
 def _any_of(rivals: Sequence[Rival]) -> str:

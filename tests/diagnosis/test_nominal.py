@@ -93,7 +93,7 @@ def test_masses_that_made_up_for_a_late_torque_are_fitted_anew_to_torque_in_step
     assert [cause.effect for cause in examined.diagnosis.causes] == ["torque_clock"]
     path = swing(two_link, 3, duration=12.0)
     other = late_rows(recorded(two_link, path, noise=0.01, seed=3, segment="other"), 25)
-    levels = held_out_levels(machine, examined.machine, [other]).levels
+    levels = held_out_levels(machine, examined.machine, [other])
     assert all(level.after < 0.5 * level.before for level in levels), levels
 
 

@@ -74,7 +74,7 @@ def held_out_forces(examined, recording, folder):
     """RMS of force that the nominal model and the extended one leave of a recording, read from its file again [N]."""
     save_extended(folder / "extended.toml", examined.diagnosis, examined.nominal)
     written = load_machine(folder / "extended.toml")
-    (level,) = held_out_levels(examined.nominal, written, [recording]).levels
+    (level,) = held_out_levels(examined.nominal, written, [recording])
     return level.before * NEWTON, level.after * NEWTON
 
 
@@ -178,7 +178,7 @@ def test_the_model_that_is_written_of_the_kr300_is_worse_on_no_axis_of_another_r
     machine, calibration = fitted_nominal(load_robot("kuka_kr300_r2500"), [first])
     examined = examine(machine, [first], calibration=calibration)
     save_extended(tmp_path / "extended.toml", examined.diagnosis, examined.nominal)
-    levels = held_out_levels(examined.nominal, load_machine(tmp_path / "extended.toml"), [last]).levels
+    levels = held_out_levels(examined.nominal, load_machine(tmp_path / "extended.toml"), [last])
     shares = {(level.quantity, level.component): level.after / level.before for level in levels}
     assert {quantity for quantity, _ in shares} == {"torque", "link"}
     assert all(share <= (1.005 if quantity == "torque" else 0.3) for (quantity, _), share in shares.items()), shares
@@ -239,7 +239,7 @@ def test_the_model_that_is_written_of_eight_recordings_foretells_the_last_two_on
     machine, calibration = fitted_nominal(load_robot("kuka_kr300_r2500"), first)
     examined = examine(machine, first, calibration=calibration)
     save_extended(tmp_path / "extended.toml", examined.diagnosis, examined.nominal)
-    levels = held_out_levels(examined.nominal, load_machine(tmp_path / "extended.toml"), last).levels
+    levels = held_out_levels(examined.nominal, load_machine(tmp_path / "extended.toml"), last)
     torque = {level.component: level.after / level.before for level in levels}
     assert set(torque) == {"a1", "a2", "a3", "a4", "a5", "a6"}
     assert max(torque.values()) <= 1.0, torque

@@ -141,15 +141,13 @@ def is_worth(setting: Setting, nominal: Tried, before: Tried, after: Tried, chan
     is_clear = (held_out > CLEAR * chance and gone.of_all > MOSTLY) or (
         len(after.hypothesis.free()) == 1 and held_out > CLEARER * chance and gone.of_all > EXPLAINS
     )
-    is_heard = gone.excess > FLOOR or (is_clear and _is_certain(setting, after) and is_sizeable(after.hypothesis))
+    # and noise there must be mostly of sensors and model, not doubt of single rows
+    if gone.excess <= FLOOR and is_clear:
+        where = touched(setting, list(after.fit.columns[-len(after.hypothesis.free()) :]))
+        is_clear = min((setting.certain(key) for key in where), default=0.0) > CERTAIN
+    is_heard = gone.excess > FLOOR or (is_clear and is_sizeable(after.hypothesis))
     holds = held_out > max(HOLDS * (before.fit.left - after.fit.left), 0.0)
     return holds and explains and is_heard and not _imitates(setting, before, after)
-
-
-def _is_certain(setting: Setting, after: Tried) -> bool:
-    """Tell whether noise where the newest cause acts is mostly of sensors and model, not doubt of single rows."""
-    own = list(after.fit.columns[-len(after.hypothesis.free()) :])
-    return min((setting.certain(key) for key in touched(setting, own)), default=0.0) > CERTAIN
 
 
 def is_sizeable(cause: Hypothesis) -> bool:
