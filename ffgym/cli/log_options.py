@@ -7,7 +7,6 @@ from typing import Literal
 import tyro
 
 from ffgym.cli.options import TEST_SPEEDS_MM_S, ColumnMap, Numbers, PageFile, Threads
-from ffgym.diagnosis.identification.resampling import LEVEL, RESAMPLES
 
 
 @dataclass(frozen=True)
@@ -136,9 +135,9 @@ class Identify:
     cutoff_hz: float | None = None
     """Cut-off of the low-pass filter of angles and torques, which must lie below half the sample rate; none given is
     100 Hz for friction and 5 Hz for a rigid body."""
-    resamples: int = RESAMPLES
+    resamples: int = 400
     """Resamples behind the intervals."""
-    level: float = LEVEL
+    level: float = 0.9
     """Probability of the intervals."""
     seed: int = 0
     """Of random starts and resamples."""

@@ -8,13 +8,14 @@ from dataclasses import replace
 import pytest
 
 from ffgym.cli.learning_options import Leaderboard
-from ffgym.cli.log_options import Diagnose
+from ffgym.cli.log_options import Diagnose, Identify
 from ffgym.cli.main import _MOVED, COMMANDS, loaded, main
 from ffgym.cli.motion_options import Demo, Export
 from ffgym.core.errors import FFGymError
 from ffgym.core.version import __version__
 from ffgym.diagnosis import Examined
 from ffgym.diagnosis.document import diagnosis_document
+from ffgym.diagnosis.identification.resampling import LEVEL, RESAMPLES
 from ffgym.diagnosis.search.search import MOST
 from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL
 from ffgym.leaderboard.tasks import THESIS
@@ -316,5 +317,7 @@ def test_modules_of_commands_load_no_library_that_only_some_of_their_options_nee
 def test_defaults_of_options_that_the_library_has_too_are_the_same():
     assert Export(robot="r").record_dt_ms == RECORD_DT * 1e3
     assert Diagnose().most_causes == MOST
+    identify = Identify(logs=(), robot="r")
+    assert (identify.level, identify.resamples) == (LEVEL, RESAMPLES)
     assert Leaderboard().plants == (NOMINAL, THESIS_WORKCELL)
     assert Leaderboard().splits == THESIS
