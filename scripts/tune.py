@@ -123,7 +123,7 @@ def _tried(config: Tune, folder: Path, number: int, parameters: dict[str, float]
             raise
         failure = str(error)
     value = value if failure is None else FAILED
-    return Trial(parameters=parameters, value=value, failure=failure, folders=list(trainings))
+    return Trial(parameters=parameters, value=value, failure=failure, folders=tuple(trainings))
 
 
 def _of_a_file(error: BaseException | None) -> bool:

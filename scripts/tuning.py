@@ -21,6 +21,7 @@ from ffgym.cli.train_policy import need_training
 from ffgym.core.errors import FFGymError, check_number, check_whole
 from ffgym.core.files import read_text, write_json
 from ffgym.core.provenance import installed
+from ffgym.core.typed_json import from_json
 
 FAILED = 10.0
 """Value of a trial that failed: worse than any that learns, as of 22 000 times the error of the base; chosen."""
@@ -36,7 +37,7 @@ class Trial:
     """Mean of ln(error / that of the base); FAILED where there is none."""
     failure: str | None = None
     """Why there is none."""
-    folders: list[str]
+    folders: tuple[str, ...]
     """Of its trainings, one for each seed."""
 
 
@@ -48,17 +49,18 @@ def read_trials(file: Path, search: Mapping[str, Any]) -> list[Trial]:
     """
     if not file.exists():
         return []
+    text = read_text(file)
     try:
-        tree = json.loads(read_text(file))
-        theirs, trials = dict(tree["search"]), [Trial(**entry) for entry in tree["trials"]]
-        found = [[trial.value, *trial.parameters.values()] for trial in trials]
-    except (KeyError, TypeError, AttributeError, json.JSONDecodeError) as error:
-        raise _damaged(file, error) from error
+        tree = json.loads(text)
+        theirs, trials = dict(tree["search"]), [from_json(Trial, entry, "trial") for entry in tree["trials"]]
+        if any(trial.parameters.keys() != theirs["space"].keys() for trial in trials):
+            raise FFGymError("a trial is not of what is searched for")
+    except (KeyError, TypeError, ValueError) as error:
+        raise FFGymError(
+            f"{file}: is damaged: {error}. Remove it and give the same command again; trainings that are done are not "
+            f"done again."
+        ) from error
     check_same(theirs, search, file.parent, "another search", "Choose another folder, or remove this one.")
-    if any(not isinstance(value, float) for row in found for value in row):
-        raise _damaged(file, "a value is no number")
-    if any(trial.parameters.keys() != search["space"].keys() for trial in trials):
-        raise _damaged(file, "a trial is not of what is searched for")
     return trials
 
 
@@ -67,13 +69,6 @@ def write_trials(
 ) -> None:
     """Write all trials of a search, and the best of them if there is one."""
     write_json(file, {"search": search, "best": best, "trials": [asdict(trial) for trial in trials]})
-
-
-def _damaged(file: Path, why: object) -> FFGymError:
-    return FFGymError(
-        f"{file}: is damaged: {why}. Remove it and give the same command again; trainings that are done are not done "
-        f"again."
-    )
 
 
 Space = Mapping[str, tuple[float, float, bool]]
