@@ -6,10 +6,9 @@ from dataclasses import replace
 import numpy as np
 
 from ffgym.diagnosis.extended import extended_machine
-from ffgym.diagnosis.held_out import LoopLevel, closed_loop_gain
+from ffgym.diagnosis.held_out import closed_loop_gain
 from ffgym.diagnosis.result import Cause, Number
 from ffgym.recordings import Recording
-from ffgym.robot import RigidArm
 from ffgym.simulation.plant import Machine
 from ffgym.simulation.protocols import Protocol
 from ffgym.simulation.protocols.mixtures import Circles
@@ -35,22 +34,15 @@ def gain_of(case: Case, causes: Sequence[Cause], numbers: Sequence[Number] = ())
     found = closed_loop_gain(nominal, extended, _held_out(case, case.complete), n_threads=1)
     quiet = closed_loop_gain(nominal, nominal, _held_out(case, case.machine), n_threads=1)
     left = [(level.after / floor.before) ** 2 for level, floor in zip(found, quiet, strict=True)]
-    return Gain(leftover=max(left), before=_tool(found, "before"), after=_tool(found, "after"))
+    axes = [level for level in found if level.quantity == "tool"]
+    before, after = (float(np.sqrt(sum(getattr(axis, when) ** 2 for axis in axes))) for when in ("before", "after"))
+    return Gain(leftover=max(left), before=before, after=after)
 
 
 def _held_out(case: Case, machine: Machine) -> list[Recording]:
-    bench = replace(case.bench, protocols=_protocols(case.bench.arm), lacks=())
+    protocols: list[Protocol] = [Excitation(count=1, periods=1, seed=_SEED)]  # a large motion of all joints
+    if (area := case.robot.work_area) is not None:  # and before it small circles at another place
+        protocols.insert(0, Circles(positions=(list(area.positions)[-1],), speeds=(0.030,)))
+    bench = replace(case.bench, protocols=tuple(protocols), lacks=())
     seed = int(case.generator(2).integers(2**32))
     return bench.record(machine, seed=seed, current_offset=case.current_offset, start=_LATER)
-
-
-def _protocols(arm: RigidArm) -> tuple[Protocol, ...]:
-    """Small circles at another place, if the robot has such places, and a large motion of all joints."""
-    large: Protocol = Excitation(count=1, periods=1, seed=_SEED)
-    if (area := arm.robot.work_area) is None:
-        return (large,)
-    return Circles(positions=(list(area.positions)[-1],), speeds=(0.030,)), large
-
-
-def _tool(levels: Sequence[LoopLevel], when: str) -> float:
-    return float(np.sqrt(sum(getattr(level, when) ** 2 for level in levels if level.quantity == "tool")))
