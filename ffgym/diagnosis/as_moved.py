@@ -35,13 +35,10 @@ _TOGETHER = 1_000_000
 
 
 def as_moved(log: Log, run: Replay, *, smooth: bool = False) -> list[Recording]:
-    """One recording for each motion of a log, with the columns that its channels take.
+    """One recording for each motion of a log, by its replay `run` on the nominal machine, with the columns it takes.
 
-    Args:
-        log: that is diagnosed.
-        run: its replay on the nominal machine.
-        smooth: whether the motion has nothing above the usual band of what is compared: noise and vibration at the
-            edge of a wide band would be bias. Else the low-pass of the motion is undone.
+    A `smooth` motion has nothing above the usual band of what is compared: noise and vibration at the edge of a wide
+    band would be bias. Else the low-pass of the motion is undone.
     """
     parts = max(1, int(np.ceil(log.dt / _STEP - 1e-9)))
     n_motions = len(log.recordings)

@@ -56,10 +56,7 @@ _NEAR = 1
 def unknown_torque(run: Replay, bias: Mapping[Channel, Array]) -> Array:
     """Torque that may be there or not, unsigned, at rows (R, M, N), motor side [N m].
 
-    Args:
-        run: replay of a log.
-        bias: of torques, motor side, and of all else, (R, M, C) by channel: what the replay does wrong along a motion
-            that is made up between the samples.
+    The `bias` (R, M, C) is what the replay does wrong along a motion that is made up between the samples.
     """
     log = run.read
     # the motion in half its band
@@ -87,11 +84,9 @@ def _friction(run: Replay, angle: Array, band: Array, load: float = 0.0) -> Arra
 
 
 def doubt_rows(weights: Values, unknown: Mapping[Channel, Array]) -> Values:
-    """Weights (R, M) by component under which what is unknown counts as noise.
+    """Weights (R, M) by component under which what is unknown (R, M, C), signed or not, counts as noise.
 
-    Args:
-        weights: one over the noise of each row, 0 for rows that do not count; (M,) or (R, M).
-        unknown: what may be there or not, by channel, (R, M, C), signed or not.
+    Weights are one over the noise of each row, 0 for rows that do not count; (M,) or (R, M).
     """
     found = dict(weights)
     for (channel, c), rows in weights.items():
@@ -108,13 +103,9 @@ DRAWS = 4
 def misread_friction(exact: Sequence[Recording], clean: Log, run: Replay, step: Array) -> Array:
     """Friction in a replay of noisy readings beyond that of exact ones, mean at rows (R, M, N), motor side [N m].
 
-    The noise is that of the band in which a log's reading moves, so that logs with one band have one mean.
-
-    Args:
-        exact: the nominal machine over its own motion.
-        clean: the same as a log, with the band of the log that is diagnosed.
-        run: its replay.
-        step: of the encoders [rad], motor side, (M, N).
+    The noise is that of the band in which a log's reading moves, so that logs with one band have one mean: `exact`
+    recordings of the nominal machine over its own motion, the same as a `clean` log with the band of the log that is
+    diagnosed, its replay, and the `step` (M, N) of encoders [rad], motor side.
     """
     drive, none = run.robot.drive, np.zeros(step.shape)
     angle = np.broadcast_to(np.abs(drive.motor_angle(clean.reading_noise)), step.shape)
@@ -140,12 +131,7 @@ _NORMAL = 1.4826
 
 
 def bound_outliers(weights: Values, residual: Mapping[Channel, Array]) -> Values:
-    """Weights (R, M) by component under which no row stands out from a misfit that is everywhere.
-
-    Args:
-        weights: one over the noise of each row, 0 for rows that do not count; (M,) or (R, M).
-        residual: of the nominal model, (R, M, C) by channel.
-    """
+    """Weights (R, M) by component under which no row of a residual (R, M, C) stands out from a misfit everywhere."""
     found = dict(weights)
     for (channel, c), weight in weights.items():
         size = np.abs(weight * residual[channel][:, :, c])

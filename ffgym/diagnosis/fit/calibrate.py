@@ -62,13 +62,9 @@ def calibrate(
 ) -> Calibrated | None:
     """Find numbers within their calibration that explain a log better than slopes tell; None if there are none.
 
-    Args:
-        setting: the log.
-        calibration: how well the numbers are known.
-        causes: beside which they are fitted, and which are fitted beside them. A number that is a cause stays as it is
-            described.
-        thoroughly: whether numbers count that explain a little only; else a search ends where further slopes say no
-            more than the first ones.
+    They are fitted beside `causes`, and these beside them; a number that is a cause stays as it is described. Numbers
+    that explain a little only count if it is done `thoroughly`; else a search ends where further slopes say no more
+    than the first ones.
     """
     # begin at the numbers as they are; where slopes tell all that they do, nothing is to be found
     described = trial_of(setting, causes)

@@ -94,16 +94,9 @@ class Fit(Trial):
 def trial_of(
     setting: Setting, hypotheses: Sequence[Hypothesis], numbers: Machine | None = None, beside: Replay | None = None
 ) -> Trial | None:
-    """Replay the machine with all hypotheses.
+    """Replay a machine, of the setting or with other `numbers`, with all hypotheses; None if no machine can be so.
 
-    Args:
-        setting: the log and what all fits share.
-        hypotheses: of the machine.
-        numbers: the machine that has them; None is that of the setting.
-        beside: replay of one that differs by errors of calibration, see `replay`.
-
-    Returns:
-        None if no machine can have them, or what it does cannot be computed.
+    Nor if what it does cannot be computed. For `beside` see `replay`.
     """
     numbers = numbers or setting.nominal
     machine = machine_with(numbers, hypotheses)

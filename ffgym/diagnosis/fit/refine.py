@@ -46,24 +46,14 @@ _HALVINGS = 3
 def fit(setting: Setting, hypotheses: Sequence[Hypothesis], *, begun: bool = False, like: Fit | None = None) -> Fit:
     """Fit hypotheses to a log, from the values that they have.
 
-    Args:
-        setting: the log and what all fits share.
-        hypotheses: the last of them is the newest.
-        begun: whether its values are good already; else they are those of a linear fit.
-        like: a fit of others among them, whose tangents serve here: they hardly change when one more comes.
+    Those of the last one, which is the newest, are of a linear fit, or good already if it has `begun`. Tangents of a
+    fit `like` it, of others among them, serve here: they hardly change when one more comes.
     """
     return refined(setting, evaluated(setting, hypotheses if begun else _well_begun(setting, hypotheses), like), like)
 
 
 def refined(setting: Setting, begun: Fit, like: Fit | None = None, *, roughly: bool = False) -> Fit:
-    """A fit from where it is.
-
-    Args:
-        setting: the log.
-        begun: values that are good already.
-        like: as for `fit`.
-        roughly: whether only what it leaves is asked for, to a per cent: numbers that hardly change that stay anywhere.
-    """
+    """A fit from where it has `begun`; `roughly` if only what it leaves is asked for, to a per cent."""
     best = begun
     for _ in range(_ROUNDS if begun.hypotheses else 0):
         step, tried = fitted(best.evidence, best.everything, best.priors)[best.n_calibration :], None

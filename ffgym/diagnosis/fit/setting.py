@@ -176,11 +176,8 @@ def tangents(
 ) -> list[Parts]:
     """One column per free number of all `hypotheses`, per its practical step.
 
-    Args:
-        run: replay of the machine with all hypotheses.
-        before: the machine without them.
-        hypotheses: in the order in which the machine has them.
-        known: columns of some of them, by their places in that order.
+    `run` is of the machine that has them in that order, `before` the machine without them; columns of some may be
+    `known`, by their places.
     """
     known = known or {}
     machines, steps = [], []

@@ -33,10 +33,7 @@ _ROUNDING = 1e-12
 def with_numbers(nominal: Machine, doubts: Sequence[Doubt], sizes: Array) -> Machine:
     """The nominal machine with its calibration errors corrected.
 
-    Args:
-        nominal: the machine whose numbers they are.
-        doubts: what is open of it.
-        sizes: in standard deviations, shape (len(doubts),); 0 for those that are not of the machine.
+    By sizes (len(doubts),) in standard deviations; 0 for those that are not of the machine.
     """
     # one effect of each kind with the numbers of all its joints
     n, joints, values = nominal.robot.n_joints, nominal.robot.joints, dict[type[Effect], dict[str, Array]]()
@@ -78,14 +75,8 @@ _ROUNDS = 2
 def written(setting: Setting, fit: Fit, calibration: Calibration, train: BoolArray | None = None) -> Trial | None:
     """Causes of a fit, and numbers beside them, as one model that can be written to a file; None if no machine can.
 
-    Args:
-        setting: the log.
-        fit: of the causes to all of it.
-        calibration: how well nominal numbers are known, and how those that were fitted to the logs are fitted anew.
-        train: blocks that are fitted to, shape (B,); None is all of them.
-
-    Returns:
-        The model, whose residual has nothing taken off but what the replay itself misses.
+    Fitted to the blocks of `train` (B,), or to all. Of its residual nothing is taken off but what the replay itself
+    misses.
     """
     chosen = np.ones(len(setting.blocks), dtype=np.bool_) if train is None else train
     # a fit with causes knows what the replay of their machine misses

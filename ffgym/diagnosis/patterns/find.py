@@ -132,15 +132,8 @@ def _find_ripple(
 ) -> None:
     """Find what torque repeats with the turns of its motor, where slow misfits hide it.
 
-    Ripple of a fast motor lies above most of what else a model lacks, and is a small share of that.
-
-    Args:
-        rows: of a channel.
-        left: what the patterns that were found leave of them, (R, C); lessened by ripple.
-        found: these patterns, to which ripple is added.
-        energy: of each component before them, (C,).
-        level: largest probability that a test may have by chance.
-        rng: cuts the rows into other halves.
+    Ripple of a fast motor lies above most of what else a model lacks, and is a small share of that. It joins the
+    patterns that were `found`, and is taken off what these have `left` (R, C); `energy` (C,) was there before them.
     """
     if rows.channel != "torque":
         return

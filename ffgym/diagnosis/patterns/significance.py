@@ -78,12 +78,7 @@ def symmetric_test(agreement: Array) -> Array:
 def best_of(trials: Sequence[Trial], rows: Rows, c: int, *, least: float, level: float) -> Trial | None:
     """The simplest of the forms that explain component `c` as well as the best one; None if none is sure.
 
-    Args:
-        trials: of all forms.
-        rows: what they were judged on.
-        c: number of the component.
-        least: energy that a form must remove.
-        level: largest probability that a form may have by chance.
+    A form that is sure removes the `least` energy or more, and does so by chance with a probability below `level`.
     """
     sure = [trial for trial in trials if trial.p[c] < level and trial.gain[:, c].sum() >= least]
     if not sure:

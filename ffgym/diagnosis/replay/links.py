@@ -115,16 +115,8 @@ def terms_beside(
     """Terms of an arm whose masses and inertias are others than those of an arm whose terms are `known`.
 
     What they differ by is evaluated where the other arm was, and a quarter as often: it changes as slowly, and is a
-    small part of the whole.
-
-    Args:
-        arm: whose terms are asked for.
-        known: of the other arm, along the same motion.
-        q: positions of the motors [rad], (T, M, N), link side.
-        dq: speeds, likewise.
-        ddq: accelerations, likewise.
-        dt: sample time [s].
-        joints: that bend, of both arms.
+    small part of the whole. Positions `q` [rad], speeds and accelerations are those of the motors, (T, M, N), link
+    side; the same `joints` of both arms bend.
     """
     bent = np.zeros_like(q) if known.bent is None else known.bent
     there, slow = q + bent, places_of(len(q), max(1, round(_SLOW / dt)))

@@ -14,13 +14,7 @@ _AT_ONCE = 256
 
 
 def first_order(keep: Array, gain: Array, start: Array) -> Array:
-    """Values z of z[k + 1] = keep[k] z[k] + gain[k], shape (T, ...).
-
-    Args:
-        keep: shape (T - 1, ...).
-        gain: likewise.
-        start: z at the first sample, shape (...).
-    """
+    """Values z of z[k + 1] = keep[k] z[k] + gain[k], shape (T, ...), from z[0] = `start` on."""
     right = np.concatenate([start[None], gain])
     shape, n = right.shape, len(right)
     right = right.reshape(n, -1)

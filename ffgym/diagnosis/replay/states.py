@@ -105,14 +105,7 @@ def bent_state(state: State, bent: Deflection, robot: RobotDescription) -> State
 
 
 def loaded_state(state: State, added: Torques, needed: Array, robot: RobotDescription) -> State:
-    """States whose load has what effects add to the springs; that of rigid joints is what links ask for.
-
-    Args:
-        state: with the load of the springs alone.
-        added: by effects behind the gearboxes.
-        needed: torque that links ask for, link side [N m], (T, M, N).
-        robot: says which joints are rigid.
-    """
+    """States whose load has what effects add to the springs; that of rigid joints is what links need (T, M, N)."""
     rigid = robot.drive.is_rigid
     if added.spring is None and not rigid.any():
         return state
@@ -162,13 +155,7 @@ def deflected(
 ) -> Deflection:
     """Deflections under `torque` (T, M, N) and what effects add; sample by sample where that depends on them.
 
-    Args:
-        springs: of the joints.
-        state: along the measured motion, where joints do not bend yet.
-        effects: that act behind the gearboxes.
-        torque: on the links, link side [N m].
-        start: about how the joints bend at the first sample, (M, N).
-        dt: sample time [s].
+    The state is that where joints do not bend yet; about as `start` (M, N) [rad] they bend at the first sample.
     """
     led = summed([effect for effect in effects if effect.follows_motor], state, dt)
     load = torque if (push := plus(led.spring, led.link)) is None else torque + push
