@@ -17,7 +17,7 @@ from ffgym.core.types import Array
 from ffgym.diagnosis.as_moved import as_moved
 from ffgym.diagnosis.computing import FAILED
 from ffgym.diagnosis.log import Log
-from ffgym.diagnosis.log_columns import reference_of, roomy
+from ffgym.diagnosis.log_columns import motor_side, reference_of, roomy
 from ffgym.diagnosis.measured import valid_rows
 from ffgym.diagnosis.replay import Replay, servo_feedback
 from ffgym.recordings import Recording
@@ -68,17 +68,6 @@ _SMOOTH = ("motor.position", "link.position", "reference.position", "tcp.positio
 _LONGEST = (2.0, 0.5)
 """Longest step that is simulated in physics steps: the cheaper pair first, then one for machines that are unstable with
 a step that is twice as long as they were described with."""
-
-
-def own_motion(log: Log, run: Replay) -> list[Recording] | None:
-    """What the nominal machine would have recorded; None if it cannot be simulated, as its servo does not hold it."""
-    for longest in _LONGEST:
-        if longest < 1 or run.robot.n_substeps % longest == 0:
-            try:
-                return _simulated(log, run, longest)
-            except FAILED:
-                continue  # unstable with such a step
-    return None
 
 
 def _simulated(log: Log, run: Replay, longest: float) -> list[Recording]:
@@ -156,10 +145,16 @@ def exact_recordings(log: Log, run: Replay) -> Exact:
     its own would not hold it, it moves as measured, and takes the torque that it takes: what repeats with the motor's
     turns must stay in phase.
     """
-    if log.reference is not None and has_servo(log.robot):
-        simulated = own_motion(log, run)
-        if simulated is not None and is_same_motion(log, simulated):
+    for longest in _LONGEST if log.reference is not None and has_servo(log.robot) else ():
+        if longest >= 1 and run.robot.n_substeps % longest:
+            continue
+        try:
+            simulated = _simulated(log, run, longest)
+        except FAILED:
+            continue  # unstable with such a step, or its servo does not hold it
+        if is_same_motion(log, simulated):
             return Exact(recordings=tuple(simulated), simulated=True)
+        break
     return Exact(recordings=tuple(as_moved(log, run)), simulated=False)
 
 
@@ -168,8 +163,7 @@ def is_same_motion(log: Log, exact: Sequence[Recording]) -> bool:
     drive = log.robot.drive
     for i, recording in enumerate(exact):
         n = min(len(recording), log.lengths[i])
-        angle = recording.joint_array("motor.position")[:n]
-        angle = drive.motor_angle(angle) if recording.header.position_side == "link" else angle
+        angle = motor_side(log.robot, recording)[:n]
         missed = (angle - drive.motor_angle(log.q[:n, i]))[log.recordings[i].valid[:n].any(axis=1)]
         if rms(missed, 0).max() > _SAME_MOTION:
             return False

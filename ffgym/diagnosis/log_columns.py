@@ -26,6 +26,12 @@ def padded(arrays: Sequence[Array], n: int, hold: bool) -> Array:
     return np.stack(found, axis=1)
 
 
+def motor_side(robot: RobotDescription, recording: Recording, family: str = "motor.position") -> Array:
+    """Angles [rad] or speeds of a recording, motor side, (T, N)."""
+    values = recording.joint_array(family)
+    return robot.drive.motor_angle(values) if recording.header.position_side == "link" else values
+
+
 def tool_columns(recording: Recording) -> Array:
     """Tracked position (T, 3), straight between samples that lie close together; else NaN."""
     position, t = recording.vector("tcp.position"), recording.t
@@ -74,12 +80,9 @@ def reference_columns(robot: RobotDescription, recordings: Sequence[Recording], 
         return None
     positions, rates = [], []
     for recording in recordings:
-        link = recording.header.position_side == "link"
-        position = recording.joint_array("reference.position")
-        positions.append(robot.drive.motor_angle(position) if link else position)
+        positions.append(motor_side(robot, recording, "reference.position"))
         if recording.has("reference.velocity"):
-            rate = recording.joint_array("reference.velocity")
-            rates.append(robot.drive.motor_angle(rate) if link else rate)
+            rates.append(motor_side(robot, recording, "reference.velocity"))
         else:
             rates.append(np.gradient(positions[-1], recording.dt, axis=0))
     return padded(positions, n, hold=True), padded(rates, n, hold=False)

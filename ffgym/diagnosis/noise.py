@@ -14,6 +14,7 @@ from ffgym.core.measures import rms
 from ffgym.core.types import Array
 from ffgym.diagnosis.colour import Colour, colour_of
 from ffgym.diagnosis.log import Log, log_of
+from ffgym.diagnosis.log_columns import motor_side
 from ffgym.diagnosis.measured import measured_rows, residual_rows, valid_rows
 from ffgym.diagnosis.replay import Replay, predicted, replay, servo_feedback, tracked
 from ffgym.diagnosis.residual import Channel
@@ -80,7 +81,9 @@ def noise_of(run: Replay) -> Noise:
         return np.minimum(each(values), each(left[family])) if family in left else each(values)
 
     return Noise(
-        angle=np.stack([white_noise(_angles(log, recording), low_pass, log.dt) for recording in log.recordings]),
+        angle=np.stack(
+            [white_noise(motor_side(log.robot, one), low_pass, log.dt) for one in log.recordings]
+        ),
         step=encoder_steps(log),
         torque=np.minimum(each(log.torque), each(left["motor.effort"])),
         tool=least(log.tool, "tcp.position"),
@@ -127,13 +130,8 @@ def encoder_steps(log: Log) -> Array:
         if (bits := recording.header.encoder_bits) is not None:
             found.append(np.full(log.robot.n_joints, 2 * np.pi / 2**bits))
         else:
-            found.append(np.array([_step(angle) for angle in _angles(log, recording).T]))
+            found.append(np.array([_step(angle) for angle in motor_side(log.robot, recording).T]))
     return np.stack(found)
-
-
-def _angles(log: Log, recording: Recording) -> Array:
-    angle = recording.joint_array("motor.position")
-    return log.robot.drive.motor_angle(angle) if recording.header.position_side == "link" else angle
 
 
 def _step(angle: Array) -> float:

@@ -71,7 +71,9 @@ def white_noise(values: Array, low_pass: LowPass, dt: float) -> Array:
     """
     known = np.nan_to_num(values)
     slow = low_pass(known, dt)
-    share = max(_LEAST, share_of_noise(low_pass, dt))
+    # share of the energy of white noise that is in what the low-pass takes from it
+    frequency: Array = (np.arange(_FREQUENCIES, dtype=np.float64) + 0.5) / (2 * _FREQUENCIES * dt)
+    share = max(_LEAST, float(np.mean((1 - taken(low_pass, frequency, dt)) ** 2)))
     ends = low_pass.end_rows(dt)
     inner = slice(ends, len(known) - ends) if len(known) > 4 * ends else slice(None)
     values_in_block = np.clip(share * _LONGEST / dt, _FEWEST, _KNOWN)
@@ -82,12 +84,6 @@ def white_noise(values: Array, low_pass: LowPass, dt: float) -> Array:
     energy = [_quiet(local[rows, c], share * width) for c, rows in enumerate(moves.T)]
     noise: Array = np.sqrt(np.array(energy) / share)
     return noise
-
-
-def share_of_noise(low_pass: LowPass, dt: float) -> float:
-    """Share of the energy of white noise, samples `dt` [s] apart, that is in what a low-pass takes from it."""
-    frequency: Array = (np.arange(_FREQUENCIES, dtype=np.float64) + 0.5) / (2 * _FREQUENCIES * dt)
-    return float(np.mean((1 - taken(low_pass, frequency, dt)) ** 2))
 
 
 def taken(low_pass: LowPass, frequency: Array, dt: float) -> Array:

@@ -16,7 +16,7 @@ from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.calibration import Calibration, doubts_of
 from ffgym.diagnosis.computing import FAILED
 from ffgym.diagnosis.evidence import Evidence, Stack, stack_of
-from ffgym.diagnosis.fit.fit import Trial, priors_of, priors_of_calibration, trial_of
+from ffgym.diagnosis.fit.fit import Trial, priors_of, trial_of
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, moved
 from ffgym.diagnosis.fit.setting import HELD, Setting, tangents, values_of
 from ffgym.diagnosis.fit.written import possible_numbers
@@ -132,7 +132,7 @@ class _Problem:
     def place(self, sizes: Array, trial: Trial, slopes: Stack) -> Calibrated | None:
         """A place whose errors that are no numbers are fitted by slopes; None if what it leaves is no number."""
         evidence = slopes.evidence(values_of(trial.residual))
-        priors = priors_of_calibration(self.setting, trial.hypotheses)
+        priors = self.setting.calibration_priors(trial.hypotheses)
         rest = np.flatnonzero(~self.of_robot)
         gram, pull = evidence.gram.sum(axis=0)[np.ix_(rest, rest)], evidence.moment.sum(axis=0)[rest, 0]
         x = bounded(gram, pull - self.at[rest], np.ones(len(rest)), priors.low[rest], priors.high[rest])
@@ -165,7 +165,8 @@ class _Problem:
     def move(self, now: Calibrated, step: Array) -> Calibrated | None:
         """Move to the place after a step, with the slopes of the place before; None if no machine can be so."""
         n, causes = len(self.of_robot), now.trial.hypotheses
-        sizes = np.clip(now.sizes + step[:n], *self.setting.calibration_limits(causes))
+        priors = self.setting.calibration_priors(causes)
+        sizes = np.clip(now.sizes + step[:n], priors.low, priors.high)
         sizes[np.abs(sizes) <= HELD] = 0.0
         machine = possible_numbers(self.setting, sizes)
         trial = None if machine is None else trial_of(self.setting, moved(causes, step[n:]), machine)

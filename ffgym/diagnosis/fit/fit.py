@@ -68,7 +68,7 @@ class Fit(Trial):
         """
         free = [number for hypothesis in self.hypotheses for number in hypothesis.free()]
         kept = [i for i, number in enumerate(free) if not number.of_session]
-        return np.concatenate([self.calibration_only, self.n_calibration + np.array(kept, dtype=np.intp)])
+        return np.concatenate([np.arange(self.n_calibration), self.n_calibration + np.array(kept, dtype=np.intp)])
 
     def tangents_of(self, hypothesis: Hypothesis) -> tuple[Parts, ...]:
         """Columns of a hypothesis, whatever values it has; none if it is not among these."""
@@ -79,16 +79,6 @@ class Fit(Trial):
                 return self.columns[at : at + n]
             at += n
         return ()
-
-    @property
-    def everything(self) -> IntArray:
-        """Places of all columns."""
-        return np.arange(len(self.priors.low))
-
-    @property
-    def calibration_only(self) -> IntArray:
-        """Places of the calibration's columns."""
-        return np.arange(self.n_calibration)
 
 
 def trial_of(
@@ -110,7 +100,7 @@ def trial_of(
         if not all(np.isfinite(values).all() for values in residual.values()):
             return None
         # energy that the columns of the calibration leave, with what their prior says of them
-        evidence, priors = setting.stack.evidence(values_of(residual)), priors_of_calibration(setting, hypotheses)
+        evidence, priors = setting.stack.evidence(values_of(residual)), setting.calibration_priors(hypotheses)
         x = fitted(evidence, np.arange(len(priors.low)), priors)
         gram, pull = evidence.gram.sum(axis=0), evidence.moment.sum(axis=0)[:, 0]
         left = float(evidence.energy.sum() - 2 * x @ pull + x @ gram @ x + priors.precision @ x**2)
@@ -149,15 +139,9 @@ def left_by(setting: Setting, hypotheses: Sequence[Hypothesis]) -> float:
     return np.inf if tried is None else tried.left
 
 
-def priors_of_calibration(setting: Setting, hypotheses: Sequence[Hypothesis]) -> Priors:
-    """Calibration beside hypotheses, in standard deviations."""
-    low, high = setting.calibration_limits(hypotheses)
-    return Priors(precision=np.ones(len(low)), low=low, high=high)
-
-
 def priors_of(setting: Setting, hypotheses: Sequence[Hypothesis]) -> Priors:
     """Calibration in standard deviations; changes of free numbers in practical steps, within their bounds."""
-    known = priors_of_calibration(setting, hypotheses)
+    known = setting.calibration_priors(hypotheses)
     free = [number for hypothesis in hypotheses for number in hypothesis.free()]
     low = [max(-_FAR, (number.low - number.value) / number.step) for number in free]
     high = [min(_FAR, (number.high - number.value) / number.step) for number in free]
@@ -183,7 +167,7 @@ def without_calibration(setting: Setting, fit: Fit) -> dict[Channel, Array]:
 
     Of the hypotheses as they are: beside steps that they did not take, calibration would explain something else.
     """
-    sizes = fitted(fit.evidence, fit.calibration_only, fit.priors)
+    sizes = fitted(fit.evidence, np.arange(fit.n_calibration), fit.priors)
     rest = {channel: rows.copy() for channel, rows in fit.residual.items()}
     for column, size in zip(setting.calibration, sizes, strict=True):
         for (channel, c), rows in column.items():

@@ -56,7 +56,7 @@ def refined(setting: Setting, begun: Fit, like: Fit | None = None, *, roughly: b
     """A fit from where it has `begun`; `roughly` if only what it leaves is asked for, to a per cent."""
     best = begun
     for _ in range(_ROUNDS if begun.hypotheses else 0):
-        step, tried = fitted(best.evidence, best.everything, best.priors)[best.n_calibration :], None
+        step, tried = fitted(best.evidence, np.arange(len(best.priors.low)), best.priors)[best.n_calibration :], None
         for _ in range(_HALVINGS):
             tried = trial_of(setting, moved(best.hypotheses, step))
             if tried is not None and tried.left < best.left:

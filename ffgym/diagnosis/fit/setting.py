@@ -16,6 +16,7 @@ from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.push import Parts, Push, changes, clock_parts, moved, of_numbers, push_of, replayed_parts
 from ffgym.diagnosis.replay import Replay, servo_feedback, tracked
 from ffgym.diagnosis.residual import Channel
+from ffgym.diagnosis.solving import Priors
 from ffgym.effects import ClockEffect, ModelEffect, NativeEffect, TorqueEffect, TrackerEffect
 from ffgym.effects.effect import Effect
 from ffgym.simulation.plant import Machine
@@ -65,18 +66,19 @@ class Setting:
         certain = np.square(weight * self.floor[channel][:, c])[counted]
         return float(np.mean(certain)) if len(certain) else 0.0
 
-    def calibration_limits(self, hypotheses: Sequence[Hypothesis] = ()) -> tuple[Array, Array]:
-        """Lowest and highest values of the calibration's columns beside hypotheses, in standard deviations.
+    def calibration_priors(self, hypotheses: Sequence[Hypothesis] = ()) -> Priors:
+        """Priors of the calibration's columns beside hypotheses, in standard deviations.
 
         A number that is a cause is no calibration error beside it: it is one number, with one prior.
         """
         if not self.doubts:
             bound = np.full(len(self.calibration), self.bound)
-            return -bound, bound
+            return Priors(precision=np.ones(len(bound)), low=-bound, high=bound)
         n = self.log.robot.n_joints
         is_cause = np.array([any(is_number_of(doubt, one, n) for one in hypotheses) for doubt in self.doubts])
         low, high = np.array([doubt.limits for doubt in self.doubts]).T
-        return np.where(is_cause, -HELD, low), np.where(is_cause, HELD, high)
+        low, high = np.where(is_cause, -HELD, low), np.where(is_cause, HELD, high)
+        return Priors(precision=np.ones(len(low)), low=low, high=high)
 
     def as_described(self, hypotheses: Sequence[Hypothesis]) -> tuple[Hypothesis, ...]:
         """Hypotheses of the machine as it is described: a number that is one differs by all that it differs by."""

@@ -2,24 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import permutations
 
 import numpy as np
 
 from ffgym.core.types import Array
-from ffgym.diagnosis.patterns.forms import (
-    Candidate,
-    Fixed,
-    Function,
-    Periodic,
-    Variable,
-    fit,
-    friction_of,
-    functions_of,
-    functions_of_time,
-)
+from ffgym.diagnosis.patterns.forms import Candidate, Fixed, Function, Periodic, Variable, fit, functions
 from ffgym.diagnosis.patterns.periodic import Amplitude, Line, PerTurn
-from ffgym.diagnosis.patterns.rows import Rows, rows_of, without_slow
+from ffgym.diagnosis.patterns.rows import FEWEST_BLOCKS, Rows, rows_of, without_slow
 from ffgym.diagnosis.patterns.significance import Dependence, Trial, best_of, dependence, tried, wandering
 from ffgym.diagnosis.residual import UNITS, Residual
 from ffgym.diagnosis.result import Pattern, PatternKind
@@ -29,11 +18,8 @@ _VARIABLES: dict[Variable, str] = {
     "speed": "motor speed",
     "size of speed": "size of the motor speed",
     "acceleration": "motor acceleration",
-    "load": "load",
-    "temperature": "temperature",
     "travel": "travel since the last reversal",
     "rest": "time at rest before the move",
-    "time": "time",
     "way": "way since the motion began",
     "power": "speed times torque",
     "none": "motor speed",
@@ -77,7 +63,7 @@ class _Levels:
 def find_patterns(residual: Residual, rng: np.random.Generator) -> tuple[Pattern, ...]:
     """What the residuals of all channels depend on, strongest against the noise floor first; none in noise."""
     tables = [rows_of(residual, channel, rng) for channel in residual.channels]
-    enough = [rows for rows in tables if rows is not None and rows.has_enough]
+    enough = [rows for rows in tables if rows is not None and len(rows.block_starts) >= FEWEST_BLOCKS]
     forms = candidates(len(residual.robot.joints))
     tests = sum(form.may_act_on(rows, c) for rows in enough for form in forms for c in range(len(rows.components)))
     levels = _Levels(
@@ -95,9 +81,7 @@ def candidates(n_joints: int) -> list[Fixed | Periodic]:
     return [
         Line(),
         *(Line(joint=joint, own_only=True) for joint in joints),
-        *functions_of_time(),
-        *(function for joint in joints for function in functions_of(joint)),
-        *(function for joint, other in permutations(joints, 2) for function in friction_of(joint, other)),
+        *functions(n_joints),
         *(PerTurn(joint=joint, amplitude=amplitude) for joint in joints for amplitude in _AMPLITUDES),
     ]
 
@@ -172,7 +156,7 @@ def _pattern(
     component, joint = rows.components[c], "" if form.joint is None else rows.joints[form.joint]
     words = "motor angle" if isinstance(form, PerTurn) else "time"
     if isinstance(form, Function | Dependence) and joint:
-        words = _VARIABLES[form.variable]
+        words = _VARIABLES.get(form.variable, form.variable)
     named = f"{words} of {joint}" if joint else words
     kind: PatternKind = "dependence"
     match form:

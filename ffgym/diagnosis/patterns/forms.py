@@ -2,6 +2,7 @@
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from itertools import permutations
 from typing import Literal, final
 
 import numpy as np
@@ -141,33 +142,29 @@ def hat_columns(values: Array, knots: int, *, evenly: bool) -> Array:
     return columns
 
 
-def functions_of_time() -> list[Function]:
-    """Functions of the time since a motion began, the same in all motions, whatever they do."""
-    return [Function(variable="time", joint=None, knots=knots, evenly=True) for knots in (COARSE, FINE)]
-
-
-def functions_of(joint: int) -> list[Function]:
-    """All functions of the variables of one joint."""
+def functions(n_joints: int) -> list[Function]:
+    """All functions: of time, of the variables of each joint, and of what one joint does for friction of another."""
     plain: list[Variable] = ["speed", "size of speed", "acceleration", "load"]
     own: list[Variable] = ["temperature", "travel", "rest", "time"]
-    return [
-        Function(variable="none", joint=joint, signed=joint),
-        *(Function(variable=variable, joint=joint) for variable in plain),
-        *(Function(variable="angle", joint=joint, knots=knots, evenly=knots == FINE) for knots in (2, COARSE, FINE)),
-        Function(variable="angle", joint=joint, signed=joint, evenly=False),
-        Function(variable="angle", joint=joint, signed=joint, knots=FINE, evenly=True, own_only=True),
-        *(Function(variable=v, joint=joint, signed=joint, own_only=True) for v in ("size of speed", "load", "power")),
-        *(Function(variable=v, joint=joint, own_only=True) for v in ("way", "power")),
-        Function(variable="way", joint=joint, signed=joint, own_only=True),
-        *(Function(variable=v, joint=joint, signed=joint, knots=_knots(v), own_only=True) for v in own),
-        *(Function(variable=v, joint=joint, knots=_knots(v), own_only=True) for v in ("temperature", "travel", "rest")),
-    ]
-
-
-def friction_of(joint: int, other: int) -> list[Function]:
-    """Functions of what one joint does, times the sign of another: friction that it brings about there."""
-    variables: list[Variable] = ["size of speed", "load", "angle"]
-    return [Function(variable=variable, joint=other, signed=joint) for variable in variables]
+    of_other: list[Variable] = ["size of speed", "load", "angle"]
+    # time since a motion began, the same in all motions, whatever they do
+    found = [Function(variable="time", joint=None, knots=knots, evenly=True) for knots in (COARSE, FINE)]
+    for j in range(n_joints):
+        found += [
+            Function(variable="none", joint=j, signed=j),
+            *(Function(variable=v, joint=j) for v in plain),
+            *(Function(variable="angle", joint=j, knots=knots, evenly=knots == FINE) for knots in (2, COARSE, FINE)),
+            Function(variable="angle", joint=j, signed=j),
+            Function(variable="angle", joint=j, signed=j, knots=FINE, evenly=True, own_only=True),
+            *(Function(variable=v, joint=j, signed=j, own_only=True) for v in ("size of speed", "load", "power")),
+            *(Function(variable=v, joint=j, own_only=True) for v in ("way", "power")),
+            Function(variable="way", joint=j, signed=j, own_only=True),
+            *(Function(variable=v, joint=j, signed=j, knots=_knots(v), own_only=True) for v in own),
+            *(Function(variable=v, joint=j, knots=_knots(v), own_only=True) for v in own[:-1]),
+        ]
+    for j, other in permutations(range(n_joints), 2):
+        found += [Function(variable=v, joint=other, signed=j) for v in of_other]
+    return found
 
 
 def _knots(variable: Variable) -> int:

@@ -10,7 +10,7 @@ import scipy
 
 from ffgym.core.errors import check_choice
 from ffgym.core.measures import rms
-from ffgym.core.types import Array, BoolArray, IntArray
+from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.patterns.forms import PRIOR_ROWS, Periodic, fit
 from ffgym.diagnosis.patterns.rows import Rows, rows_of
 from ffgym.diagnosis.residual import Channel, Residual, components
@@ -54,93 +54,6 @@ CELLS = 16
 """Cells of the angle in one cycle; a value at the edge of its cell then counts for 0.98 of itself."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Turning:
-    """What a motor did in the rows (R,) that a periodogram is made of."""
-
-    angle: Array
-    """[rad]."""
-    speed: Array
-    """[rad/s]."""
-    gain: Array
-    """What the amplitude of the sine goes with."""
-    motion: IntArray
-    """Motion of each row; each has a mean of its own."""
-    highest: float
-    """Frequency in time up to which rows show a vibration [Hz]."""
-
-
-def angle_spectrum(turning: Turning, values: Array, *, low: float, high: float) -> list[Spectrum]:
-    """Periodograms of values (R, C) over the motor angle from `low` to `high` cycles per turn, one for each column.
-
-    Where a motor is so fast that rows do not show a vibration, they do not count for it. So each octave of frequencies
-    has rows of its own.
-
-    Reference:
-        Zechmeister, Kuerster (2009), Astronomy & Astrophysics 496, 577-584: periodogram of a sine beside a mean.
-    """
-    edges = np.geomspace(low, high, max(1, round(np.log2(high / low))) + 1)
-    found = [_octave(turning, values, float(start), float(stop)) for start, stop in pairwise(edges)]
-    frequency = np.concatenate([frequency for frequency, _ in found])
-    explained = np.concatenate([explained for _, explained in found], axis=1)
-    energy = np.sum(values**2, axis=0)[:, None]
-    share = np.divide(explained, energy, out=np.zeros_like(explained), where=energy > 0)
-    return [Spectrum(frequency=frequency, share=one) for one in np.clip(share, 0.0, 1.0)]
-
-
-def passed(speed: Array, frequency: float, highest: float) -> BoolArray:
-    """Rows in which `frequency` cycles per turn are slow enough to be seen."""
-    slow: BoolArray = frequency * np.abs(speed) / (2 * np.pi) < highest
-    return slow
-
-
-def _octave(turning: Turning, values: Array, low: float, high: float) -> tuple[Array, Array]:
-    """Frequencies (F,) from `low` to `high`, and the energy (C, F) that a sine of each explains."""
-    gain = np.where(passed(turning.speed, high, turning.highest), turning.gain, 0.0)
-    cell = 1.0 / (CELLS * high)
-    number = np.rint((turning.angle - turning.angle.min()) / (2 * np.pi * cell)).astype(np.intp)
-    size = scipy.fft.next_fast_len(max(PADDING * (int(number.max()) + 1), round(4 / (cell * low))), real=True)
-    frequency = np.arange(size // 2 + 1) / (size * cell)
-    chosen = np.flatnonzero((frequency >= low) & (frequency < high))
-
-    def sums(weights: Array, times: int = 1) -> tuple[Array, Array]:
-        """Sums of weights (R,) times cosine and sine of so many times the phase, (F,) each."""
-        transform = scipy.fft.rfft(np.bincount(number, weights=weights), size)[times * chosen]
-        return transform.real, -transform.imag
-
-    double, mixed = sums(gain**2, times=2)
-    cosines = 0.5 * (gain @ gain + double) + PRIOR_ROWS
-    sines = 0.5 * (gain @ gain - double) + PRIOR_ROWS
-    both = 0.5 * mixed
-    for motion, count in enumerate(np.bincount(turning.motion)):
-        if count:
-            c, s = sums(np.where(turning.motion == motion, gain, 0.0))
-            cosines, sines, both = cosines - c**2 / count, sines - s**2 / count, both - c * s / count
-    explained = []
-    for column in values.T:
-        c, s = sums(gain * column)
-        explained.append((sines * c**2 - 2 * both * c * s + cosines * s**2) / (cosines * sines - both**2))
-    return frequency[chosen], np.stack(explained)
-
-
-def time_spectrum(rows: Rows, values: Array, train: BoolArray, *, low: float, high: float) -> Spectrum:
-    """Periodogram of values (R,) in the rows of `train`, from `low` to `high` [Hz]."""
-    edges = [*rows.motion_starts, len(values)]
-    longest = max(np.ptp(rows.did.t[a:b]) for a, b in pairwise(edges))
-    size = scipy.fft.next_fast_len(max(4, round(PADDING * longest / rows.dt)), real=True)
-    total = np.zeros(size // 2 + 1)
-    for a, b in pairwise(edges):
-        used = train[a:b]
-        if used.any():
-            at = np.rint((rows.did.t[a:b][used] - rows.did.t[a]) / rows.dt).astype(np.intp)
-            total += 2 * np.abs(scipy.fft.rfft(np.bincount(at, weights=values[a:b][used]), size)) ** 2 / used.sum()
-    frequency = np.arange(len(total)) / (size * rows.dt)
-    chosen = (frequency >= low) & (frequency <= high)
-    energy = float(values[train] @ values[train])
-    share = total[chosen] / energy if energy > 0 else np.zeros(int(chosen.sum()))
-    return Spectrum(frequency=frequency[chosen], share=np.minimum(share, 1.0))
-
-
 Amplitude = Literal["constant", "torque", "sign", "speed squared"]
 """What the amplitude goes with: nothing, the motor torque, the sign of the speed, or its square."""
 
@@ -153,6 +66,12 @@ FEWEST_PERIODS = 1.5
 
 LOWEST_LINE = 1.0
 """Lowest line in time [Hz]; slower ones are rhythms of the motions."""
+
+
+def passed(speed: Array, frequency: float, highest: float) -> BoolArray:
+    """Rows in which `frequency` cycles per turn are slow enough to be seen."""
+    slow: BoolArray = frequency * np.abs(speed) / (2 * np.pi) < highest
+    return slow
 
 
 @final
@@ -169,20 +88,55 @@ class PerTurn(Periodic):
         return super().may_act_on(rows, component) and (rows.channel != "tool" or self.amplitude == "constant")
 
     def spectra(self, rows: Rows, values: Array, train: BoolArray) -> list[Spectrum] | None:
-        """Periodograms of values (R, C) over the angle; None where the motor turns too little."""
-        j, did = self.joint, rows.did
-        turning = Turning(
-            angle=did.angle[train, j],
-            speed=did.speed[train, j],
-            gain=self._gain(rows)[train],
-            motion=rows.motion[train],
-            highest=rows.highest,
-        )
-        turns = np.ptp(turning.angle) / (2 * np.pi)
+        """Periodograms of values (R, C) over the angle, one for each column; None where the motor turns too little.
+
+        Where a motor is so fast that rows do not show a vibration, they do not count for it. So each octave of
+        frequencies has rows of its own.
+
+        Reference:
+            Zechmeister, Kuerster (2009), Astronomy & Astrophysics 496, 577-584: periodogram of a sine beside a mean.
+        """
+        turns = np.ptp(rows.did.angle[train, self.joint]) / (2 * np.pi)
         if turns * MOST_CYCLES < 2 * FEWEST_PERIODS:
             return None
-        low = max(LEAST_CYCLES, FEWEST_PERIODS / turns)
-        return angle_spectrum(turning, values[train], low=low, high=MOST_CYCLES)
+        low, values = max(LEAST_CYCLES, FEWEST_PERIODS / turns), values[train]
+        edges = np.geomspace(low, MOST_CYCLES, max(1, round(np.log2(MOST_CYCLES / low))) + 1).tolist()
+        found = [self._octave(rows, values, train, *ends) for ends in pairwise(edges)]
+        frequency = np.concatenate([frequency for frequency, _ in found])
+        explained = np.concatenate([explained for _, explained in found], axis=1)
+        energy = np.sum(values**2, axis=0)[:, None]
+        share = np.divide(explained, energy, out=np.zeros_like(explained), where=energy > 0)
+        return [Spectrum(frequency=frequency, share=one) for one in np.clip(share, 0.0, 1.0)]
+
+    def _octave(self, rows: Rows, values: Array, train: BoolArray, low: float, high: float) -> tuple[Array, Array]:
+        """Frequencies (F,) from `low` to `high`, and the energy (C, F) of values in `train` that a sine explains."""
+        angle, motions = rows.did.angle[train, self.joint], rows.motion[train]
+        gain = np.where(passed(rows.did.speed[train, self.joint], high, rows.highest), self._gain(rows)[train], 0.0)
+        cell = 1.0 / (CELLS * high)
+        number = np.rint((angle - angle.min()) / (2 * np.pi * cell)).astype(np.intp)
+        size = scipy.fft.next_fast_len(max(PADDING * (int(number.max()) + 1), round(4 / (cell * low))), real=True)
+        frequency = np.arange(size // 2 + 1) / (size * cell)
+        chosen = np.flatnonzero((frequency >= low) & (frequency < high))
+
+        def sums(weights: Array, times: int = 1) -> tuple[Array, Array]:
+            """Sums of weights (R,) times cosine and sine of so many times the phase, (F,) each."""
+            transform = scipy.fft.rfft(np.bincount(number, weights=weights), size)[times * chosen]
+            return transform.real, -transform.imag
+
+        double, mixed = sums(gain**2, times=2)
+        cosines = 0.5 * (gain @ gain + double) + PRIOR_ROWS
+        sines = 0.5 * (gain @ gain - double) + PRIOR_ROWS
+        both = 0.5 * mixed
+        # each motion has a mean of its own
+        for motion, count in enumerate(np.bincount(motions)):
+            if count:
+                c, s = sums(np.where(motions == motion, gain, 0.0))
+                cosines, sines, both = cosines - c**2 / count, sines - s**2 / count, both - c * s / count
+        explained = []
+        for column in values.T:
+            c, s = sums(gain * column)
+            explained.append((sines * c**2 - 2 * both * c * s + cosines * s**2) / (cosines * sines - both**2))
+        return frequency[chosen], np.stack(explained)
 
     def search(self, rows: Rows, values: Array, train: BoolArray) -> list[float] | None:
         """See base class."""
@@ -239,8 +193,24 @@ class Line(Periodic):
         """See base class."""
         if rows.highest <= LOWEST_LINE:
             return None
-        signed = values * self._sign(rows)[:, None]
-        return [time_spectrum(rows, column, train, low=LOWEST_LINE, high=rows.highest).best for column in signed.T]
+        t, ends = rows.did.t, [*rows.motion_starts, len(values)]
+        longest = max(np.ptp(t[a:b]) for a, b in pairwise(ends))
+        size = scipy.fft.next_fast_len(max(4, round(PADDING * longest / rows.dt)), real=True)
+        frequency = np.arange(size // 2 + 1) / (size * rows.dt)
+        chosen, found = (frequency >= LOWEST_LINE) & (frequency <= rows.highest), []
+        for column in (values * self._sign(rows)[:, None]).T:
+            # periodogram, a sum over motions
+            total = np.zeros(size // 2 + 1)
+            for a, b in pairwise(ends):
+                used = train[a:b]
+                if used.any():
+                    at = np.rint((t[a:b][used] - t[a]) / rows.dt).astype(np.intp)
+                    own = np.bincount(at, weights=column[a:b][used])
+                    total += 2 * np.abs(scipy.fft.rfft(own, size)) ** 2 / used.sum()
+            energy = float(column[train] @ column[train])
+            share = total[chosen] / energy if energy > 0 else np.zeros(int(chosen.sum()))
+            found.append(float(frequency[chosen][np.argmax(np.minimum(share, 1.0))]))
+        return found
 
     def refine(self, rows: Rows, values: Array, frequency: float) -> float:
         """See base class."""

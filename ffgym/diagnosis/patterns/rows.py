@@ -105,11 +105,6 @@ class Rows:
         energy = np.add.reduceat(values**2, self.motion_starts, axis=0)
         return np.flatnonzero(np.any(energy > LOUD * self.noise, axis=0)).tolist()
 
-    @property
-    def has_enough(self) -> bool:
-        """Whether there is enough to test anything."""
-        return len(self.block_starts) >= FEWEST_BLOCKS
-
     def centred(self, columns: Array) -> Array:
         """Columns (R, P) less their mean over each motion: what differs between motions shows no dependence."""
         if not columns.size:
@@ -186,7 +181,10 @@ def _about_mean(values: Array) -> Array:
 
 
 def _did(pairs: list[tuple[MotionResidual, BoolArray]], t: Array) -> Motions:
-    n_joints = pairs[0][0].motor_acceleration.shape[1]
+    n_joints, ways = pairs[0][0].motor_acceleration.shape[1], []
+    for motion, rows in pairs:
+        angle = np.broadcast_to(motion.state.motor_angle, motion.motor_acceleration.shape)
+        ways.append(np.cumsum(np.abs(np.diff(angle, axis=0, prepend=angle[:1])), axis=0)[rows])
 
     def state(name: str) -> Array:
         return np.concatenate([np.broadcast_to(getattr(m.state, name), (len(m.t), n_joints))[k] for m, k in pairs])
@@ -205,15 +203,8 @@ def _did(pairs: list[tuple[MotionResidual, BoolArray]], t: Array) -> Motions:
         temperature=state("temperature"),
         travel=own("since_reversal"),
         rest=own("at_rest_for"),
-        way=np.concatenate([_way(m)[k] for m, k in pairs]),
+        way=np.concatenate(ways),
     )
-
-
-def _way(motion: MotionResidual) -> Array:
-    """How far motors have gone since a motion began, there and back [rad], (R, N)."""
-    angle = np.broadcast_to(motion.state.motor_angle, motion.motor_acceleration.shape)
-    way: Array = np.cumsum(np.abs(np.diff(angle, axis=0, prepend=angle[:1])), axis=0)
-    return way
 
 
 def _starts(motion: IntArray, number: Array) -> IntArray:

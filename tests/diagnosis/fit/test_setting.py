@@ -24,8 +24,8 @@ def test_the_instant_of_torque_in_a_row_is_held_where_a_cause_makes_all_torque_l
     setting = SimpleNamespace(
         doubts=(Doubt(column=column, sigma=5e-5),), log=SimpleNamespace(robot=SimpleNamespace(n_joints=n_joints))
     )
-    low, high = Setting.calibration_limits(setting, [cause])
-    assert bool(low == -HELD and high == HELD) == is_held
+    priors = Setting.calibration_priors(setting, [cause])
+    assert bool(priors.low == -HELD and priors.high == HELD) == is_held
 
 
 @pytest.mark.parametrize(("energy", "left"), [(None, 0.0), (0.6, 0.0), (1.0, 0.0), (201.0, 2.0)])
