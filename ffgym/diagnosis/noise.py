@@ -81,9 +81,7 @@ def noise_of(run: Replay) -> Noise:
         return np.minimum(each(values), each(left[family])) if family in left else each(values)
 
     return Noise(
-        angle=np.stack(
-            [white_noise(motor_side(log.robot, one), low_pass, log.dt) for one in log.recordings]
-        ),
+        angle=np.stack([white_noise(motor_side(log.robot, one), low_pass, log.dt) for one in log.recordings]),
         step=encoder_steps(log),
         torque=np.minimum(each(log.torque), each(left["motor.effort"])),
         tool=least(log.tool, "tcp.position"),

@@ -8,7 +8,7 @@ import numpy as np
 
 from ffgym.core.types import Array
 from ffgym.diagnosis.as_moved import as_moved
-from ffgym.diagnosis.calibration import BOUND, Calibration, Doubt, doubts_of
+from ffgym.diagnosis.calibration import Calibration, Doubt, doubts_of
 from ffgym.diagnosis.column import Column, columns_of
 from ffgym.diagnosis.evidence import blocks_of
 from ffgym.diagnosis.exact import FOREIGN, UNKNOWN, Exact, exact_recordings, has_servo, is_foreign, is_same_motion
@@ -129,7 +129,6 @@ def prepared(
         doubts=known.doubts,
         like=like,
         bias=known.bias,
-        bound=BOUND,
         floor=floor,
     )
     if at is not None and len(known.doubts) == len(at):  # the slopes of another machine are others

@@ -20,7 +20,7 @@ from typing import ClassVar, final
 import numpy as np
 
 from ffgym.core.types import Array
-from ffgym.diagnosis.calibration import BOUND, LinkMass
+from ffgym.diagnosis.calibration import LinkMass
 from ffgym.diagnosis.column import columns_of
 from ffgym.diagnosis.evidence import BLOCK, blocks_of
 from ffgym.diagnosis.fit.fit import evaluated, left_by
@@ -199,7 +199,6 @@ def _setting(log: Log, machine: Machine) -> Setting:
         doubts=(),
         like=run,
         bias=dict.fromkeys(("torque", "tool", "link"), np.zeros(1)),
-        bound=BOUND,
     )
 
 

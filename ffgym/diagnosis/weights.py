@@ -157,7 +157,7 @@ _INDEPENDENT = 1e-8
 def first_swing(setting: Setting) -> dict[Channel, Array]:
     """Fit free motions of springs to the residual of a log, (R, M, C) by channel; empty if joints are rigid."""
     run = setting.like
-    if run is None or run.robot.drive.is_rigid.all():
+    if run.robot.drive.is_rigid.all():
         return {}
     rest = without_calibration(setting, evaluated(setting, ()))
     # what arms show that are let go or knocked at the first sample: of each elastic joint one of both

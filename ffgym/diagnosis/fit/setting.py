@@ -9,7 +9,7 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
-from ffgym.diagnosis.calibration import Doubt, RowOffset, is_row_offset
+from ffgym.diagnosis.calibration import BOUND, Doubt, RowOffset, is_row_offset
 from ffgym.diagnosis.evidence import Blocks, Stack, Values, stack_of
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, machine_of
 from ffgym.diagnosis.log import Log
@@ -41,12 +41,10 @@ class Setting:
     """Columns per standard deviation."""
     doubts: tuple[Doubt, ...]
     """What those columns are."""
-    like: Replay | None
+    like: Replay
     """Nominal replay of the log, whose parts serve other replays."""
     bias: Mapping[Channel, Array]
     """What replay and simulation of one model differ by, (R, M, C): steps of time; taken off every residual."""
-    bound: float
-    """Standard deviations beyond which a calibration error is none."""
     floor: Mapping[Channel, Array] = field(default_factory=dict)
     """RMS of noise alone, (M, C), without what single rows are doubted by; empty where nobody asks."""
     described: Mapping[tuple[Channel, int], float] = field(default_factory=dict)
@@ -72,7 +70,7 @@ class Setting:
         A number that is a cause is no calibration error beside it: it is one number, with one prior.
         """
         if not self.doubts:
-            bound = np.full(len(self.calibration), self.bound)
+            bound = np.full(len(self.calibration), BOUND)
             return Priors(precision=np.ones(len(bound)), low=-bound, high=bound)
         n = self.log.robot.n_joints
         is_cause = np.array([any(is_number_of(doubt, one, n) for one in hypotheses) for doubt in self.doubts])

@@ -107,7 +107,7 @@ class Function(Fixed):
     def columns(self, rows: Rows) -> Array:
         """See base class."""
         hats = hat_columns(self._values(rows), self.knots, evenly=self.evenly)
-        return hats if self.signed is None else hats * rows.did.sign[:, self.signed, None]
+        return hats if self.signed is None else hats * rows.did["sign"][:, self.signed, None]
 
     def complexity(self, rows: Rows) -> int:
         """See base class."""
@@ -115,16 +115,12 @@ class Function(Fixed):
 
     def _values(self, rows: Rows) -> Array:
         if self.variable == "time" or self.joint is None:
-            return rows.did.t
-        j, did = self.joint, rows.did
+            return rows.t
         if self.variable == "none":
-            return np.zeros(len(did.t))
-        if self.variable == "power":
-            return did.speed[:, j] * did.torque[:, j]
-        values: Array = getattr(did, "speed" if self.variable == "size of speed" else self.variable)[:, j]
+            return np.zeros(len(rows.t))
+        values = rows.did[self.variable][:, self.joint]
         # friction grows with the size of a load
-        is_size = self.variable == "size of speed" or (self.variable == "load" and self.signed is not None)
-        return np.abs(values) if is_size else values
+        return np.abs(values) if self.variable == "load" and self.signed is not None else values
 
 
 def hat_columns(values: Array, knots: int, *, evenly: bool) -> Array:

@@ -96,7 +96,7 @@ class PerTurn(Periodic):
         Reference:
             Zechmeister, Kuerster (2009), Astronomy & Astrophysics 496, 577-584: periodogram of a sine beside a mean.
         """
-        turns = np.ptp(rows.did.angle[train, self.joint]) / (2 * np.pi)
+        turns = np.ptp(rows.did["angle"][train, self.joint]) / (2 * np.pi)
         if turns * MOST_CYCLES < 2 * FEWEST_PERIODS:
             return None
         low, values = max(LEAST_CYCLES, FEWEST_PERIODS / turns), values[train]
@@ -110,8 +110,8 @@ class PerTurn(Periodic):
 
     def _octave(self, rows: Rows, values: Array, train: BoolArray, low: float, high: float) -> tuple[Array, Array]:
         """Frequencies (F,) from `low` to `high`, and the energy (C, F) of values in `train` that a sine explains."""
-        angle, motions = rows.did.angle[train, self.joint], rows.motion[train]
-        gain = np.where(passed(rows.did.speed[train, self.joint], high, rows.highest), self._gain(rows)[train], 0.0)
+        angle, motions = rows.did["angle"][train, self.joint], rows.motion[train]
+        gain = np.where(passed(rows.did["speed"][train, self.joint], high, rows.highest), self._gain(rows)[train], 0.0)
         cell = 1.0 / (CELLS * high)
         number = np.rint((angle - angle.min()) / (2 * np.pi * cell)).astype(np.intp)
         size = scipy.fft.next_fast_len(max(PADDING * (int(number.max()) + 1), round(4 / (cell * low))), real=True)
@@ -145,14 +145,14 @@ class PerTurn(Periodic):
 
     def refine(self, rows: Rows, values: Array, frequency: float) -> float:
         """See base class."""
-        width = 1 / max(np.ptp(rows.did.angle[:, self.joint]) / (2 * np.pi), 1.0)
+        width = 1 / max(np.ptp(rows.did["angle"][:, self.joint]) / (2 * np.pi), 1.0)
         return refined(frequency, width / 2, lambda n: rows.centred(self.columns(rows, n)), values)
 
     def columns(self, rows: Rows, frequency: float) -> Array:
         """See base class."""
         j = self.joint
-        gain = self._gain(rows) * passed(rows.did.speed[:, j], frequency, rows.highest)
-        phase = frequency * rows.did.angle[:, j]
+        gain = self._gain(rows) * passed(rows.did["speed"][:, j], frequency, rows.highest)
+        phase = frequency * rows.did["angle"][:, j]
         return gain[:, None] * np.stack([np.cos(phase), np.sin(phase)], axis=1)
 
     def complexity(self, rows: Rows) -> int:
@@ -160,16 +160,10 @@ class PerTurn(Periodic):
         return 3
 
     def _gain(self, rows: Rows) -> Array:
-        did, j = rows.did, self.joint
-        match self.amplitude:
-            case "torque":
-                gain = did.torque[:, j]
-            case "sign":
-                gain = did.sign[:, j]
-            case "speed squared":
-                gain = did.speed[:, j] ** 2
-            case _:
-                return np.ones(len(did.t))
+        if self.amplitude == "constant":
+            return np.ones(len(rows.t))
+        is_squared = self.amplitude == "speed squared"
+        gain = rows.did["speed" if is_squared else self.amplitude][:, self.joint] ** (2 if is_squared else 1)
         size = rms(gain)
         return gain / size if size > 0 else gain
 
@@ -193,7 +187,7 @@ class Line(Periodic):
         """See base class."""
         if rows.highest <= LOWEST_LINE:
             return None
-        t, ends = rows.did.t, [*rows.motion_starts, len(values)]
+        t, ends = rows.t, [*rows.motion_starts, len(values)]
         longest = max(np.ptp(t[a:b]) for a, b in pairwise(ends))
         size = scipy.fft.next_fast_len(max(4, round(PADDING * longest / rows.dt)), real=True)
         frequency = np.arange(size // 2 + 1) / (size * rows.dt)
@@ -214,12 +208,12 @@ class Line(Periodic):
 
     def refine(self, rows: Rows, values: Array, frequency: float) -> float:
         """See base class."""
-        longest = max(np.ptp(rows.did.t[rows.motion == m]) for m in range(len(rows.motion_starts)))
+        longest = max(np.ptp(rows.t[rows.motion == m]) for m in range(len(rows.motion_starts)))
         return refined(frequency, 0.5 / longest, lambda f: rows.centred(self.columns(rows, f)), values)
 
     def columns(self, rows: Rows, frequency: float) -> Array:
         """See base class."""
-        phase = 2 * np.pi * frequency * rows.did.t
+        phase = 2 * np.pi * frequency * rows.t
         in_motion = rows.motion[:, None] == np.arange(len(rows.motion_starts))
         waves = np.stack([np.cos(phase), np.sin(phase)]) * self._sign(rows)
         return np.concatenate([in_motion * wave[:, None] for wave in waves], axis=1)
@@ -230,7 +224,7 @@ class Line(Periodic):
 
     def _sign(self, rows: Rows) -> Array:
         """What turns it over, (R,)."""
-        return np.ones(len(rows.did.t)) if self.joint is None else rows.did.sign[:, self.joint]
+        return np.ones(len(rows.t)) if self.joint is None else rows.did["sign"][:, self.joint]
 
 
 def cycles_per_turn(

@@ -1,5 +1,6 @@
 """Rows of a residual as patterns are sought in them: all motions of one channel, cut into halves and blocks."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -35,32 +36,16 @@ FEWEST_BLOCKS = 40
 """Least blocks of a channel that patterns are sought in; with fewer, no half could pass a test over a family."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Motions:
-    """What the rows (R,) have done, all joints (R, N); motor side."""
-
-    t: Array
-    """Since the motion began [s], shape (R,)."""
-    angle: Array
-    """[rad]."""
-    speed: Array
-    """[rad/s]."""
-    acceleration: Array
-    """[rad/s^2]."""
-    sign: Array
-    """Smoothed sign of the speed, -1 to 1."""
-    load: Array
-    """[N m]."""
-    torque: Array
-    """[N m]."""
-    temperature: Array
-    """[degC]."""
-    travel: Array
-    """Since the last reversal [rad]."""
-    rest: Array
-    """Before the present move [s]."""
-    way: Array
-    """Since the motion began, there and back [rad]."""
+_STATES = {
+    "angle": "motor_angle",
+    "speed": "motor_speed",
+    "sign": "friction_sign",
+    "load": "load_at_motor",
+    "torque": "motor_torque",
+    "temperature": "temperature",
+}
+_OF_MOTION = {"acceleration": "motor_acceleration", "travel": "since_reversal", "rest": "at_rest_for"}
+"""Where a motion's residual has what motors did."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -80,7 +65,12 @@ class Rows:
     """Rows in which the model claims to know a component, shape (R, C)."""
     floor: Array
     """RMS of noise alone in each motion, shape (M, C)."""
-    did: Motions
+    t: Array
+    """Time since the motion began [s], shape (R,)."""
+    did: Mapping[str, Array]
+    """What motors have done by its name, (R, N) each, motor side: `angle` [rad], `speed`, its size and its smoothed
+    `sign`, `acceleration`, `load`, `torque`, `power`, `temperature` [degC], `travel` since the last reversal and `way`
+    there and back since the motion began [rad], and `rest` before the present move [s]."""
     motion_starts: IntArray
     """First row of each motion, shape (M,)."""
     block_starts: IntArray
@@ -115,7 +105,7 @@ class Rows:
 
     def redrawn(self, rng: np.random.Generator) -> "Rows":
         """The same rows cut into other halves."""
-        return replace(self, half=_halves(self.motion, np.rint(self.did.t / self.dt) // CHUNK, rng))
+        return replace(self, half=_halves(self.motion, np.rint(self.t / self.dt) // CHUNK, rng))
 
     def by_block(self, columns: Array) -> Array:
         """Sums over each block, shape (B, P)."""
@@ -149,7 +139,8 @@ def rows_of(residual: Residual, channel: Channel, rng: np.random.Generator) -> R
         values=np.concatenate([_about_mean(m.residual[channel][k]) for m, k in pairs]),
         judged=np.concatenate([np.isfinite(m.residual[channel][k]) for m, k in pairs]),
         floor=residual.floor[channel][there],
-        did=_did(pairs, t),
+        t=t,
+        did=_did(pairs),
         motion_starts=np.cumsum([0, *counts[:-1]]),
         block_starts=_starts(motion, number // BLOCK),
         half=_halves(motion, number // CHUNK, rng),
@@ -180,31 +171,17 @@ def _about_mean(values: Array) -> Array:
     return np.where(judged, known - mean, 0.0)
 
 
-def _did(pairs: list[tuple[MotionResidual, BoolArray]], t: Array) -> Motions:
-    n_joints, ways = pairs[0][0].motor_acceleration.shape[1], []
+def _did(pairs: list[tuple[MotionResidual, BoolArray]]) -> dict[str, Array]:
+    """What motors have done in the rows that count."""
+    parts = []
     for motion, rows in pairs:
-        angle = np.broadcast_to(motion.state.motor_angle, motion.motor_acceleration.shape)
-        ways.append(np.cumsum(np.abs(np.diff(angle, axis=0, prepend=angle[:1])), axis=0)[rows])
-
-    def state(name: str) -> Array:
-        return np.concatenate([np.broadcast_to(getattr(m.state, name), (len(m.t), n_joints))[k] for m, k in pairs])
-
-    def own(name: str) -> Array:
-        return np.concatenate([getattr(m, name)[k] for m, k in pairs])
-
-    return Motions(
-        t=t,
-        angle=state("motor_angle"),
-        speed=state("motor_speed"),
-        acceleration=own("motor_acceleration"),
-        sign=state("friction_sign"),
-        load=state("load_at_motor"),
-        torque=state("motor_torque"),
-        temperature=state("temperature"),
-        travel=own("since_reversal"),
-        rest=own("at_rest_for"),
-        way=np.concatenate(ways),
-    )
+        shape = motion.motor_acceleration.shape
+        did = {name: np.broadcast_to(getattr(motion.state, of), shape) for name, of in _STATES.items()}
+        did |= {name: getattr(motion, of) for name, of in _OF_MOTION.items()}
+        did["way"] = np.cumsum(np.abs(np.diff(did["angle"], axis=0, prepend=did["angle"][:1])), axis=0)
+        did |= {"size of speed": np.abs(did["speed"]), "power": did["speed"] * did["torque"]}
+        parts.append({name: values[rows] for name, values in did.items()})
+    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
 def _starts(motion: IntArray, number: Array) -> IntArray:

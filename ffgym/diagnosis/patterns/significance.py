@@ -125,7 +125,7 @@ def dependence(rows: Rows, values: Array, level: float, rng: np.random.Generator
     kept = rows.block_starts[:: max(1, -(-len(rows.block_starts) // MOST_ROWS))]
     names = [(variable, joint) for joint in range(len(rows.joints)) for variable in _VARIABLES]
     motion = rows.motion[kept]
-    distances = np.stack([_distances(_ranks(getattr(rows.did, v)[kept, j], motion)).ravel() for v, j in names])
+    distances = np.stack([_distances(_ranks(rows.did[v][kept, j], motion)).ravel() for v, j in names])
     kinds = np.stack([_distances(values[kept]), _distances(np.abs(values[kept]))])
     # order of rows in which those of each motion are shuffled among themselves
     orders = [np.arange(len(kept)), *(np.lexsort([rng.random(len(motion)), motion]) for _ in range(DRAWS))]
