@@ -36,27 +36,6 @@ from ffgym.robot import RobotDescription
 _TERMS = (BODIES, ROTOR_INERTIA)
 
 
-def _base_columns(run: Replay) -> list[Column]:
-    """One column for each base parameter of bodies and rotors: the motor torque that it adds along a replay.
-
-    Together they span all torques that other masses, centres of mass, inertias and rotors would give a rigid arm. Each
-    is as large as the torque of the motor on which it is largest, so that one number says how far all are left open.
-    """
-    robot, log = run.robot, run.log
-    motion = rigid_motion(robot, *(x.reshape(-1, robot.n_joints) for x in (log.q, log.dq, log.ddq)))
-    own, taken = base_parameters(robot, _TERMS).own, rms(run.torque, (0, 1))
-    found: list[Column] = []
-    columns = np.concatenate([part for term in _TERMS for part in term.columns(robot, motion)], axis=1)
-    for k in own:
-        torque = columns[:, k].reshape(log.q.shape)
-        size = float(np.max(rms(torque, (0, 1))[taken > 0] / taken[taken > 0], initial=0.0))
-        if size > 0:
-            rows = log.sampling(torque / size)
-            parts: Parts = {("torque", j): rows[..., j] for j in range(robot.n_joints)}
-            found.append(Column(effect=LinkMass, parameter="change", choice=len(found), parts=parts))
-    return found
-
-
 OF_ROW = 0.05
 """Standard deviation of the time between torque and position of a row, in rows; chosen: columns that are said to be of
 one instant are read within a fifth of a row."""
@@ -95,32 +74,6 @@ def is_row_offset(kind: type[Effect], n_joints: int) -> bool:
     A log shows the sum of both alone: with an effect of that kind in the model, the doubt would trade time with it.
     """
     return kind is TorqueClock or (kind is TorqueDelay and n_joints == 1)
-
-
-def late_columns(run: Replay) -> list[tuple[Column, float]]:
-    """Changes of the predictions per second that signals are late, each with the standard deviation of that time.
-
-    Late are the torque of a row, beside its position; friction, by the speed of an earlier instant, most at reversals;
-    the feedback torque of the servo, and the speeds that the servo knows.
-
-    Reference:
-        Hess, Soom (1990), ASME Journal of Tribology 112(1), 147-152: friction at oscillating sliding velocities.
-    """
-    log, drive, servo = run.log, run.robot.drive, run.robot.servo
-    signals: list[tuple[type[Lateness], Channel, Array, float]] = [
-        (RowOffset, "torque", -np.gradient(run.torque, log.dt, axis=0), OF_ROW * log.dt),
-        (Lateness, "torque", -np.gradient(run.bristles.torque, log.dt, axis=0), OF_FRICTION),
-    ]
-    if log.shows_servo:
-        computed = -np.gradient(servo_feedback(run.read, run.robot), log.dt, axis=0)
-        known = servo.velocity_gain * drive.motor_angle(run.read.ddq)
-        signals += [(Lateness, "servo", rate, OF_CYCLE * servo.control_dt) for rate in (computed, known)]
-    found = []
-    for effect, channel, rate, sigma in signals:
-        rows = log.sampling(rate)
-        parts: Parts = {(channel, j): rows[..., j] for j in range(run.robot.n_joints)}
-        found.append((Column(effect=effect, parameter="latency", parts=parts), sigma))
-    return found
 
 
 BOUND = 4.0
@@ -290,7 +243,7 @@ def doubts_of(run: Replay, calibration: Calibration) -> list[Doubt]:
         of_level = static[column.joint] / coulomb[column.joint] if column.parameter == "level" else 1.0
         found.append(Doubt(column=column, sigma=share * of_level))
     if calibration.base > 0:
-        found += [Doubt(column=column, sigma=calibration.base) for column in _base_columns(run)]
+        found += _base_doubts(run, calibration.base)
     else:
         found += each(share, RotorInertia)
         for kind in (LinkMass, LinkInertia):
@@ -299,7 +252,55 @@ def doubts_of(run: Replay, calibration: Calibration) -> list[Doubt]:
             found += [Doubt(column=column, sigma=share) for column in columns]
     for column in columns_of(run, [TorqueOffset], {}):
         found.append(Doubt(column=column, sigma=calibration.offset * coulomb[column.joint]))
-    found += [Doubt(column=column, sigma=sigma) for column, sigma in late_columns(run)]
+    found += _late_doubts(run)
     if run.log.tool is not None:
         found += each(calibration.tool, ToolFrame)
+    return found
+
+
+def _late_doubts(run: Replay) -> list[Doubt]:
+    """Changes of the predictions per second that signals are late.
+
+    Late are the torque of a row, beside its position; friction, by the speed of an earlier instant, most at reversals;
+    the feedback torque of the servo, and the speeds that the servo knows.
+
+    Reference:
+        Hess, Soom (1990), ASME Journal of Tribology 112(1), 147-152: friction at oscillating sliding velocities.
+    """
+    log, drive, servo = run.log, run.robot.drive, run.robot.servo
+    signals: list[tuple[type[Lateness], Channel, Array, float]] = [
+        (RowOffset, "torque", -np.gradient(run.torque, log.dt, axis=0), OF_ROW * log.dt),
+        (Lateness, "torque", -np.gradient(run.bristles.torque, log.dt, axis=0), OF_FRICTION),
+    ]
+    if log.shows_servo:
+        computed = -np.gradient(servo_feedback(run.read, run.robot), log.dt, axis=0)
+        known = servo.velocity_gain * drive.motor_angle(run.read.ddq)
+        signals += [(Lateness, "servo", rate, OF_CYCLE * servo.control_dt) for rate in (computed, known)]
+    found = []
+    for effect, channel, rate, sigma in signals:
+        rows = log.sampling(rate)
+        parts: Parts = {(channel, j): rows[..., j] for j in range(run.robot.n_joints)}
+        found.append(Doubt(column=Column(effect=effect, parameter="latency", parts=parts), sigma=sigma))
+    return found
+
+
+def _base_doubts(run: Replay, sigma: float) -> list[Doubt]:
+    """One column for each base parameter of bodies and rotors: the motor torque that it adds along a replay.
+
+    Together they span all torques that other masses, centres of mass, inertias and rotors would give a rigid arm. Each
+    is as large as the torque of the motor on which it is largest, so that one number says how far all are left open.
+    """
+    robot, log = run.robot, run.log
+    motion = rigid_motion(robot, *(x.reshape(-1, robot.n_joints) for x in (log.q, log.dq, log.ddq)))
+    own, taken = base_parameters(robot, _TERMS).own, rms(run.torque, (0, 1))
+    found: list[Doubt] = []
+    columns = np.concatenate([part for term in _TERMS for part in term.columns(robot, motion)], axis=1)
+    for k in own:
+        torque = columns[:, k].reshape(log.q.shape)
+        size = float(np.max(rms(torque, (0, 1))[taken > 0] / taken[taken > 0], initial=0.0))
+        if size > 0:
+            rows = log.sampling(torque / size)
+            parts: Parts = {("torque", j): rows[..., j] for j in range(robot.n_joints)}
+            column = Column(effect=LinkMass, parameter="change", choice=len(found), parts=parts)
+            found.append(Doubt(column=column, sigma=sigma))
     return found

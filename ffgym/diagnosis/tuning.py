@@ -29,7 +29,7 @@ from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.measured import counting_rows, valid_rows
 from ffgym.diagnosis.push import Parts
-from ffgym.diagnosis.replay import Replay, replay
+from ffgym.diagnosis.replay import replay
 from ffgym.diagnosis.sampling import CUTOFF
 from ffgym.diagnosis.solving import bounded
 from ffgym.diagnosis.variant import STEP
@@ -188,33 +188,23 @@ def _fitted(setting: Setting, numbers: Sequence[Hypothesis]) -> tuple[Hypothesis
 
 def _setting(log: Log, machine: Machine) -> Setting:
     """What all fits to a log share; all rows that count are alike at first."""
-    run = replay(log, machine)
-    counting = {key: rows.astype(np.float64) for key, rows in counting_rows(log).items()}
+    run, valid = replay(log, machine), valid_rows(log)
+    # free beside the numbers, per standard deviation: torque offsets, and places of the tool
+    coulomb, beside = dict(zip(run.robot.joints, run.robot.friction.coulomb, strict=True)), list[Parts]()
+    for column in columns_of(run, [TorqueOffset], {}):
+        beside.append({key: rows * _OFFSET * coulomb[column.joint] for key, rows in column.parts.items()})
+    for motion in np.eye(valid.shape[1]) if log.tool is not None else ():
+        beside += [{("tool", axis): np.broadcast_to(_PLACE * motion, valid.shape)} for axis in range(3)]
     return Setting(
         log=log,
         nominal=machine,
-        blocks=blocks_of(valid_rows(log), log.sampling.row_dt),
-        weights=counting,
-        calibration=_beside(run),
+        blocks=blocks_of(valid, log.sampling.row_dt),
+        weights={key: rows.astype(np.float64) for key, rows in counting_rows(log).items()},
+        calibration=beside,
         doubts=(),
         like=run,
         bias=dict.fromkeys(("torque", "tool", "link"), np.zeros(1)),
     )
-
-
-def _beside(run: Replay) -> list[Parts]:
-    """Columns of what is free beside the numbers, per standard deviation: torque offsets, and places of the tool."""
-    coulomb = dict(zip(run.robot.joints, run.robot.friction.coulomb, strict=True))
-    found: list[Parts] = [
-        {key: rows * _OFFSET * coulomb[column.joint] for key, rows in column.parts.items()}
-        for column in columns_of(run, [TorqueOffset], {})
-    ]
-    if run.log.tool is None:
-        return found
-    shape = valid_rows(run.log).shape
-    for motion in np.eye(shape[1]):
-        found += [{("tool", axis): np.broadcast_to(_PLACE * motion, shape)} for axis in range(3)]
-    return found
 
 
 def _weighed(setting: Setting, numbers: Sequence[Hypothesis]) -> Setting:

@@ -106,21 +106,20 @@ class Function(Fixed):
 
     def columns(self, rows: Rows) -> Array:
         """See base class."""
-        hats = hat_columns(self._values(rows), self.knots, evenly=self.evenly)
+        if self.variable == "time" or self.joint is None:
+            values = rows.t
+        elif self.variable == "none":
+            values = np.zeros(len(rows.t))
+        else:
+            values = rows.did[self.variable][:, self.joint]
+        if self.variable == "load" and self.signed is not None:
+            values = np.abs(values)  # friction grows with the size of a load
+        hats = hat_columns(values, self.knots, evenly=self.evenly)
         return hats if self.signed is None else hats * rows.did["sign"][:, self.signed, None]
 
     def complexity(self, rows: Rows) -> int:
         """See base class."""
         return 1 if self.variable == "none" else self.knots
-
-    def _values(self, rows: Rows) -> Array:
-        if self.variable == "time" or self.joint is None:
-            return rows.t
-        if self.variable == "none":
-            return np.zeros(len(rows.t))
-        values = rows.did[self.variable][:, self.joint]
-        # friction grows with the size of a load
-        return np.abs(values) if self.variable == "load" and self.signed is not None else values
 
 
 def hat_columns(values: Array, knots: int, *, evenly: bool) -> Array:

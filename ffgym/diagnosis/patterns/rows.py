@@ -120,9 +120,14 @@ class Rows:
 
 def rows_of(residual: Residual, channel: Channel, rng: np.random.Generator) -> Rows | None:
     """Rows of a channel that count, with halves drawn by `rng`; None if there are none."""
-    kept = [known_rows(motion, channel) for motion in residual.motions]
-    there = [i for i, rows_kept in enumerate(kept) if rows_kept.any()]
-    pairs = [(residual.motions[i], kept[i]) for i in there]
+    pairs, there = [], []
+    for i, of in enumerate(residual.motions):
+        # every component of the channel is known, and some are judged
+        known = of.valid & np.isfinite(of.measured[channel] - of.predicted[channel]).all(axis=1)
+        known &= np.isfinite(of.residual[channel]).any(axis=1)
+        if known.any():
+            pairs.append((of, known))
+            there.append(i)
     if not pairs:
         return None
     t = np.concatenate([m.t[k] for m, k in pairs])
@@ -145,12 +150,6 @@ def rows_of(residual: Residual, channel: Channel, rng: np.random.Generator) -> R
         block_starts=_starts(motion, number // BLOCK),
         half=_halves(motion, number // CHUNK, rng),
     )
-
-
-def known_rows(motion: MotionResidual, channel: Channel) -> BoolArray:
-    """Rows that count and in which every component of a channel is known, and some are judged."""
-    known = motion.valid & np.isfinite(motion.measured[channel] - motion.predicted[channel]).all(axis=1)
-    return known & np.isfinite(motion.residual[channel]).any(axis=1)
 
 
 def without_slow(rows: Rows, values: Array) -> Array:
