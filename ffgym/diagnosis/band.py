@@ -14,7 +14,7 @@ from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.measured import counting_rows, residual_of, residual_rows
 from ffgym.diagnosis.noise import torque_noise
 from ffgym.diagnosis.patterns.periodic import PerTurn
-from ffgym.diagnosis.patterns.rows import rows_of
+from ffgym.diagnosis.patterns.rows import TO_HALF, rows_of
 from ffgym.diagnosis.patterns.significance import tried
 from ffgym.diagnosis.replay import Replay, predicted, replay
 from ffgym.diagnosis.sampling import white_noise
@@ -42,9 +42,6 @@ _ABOVE_NOISE = 1.5
 _SURE, _RIPPLES = 1e-3, 0.1
 """Probability by chance below which, and share of what is above the narrow band from which on, it is ripple."""
 
-_TO_HALF = np.sqrt(np.log(2.0)) / (2 * np.pi)
-"""Standard deviation of a Gaussian low-pass times its cut-off, where it keeps half of the power."""
-
 
 def comparison_cutoff(log: Log, machine: Machine) -> float:
     """Cut-off [Hz] of what is compared: the usual one, or a lower one above which a rigid model knows nothing."""
@@ -57,7 +54,7 @@ def comparison_cutoff(log: Log, machine: Machine) -> float:
     run = replay(log.torque_alone, machine)
     # what the model leaves of the torque above the narrow band, rows (R, M, N)
     rest = residual_rows(run.log, predicted(run))["torque"]
-    width = _TO_HALF / (narrow * run.log.sampling.row_dt)
+    width = TO_HALF / (narrow * run.log.sampling.row_dt)
     above = rest - scipy.ndimage.gaussian_filter1d(rest, width, axis=0, mode="nearest")
     # noise of torque and angle makes as much, at most, where nothing else is there
     floor, counting, ratio = torque_noise(run), counting_rows(run.log), []

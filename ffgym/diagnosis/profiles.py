@@ -6,14 +6,12 @@ from types import MappingProxyType
 
 import numpy as np
 
-from ffgym.core.types import Array, BoolArray, IntArray
+from ffgym.core.types import Array, BoolArray
+from ffgym.diagnosis.evidence import BLOCK
 from ffgym.diagnosis.regimes import FEW, REST, LogRows
 
 BINS = 24
 """Bins of a profile; chosen: as many as a small picture can show."""
-
-BLOCK = 1.0
-"""Length of a block [s]: rows within one are taken as one observation, as in all statistics of a diagnosis."""
 
 SIGMAS = 2.0
 """Half width of the band in standard errors of the mean: about 95 %."""
@@ -101,15 +99,12 @@ def _profile(rows: LogRows, component: int, values: Array, usable: BoolArray, ed
     block = np.unique(place, axis=0, return_inverse=True)[1].ravel()[usable]
     kept = [bins == b for b in range(len(edges) - 1) if np.count_nonzero(bins == b) >= FEW]
     means = [(value[own].mean(), residual[own].mean()) for own in kept]
-    errors = [_standard_error(residual[own], block[own]) for own in kept]
     centre, mean = np.array(means).reshape(-1, 2).T
-    return Profile(centre=centre, mean=mean, error=np.array(errors))
-
-
-def _standard_error(values: Array, blocks: IntArray) -> float:
-    """Of the mean of rows in blocks, each of which is one observation."""
-    sums = np.bincount(blocks, weights=values - values.mean())
-    n_blocks = np.count_nonzero(np.bincount(blocks))
-    if n_blocks < FEWEST_BLOCKS:
-        return np.nan
-    return float(np.sqrt((sums**2).sum() * n_blocks / (n_blocks - 1)) / len(values))
+    # standard errors of the means; each block is one observation
+    errors = np.full(len(kept), np.nan)
+    for i, own in enumerate(kept):
+        sums = np.bincount(block[own], weights=residual[own] - residual[own].mean())
+        n_blocks = np.count_nonzero(np.bincount(block[own]))
+        if n_blocks >= FEWEST_BLOCKS:
+            errors[i] = np.sqrt((sums**2).sum() * n_blocks / (n_blocks - 1)) / np.count_nonzero(own)
+    return Profile(centre=centre, mean=mean, error=errors)

@@ -103,8 +103,8 @@ def fitted(
     return bounded(gram[np.ix_(columns, columns)], pull[columns], *known)
 
 
-_WIDE = 10.0
-"""Standard deviation of a candidate's parameter in its steps: as good as free, but not without end."""
+WIDE = 10.0
+"""Standard deviation of a number in its practical steps: as good as free, but not without end."""
 
 
 _NEAR = 1e-6
@@ -236,7 +236,7 @@ def _gains(
         inner = own - v_c @ train.calibration[:, at].transpose(1, 0, 2)
         cross = v_c @ test.calibration[:, at].transpose(1, 0, 2)
         size = own_test - cross - cross.transpose(0, 2, 1) + v_c @ through[:, at].transpose(1, 0, 2)
-        x_c = np.linalg.solve(inner + _WIDE**-2 * np.eye(at.shape[1]), pull[at])
+        x_c = np.linalg.solve(inner + WIDE**-2 * np.eye(at.shape[1]), pull[at])
         x_c[group.one_sided] = np.maximum(x_c[group.one_sided], 0.0)
         found.append(np.sum(x_c * (2 * held_out[at] - size @ x_c), axis=1))
     return left, found

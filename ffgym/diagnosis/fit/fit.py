@@ -15,14 +15,11 @@ from ffgym.diagnosis.measured import residual_rows, valid_rows
 from ffgym.diagnosis.push import Parts
 from ffgym.diagnosis.replay import Replay, predicted, replay
 from ffgym.diagnosis.residual import Channel
-from ffgym.diagnosis.solving import Priors, fitted
+from ffgym.diagnosis.solving import WIDE, Priors, fitted
 from ffgym.simulation.plant import Machine
 
 _FAR = 3.0
 """Practical steps that a number may move in one round."""
-
-_WIDE = 10.0
-"""Standard deviation of a number in practical steps: as good as free, but not without end."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -146,7 +143,7 @@ def priors_of(setting: Setting, hypotheses: Sequence[Hypothesis]) -> Priors:
     low = [max(-_FAR, (number.low - number.value) / number.step) for number in free]
     high = [min(_FAR, (number.high - number.value) / number.step) for number in free]
     return Priors(
-        precision=np.concatenate([known.precision, np.full(len(free), _WIDE**-2)]),
+        precision=np.concatenate([known.precision, np.full(len(free), WIDE**-2)]),
         low=np.concatenate([known.low, np.minimum(low, 0.0)]),
         high=np.concatenate([known.high, np.maximum(high, 0.0)]),
     )

@@ -29,7 +29,7 @@ _SLOW = 0.1
 """Frequency up to which a change is slow, as a share of that up to which rows show a vibration; chosen: the planned
 motion and friction along it are below, most turns of a motor above."""
 
-_TO_HALF = np.sqrt(np.log(2.0)) / (2 * np.pi)
+TO_HALF = np.sqrt(np.log(2.0)) / (2 * np.pi)
 """Standard deviation of a Gaussian low-pass times its cut-off, where it keeps half of the power."""
 
 FEWEST_BLOCKS = 40
@@ -154,7 +154,7 @@ def rows_of(residual: Residual, channel: Channel, rng: np.random.Generator) -> R
 
 def without_slow(rows: Rows, values: Array) -> Array:
     """Values (R, C) less what changes slowly in each motion, with their means over motions at 0."""
-    width = _TO_HALF / (_SLOW * rows.highest * rows.dt)
+    width = TO_HALF / (_SLOW * rows.highest * rows.dt)
     smooth = np.empty_like(values)
     for motion in range(len(rows.motion_starts)):
         own = rows.motion == motion

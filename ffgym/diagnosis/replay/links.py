@@ -75,23 +75,23 @@ def _slopes(arm: RigidArm, q: Array, dq: Array, ddq: Array, places: IntArray, jo
     shape, n = (len(places), *q.shape[1:], q.shape[-1]), q.shape[-1]
     at = [x[places].reshape(-1, n) for x in (q, dq, ddq)]
     rate, place = np.zeros((2, len(at[0]), n, n))
-    plain = _torque(arm, *at)
+
+    def torque(q: Array, dq: Array) -> Array:
+        """Torque of links at poses (P, N), link side [N m]."""
+        return arm.inverse_dynamics(q, dq, at[2], gravity=True) + arm.spring_torque(q)
+
+    plain = torque(at[0], at[1])
     for j in joints.tolist():
         step = np.zeros(n)
         step[j] = _STEP
-        place[..., j] = (_torque(arm, at[0] + step, at[1], at[2]) - plain) / _STEP
-        rate[..., j] = (_torque(arm, at[0], at[1] + step, at[2]) - plain) / _STEP
+        place[..., j] = (torque(at[0] + step, at[1]) - plain) / _STEP
+        rate[..., j] = (torque(at[0], at[1] + step) - plain) / _STEP
     return rate.reshape(shape), place.reshape(shape)
 
 
 def _between(places: IntArray, rate: Array, place: Array) -> Bending:
     """What bending adds at all samples by what it adds at `places`, (P, M, N, N) each."""
     return Bending(rate=along(places, rate), place=along(places, place))
-
-
-def _torque(arm: RigidArm, q: Array, dq: Array, ddq: Array) -> Array:
-    """Torque of links at poses (P, N), link side [N m]."""
-    return arm.inverse_dynamics(q, dq, ddq, gravity=True) + arm.spring_torque(q)
 
 
 def link_terms(arm: RigidArm, q: Array, dq: Array, dt: float) -> LinkTerms:
