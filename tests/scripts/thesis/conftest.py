@@ -6,7 +6,8 @@ import pytest
 
 from ffgym.control import NoCompensation
 from ffgym.studies import CircleStudy, circle_study
-from scripts.thesis import Laboratory
+from scripts.thesis import ITEMS, Laboratory
+from scripts.thesis.claims import judge
 
 POSITIONS, RADII, SPEEDS = ("p1", "p2", "p3", "p4"), (1.0, 3.0, 5.0), (0.010, 0.040, 0.100)
 
@@ -61,3 +62,16 @@ def made_up_circles(short):
 def laboratory() -> Laboratory:
     """A laboratory; tests put results into it instead of simulating."""
     return Laboratory()
+
+
+@pytest.fixture
+def verdict(laboratory):
+    """Function that judges a claim by what is put into the laboratory."""
+    claims = {claim.name: claim for item in ITEMS for claim in item.claims}
+
+    def judged(name, **results) -> str:
+        for what, value in results.items():
+            setattr(laboratory, what, value)
+        return judge(claims[name], laboratory).verdict
+
+    return judged

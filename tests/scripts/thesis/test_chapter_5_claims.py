@@ -34,18 +34,6 @@ def told(made_up_circles):
     return made_up_circles(LAWS, path_as_told, motors_as_told)
 
 
-@pytest.fixture
-def verdict(laboratory):
-    """Function that judges a claim by what is put into the laboratory."""
-
-    def judged(name, **results) -> str:
-        for what, value in results.items():
-            setattr(laboratory, what, value)
-        return judge(CLAIMS[name], laboratory).verdict
-
-    return judged
-
-
 def learning(*error):
     """Learning whose mean squares, the same on all six joints, are `error`."""
     squares = np.repeat(np.asarray(error)[:, None, None], 6, axis=2)
