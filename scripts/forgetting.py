@@ -16,8 +16,10 @@ Departures from the source: the thesis argues and refers to Velthuis (2000), it 
 and free of noise, so that all that is seen is what learning does.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -27,9 +29,11 @@ from ffgym.control import StaticLuGre
 from ffgym.core.errors import FFGymError
 from ffgym.core.measures import rms
 from ffgym.core.types import Array
-from ffgym.report import save_figure
-from ffgym.report.learning_plots import forgetting_figure
+from ffgym.report import panels, save_figure
 from ffgym.robot import RobotDescription, load_robot
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 TOP_SPEED = 10.0
 """Motor speed [rad/s], either way: about the fastest of the circles at p1."""
@@ -116,6 +120,19 @@ def _in_order(network: StaticBSN | MLP, motor_dq: Array, wanted: Array) -> Stati
     return network.with_weights({"coefficients": weights.reshape(network.coefficients.shape)})
 
 
+def forgetting_figure(results: Mapping[str, Curves]) -> "Figure":
+    """One panel per network: torque before and after, over motor speed; speeds that came again are shaded."""
+    with panels(1, len(results), size=(4.2 * len(results), 3.2), sharey=True) as (figure, grid):
+        for axes, (name, curves) in zip(grid[0], results.items(), strict=True):
+            axes.axvspan(SEEN_FROM, float(curves.speed[-1]), color="#eeeeee")
+            axes.plot(curves.speed, curves.before, color="#888888", label="all speeds learned")
+            axes.plot(curves.speed, curves.after, color="#c0392b", label="after the shaded speeds alone")
+            axes.set_title(name)
+            axes.set_xlabel("motor speed [rad/s]")
+        grid[0, 0].set_ylabel("torque [N m]")
+    return figure
+
+
 @dataclass(frozen=True)
 class Forgetting:
     """Compare a B-spline network and a perceptron."""
@@ -129,9 +146,7 @@ class Forgetting:
 def main(config: Forgetting) -> None:
     """Run the experiment, write the figure, print the numbers."""
     results = compare(load_robot("one_axis"), np.random.default_rng(config.seed))
-    panels = {name: (curves.before, curves.after) for name, curves in results.items()}
-    reference = next(iter(results.values()))
-    save_figure(forgetting_figure(reference.speed, panels, seen_from=SEEN_FROM), config.out)
+    save_figure(forgetting_figure(results), config.out)
     for name, curves in results.items():
         print(f"{name:12s} forgotten {curves.forgotten:7.2%}   missed {curves.missed:7.2%}")
     print(f"figure: {config.out}")

@@ -156,19 +156,3 @@ def agents_figure(errors: Mapping[str, Sequence[float]], speeds_mm_s: Sequence[f
         axes.invert_yaxis()
         axes.set_xlabel("mean RMS path error [mm]")
     return figure
-
-
-def forgetting_figure(speed: Array, curves: Mapping[str, tuple[Array, Array]], *, seen_from: float) -> "Figure":
-    """One panel per network: torque [N m] before and after, (T,) each, over motor speed [rad/s], ascending, (T,).
-
-    Speeds that came again, from `seen_from` on, are shaded.
-    """
-    with panels(1, len(curves), size=(4.2 * len(curves), 3.2), sharey=True) as (figure, grid):
-        for axes, (name, (before, after)) in zip(grid[0], curves.items(), strict=True):
-            axes.axvspan(seen_from, float(speed[-1]), color="#eeeeee")
-            axes.plot(speed, before, color="#888888", label="all speeds learned")
-            axes.plot(speed, after, color="#c0392b", label="after the shaded speeds alone")
-            axes.set_title(name)
-            axes.set_xlabel("motor speed [rad/s]")
-        grid[0, 0].set_ylabel("torque [N m]")
-    return figure

@@ -13,10 +13,9 @@ from ffgym.agents.lffc import LFFC
 from ffgym.agents.trials import Lesson
 from ffgym.control import StaticLuGre
 from ffgym.core.errors import FFGymError
-from ffgym.report.learning_plots import forgetting_figure
 from ffgym.simulation import Run
 from ffgym.studies import sine_references
-from scripts.forgetting import compare
+from scripts.forgetting import compare, forgetting_figure
 from tests.agents.lesson_samples import lesson
 
 
@@ -117,8 +116,7 @@ def test_a_perceptron_forgets_where_b_splines_do_not(one_axis):
     assert splines.missed < 0.01
     assert perceptron.forgotten > 0.05
     assert np.abs(perceptron.after - perceptron.before)[splines.speed < 0].max() > 0.05
-    panels = {name: (curves.before, curves.after) for name, curves in results.items()}
-    figure = forgetting_figure(splines.speed, panels, seen_from=5.0)
+    figure = forgetting_figure(results)
     assert [axes.get_title() for axes in figure.axes] == ["bsn_static", "mlp_fel"]
 
 

@@ -15,32 +15,29 @@ _WORDS = words_of("motion")
 
 def format_motion(study: MotionStudy) -> str:
     """For each motion: path error, motor errors, and how much of the limits is used, one line per law."""
-    return "\n".join(_text(study, name) for name in study.references)
-
-
-def _text(study: MotionStudy, name: str) -> str:
-    results, reference = study.results_of(name), study.references[name]
-    agents = [result.agent for result in results]
-    parts = [underlined(f"{name}: {reference.duration:.2f} s, {study.robot.title}")]
-    if results[0].path:
-        whole = [result.path[0] for result in results]
-        columns = [
-            law_column("path error [mm]", agents),
-            Column("RMS", [stretch.rms_mm for stretch in whole], ".3f"),
-            Column("max", [stretch.max_mm for stretch in whole], ".3f"),
-            Column("along: RMS", [stretch.lag_rms_mm for stretch in whole], ".3f"),
-            Column("max", [stretch.lag_max_mm for stretch in whole], ".3f"),
-        ]
-        parts += [filled(f"Path error [mm]: {_WORDS['path']}"), "", Table(columns=columns).text(), ""]
-    joints = list(enumerate(study.robot.joints))
-    errors = [Column(joint, [_motor_error(result, j) for result in results], kind="name") for j, joint in joints]
-    torques = [Column(joint, [result.torque_use[j] for result in results], ".1%", kind="name") for j, joint in joints]
-    speeds = [Column(joint, [results[0].speed_use[j]], ".1%", kind="name") for j, joint in joints]
-    parts += [filled(_WORDS["joints"]), ""]
-    parts += [Table(columns=[law_column("motor error [mrad]", agents), *errors]).text(), ""]
-    parts += [Table(columns=[law_column("torque [%]", agents), *torques]).text(), ""]
-    parts += [Table(columns=[Column("speed [%]", ["all laws"], kind="text"), *speeds]).text()]
-    return "\n".join(parts) + "\n"
+    parts, joints = [], list(enumerate(study.robot.joints))
+    for name, reference in study.references.items():
+        results = study.results_of(name)
+        agents = [result.agent for result in results]
+        parts.append(underlined(f"{name}: {reference.duration:.2f} s, {study.robot.title}"))
+        if results[0].path:
+            whole = [result.path[0] for result in results]
+            columns = [
+                law_column("path error [mm]", agents),
+                Column("RMS", [stretch.rms_mm for stretch in whole], ".3f"),
+                Column("max", [stretch.max_mm for stretch in whole], ".3f"),
+                Column("along: RMS", [stretch.lag_rms_mm for stretch in whole], ".3f"),
+                Column("max", [stretch.lag_max_mm for stretch in whole], ".3f"),
+            ]
+            parts += [filled(f"Path error [mm]: {_WORDS['path']}"), "", Table(columns=columns).text(), ""]
+        errors = [Column(joint, [_motor_error(one, j) for one in results], kind="name") for j, joint in joints]
+        torques = [Column(joint, [one.torque_use[j] for one in results], ".1%", kind="name") for j, joint in joints]
+        speeds = [Column(joint, [results[0].speed_use[j]], ".1%", kind="name") for j, joint in joints]
+        parts += [filled(_WORDS["joints"]), ""]
+        parts += [Table(columns=[law_column("motor error [mrad]", agents), *errors]).text(), ""]
+        parts += [Table(columns=[law_column("torque [%]", agents), *torques]).text(), ""]
+        parts += [Table(columns=[Column("speed [%]", ["all laws"], kind="text"), *speeds]).text(), ""]
+    return "\n".join(parts)
 
 
 def render_motion_page(study: MotionStudy, notes: Sequence[str], info: Mapping[str, Any]) -> str:
