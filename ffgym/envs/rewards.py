@@ -140,8 +140,7 @@ class RelativePathError(OfPathError):
 
     scale: float = 2e-5
     """s [m]; below it the cost is linear. Chosen: errors at 10 mm/s of a law with nominal parameters on robots whose
-    friction is off by tens of per cent.
-    """
+    friction is off by tens of per cent."""
     name: ClassVar[str] = "relative_path_error"
 
     def of_path(self, error: Array) -> Array:

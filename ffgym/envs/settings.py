@@ -34,8 +34,7 @@ class Settings:
 
     plant: Machine | RobotDescription | str | Path | None = None
     """What is simulated, if it is not the robot the controller knows: a description, a built-in name, a path to a
-    description that ends in .toml, or a machine with physical effects of its own.
-    """
+    description that ends in .toml, or a machine with physical effects of its own."""
     randomization: PlantDistribution | None = None
     """Draws a plant like `plant` for every episode; None always simulates `plant` itself."""
     reward: str | Reward = "motor_error"
@@ -52,8 +51,7 @@ class Settings:
     """How the agent's motor angle is measured."""
     sampling: Literal["random", "sequence"] = "random"
     """'random' draws the motion of each episode; 'sequence' runs all motions of the task one after the other: the k-th
-    episode of sub-environment i is motion i + k B. To meet each of them equally often, B must divide their number.
-    """
+    episode of sub-environment i is motion i + k B. To meet each of them equally often, B must divide their number."""
     layers: Sequence["Layer"] = ()
     """What stands between agent and robot, from the robot outwards: Residual, History, LowPass, Hold, ..."""
     rendering: Rendering = field(default_factory=Rendering)
