@@ -72,12 +72,7 @@ class Setpoints:
 def interpolate_motion(position: Array, velocity: Array, dt: float, fractions: Array, out: tuple[Array, Array]) -> None:
     """Write position and velocity at `fractions` (S,) of each step between samples (B, T, N) into `out`.
 
-    Args:
-        position: samples [rad], shape (B, T, N).
-        velocity: samples [rad/s], shape (B, T, N).
-        dt: time between samples [s].
-        fractions: points within each step, 0 at its start and 1 at its end, shape (S,).
-        out: position and velocity, shape (B, T - 1, S, N) each.
+    Samples are `dt` [s] apart, in [rad] and [rad/s]; those in `out` have shape (B, T - 1, S, N).
     """
     p0, p1 = _ends(position)
     v0, v1 = _ends(velocity)

@@ -18,11 +18,7 @@ class Leads:
     """What effects add on the motors because of one another, told as they come one after the other."""
 
     def __init__(self, *, are_in_load: bool) -> None:
-        """None yet.
-
-        Args:
-            are_in_load: whether the load that an effect sees has in it what those before it wind the spring by.
-        """
+        """None yet; `are_in_load` if the load that an effect sees has in it what those before wind the spring by."""
         self._are_in_load = are_in_load
         self._before: tuple[Array, Array] | None = None
 
@@ -31,11 +27,8 @@ class Leads:
     ) -> Array | None:
         """What one more effect makes of those before it, motor side [N m], (..., N); None is nothing.
 
-        Args:
-            effect: any; only one by which outputs lead counts.
-            state: of the machine.
-            spring: what the effect winds the spring by [N m], link side, (..., N).
-            present: which machines have it.
+        It winds the spring by `spring` [N m], link side, of the machines that are `present`. Only effects by which
+        outputs lead count.
         """
         slope = effect.lead_slope(state)
         if slope is None or spring is None:

@@ -110,12 +110,8 @@ def path_error(tcp: Array, rows: Array, columns: Columns, centre: Array, normal:
     its path bends, what the path leaves its tangent by, s^2 / 2 times the curvature, is taken off at the TCP's distance
     s along it.
 
-    Args:
-        tcp: without the offset at standstill [m], shape (B, 3).
-        rows: rows of the motions now, shape (B, W).
-        columns: what stands where in them.
-        centre: of the circles [m], shape (B, 3).
-        normal: of their plane, shape (B, 3).
+    The `tcp` (B, 3) is without its offset at standstill [m], `rows` (B, W) are those of the motions now; circles have a
+    `centre` [m] and a `normal` of their plane, (B, 3) each.
     """
     radius = rows[:, columns.radius]
     circle = (radius > 0)[:, None]

@@ -176,7 +176,13 @@ class TrackingCore:
         reward = self._reward(terminated)
         if active is not None:
             terminated, truncated, reward = terminated & active, truncated & active, np.where(active, reward, 0.0)
-        self._end(terminated | truncated, active)
+        done = terminated | truncated
+        if done.any():
+            self._running = self._running & ~done
+            if self.settings.recorder is not None:
+                self.settings.recorder.end(self, np.flatnonzero(done))
+        for observer in self.observers:
+            observer.follow(np.arange(self.n) if active is None else np.flatnonzero(active))
         self._in_step = True
         return Transition(observation=self._observe(), reward=reward, terminated=terminated, truncated=truncated)
 
@@ -190,15 +196,6 @@ class TrackingCore:
             recorder.add(self, moved, *self.plant.advance(controls, ids), action[moved])
         if self.columns.has_tcp:
             self.plant.batch.forward(ids, stage=_POSITIONS)
-
-    def _end(self, done: BoolArray, active: BoolArray | None) -> None:
-        """Record episodes that are `done`, and tell who watches."""
-        if done.any():
-            self._running = self._running & ~done
-            if self.settings.recorder is not None:
-                self.settings.recorder.end(self, np.flatnonzero(done))
-        for observer in self.observers:
-            observer.follow(np.arange(self.n) if active is None else np.flatnonzero(active))
 
     def _controls(self, action: Array, ids: IntArray | None) -> Array:
         """MuJoCo's controls at every physics step of one control step, shape (B', S, 3 N)."""

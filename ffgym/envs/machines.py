@@ -12,12 +12,8 @@ from ffgym.simulation.plant import Machine
 def machine_of(plant: Machine | RobotDescription | str | Path) -> Machine:
     """Return the machine that is simulated.
 
-    Args:
-        plant: a machine, a description, workcell:<name or seed>, a built-in robot, or a path that ends in .toml, to a
-            machine file or a description.
-
-    Raises:
-        FFGymError: if it is none of these.
+    `plant` is a machine, a description, workcell:<name or seed>, a built-in robot, or a path that ends in .toml, to a
+    machine file or a description.
     """
     if isinstance(plant, Machine):
         return plant

@@ -143,20 +143,11 @@ class MotorSensors:
         self._step[i], self._noise[i], self._exact[i] = sensing.step, sensing.noise, sensing.is_exact
         self.exact = bool(self._exact.all())
 
-    def read(
-        self,
-        angle: Array,
-        speed: Array,
-        fresh: BoolArray | None,
-        first: BoolArray,
-    ) -> tuple[Array, Array]:
+    def read(self, angle: Array, speed: Array, fresh: BoolArray | None, first: BoolArray) -> tuple[Array, Array]:
         """Measured angle [rad] and speed [rad/s], shape (B, N), of the true ones.
 
-        Args:
-            angle: true motor angle [rad], shape (B, N).
-            speed: true motor speed [rad/s], shape (B, N).
-            fresh: where a new sample is taken, shape (B,); elsewhere the last one stays. None is everywhere.
-            first: where it is the first one of an episode, shape (B,): there is no difference yet, the speed is true.
+        A new sample is taken where `fresh` (B,), None is everywhere; elsewhere the last one stays. At the `first` one
+        of an episode (B,) there is no difference yet: the speed is true.
         """
         if self.exact:
             return angle, speed

@@ -129,8 +129,14 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
         """
         going = ~self._ended if self._ended.any() else None
         actions = self._checked(actions, going)
-        result = self._stage.step(actions, going) if going is None or going.any() else self._nothing()
-        self._count(result, going)
+        if going is None or going.any():
+            result = self._stage.step(actions, going)
+        else:  # nobody moves
+            no, still = np.zeros(self.num_envs, dtype=np.bool_), np.zeros(self.num_envs)
+            empty = np.zeros(self.observation_space.shape or ())
+            result = Transition(observation=empty, reward=still, terminated=no, truncated=no.copy())
+        self._return += result.reward
+        self._length += 1 if going is None else going
         observation, terminated, truncated = result.observation, result.terminated, result.truncated
         if going is not None and self.autoreset_mode is AutoresetMode.NEXT_STEP:
             observation = self._begin_again(self._ended)
@@ -146,12 +152,6 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
                 observation = self._begin_again(done)
                 info |= self._info()
         return observation, result.reward, terminated, truncated, info
-
-    def _nothing(self) -> Transition:
-        """A step in which nobody moves."""
-        no = np.zeros(self.num_envs, dtype=np.bool_)
-        empty = np.zeros(self.observation_space.shape or ())
-        return Transition(observation=empty, reward=np.zeros(self.num_envs), terminated=no, truncated=no.copy())
 
     def _begin_again(self, which: BoolArray) -> Array:
         """Begin new episodes by themselves; returns all observations."""
@@ -171,10 +171,6 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
         for flag in self._flags:
             flag[ids] = False
         return observation
-
-    def _count(self, result: Transition, going: BoolArray | None = None) -> None:
-        self._return += result.reward
-        self._length += 1 if going is None else going
 
     def _checked(self, actions: Any, going: BoolArray | None) -> Array:
         """Actions as numbers, checked where an episode is `going`, before anything has moved."""

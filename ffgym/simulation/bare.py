@@ -10,13 +10,7 @@ from ffgym.robot import ModelOptions, RobotDescription, compile_model
 
 
 def bare_rate(robot: RobotDescription, lengths: IntArray, threads: int) -> float:
-    """Physics steps per second of `mujoco.batch` alone: as many simulations of the same lengths, held at rest.
-
-    Args:
-        robot: what is simulated.
-        lengths: physics steps of each simulation.
-        threads: of the engine, 0 for all cores.
-    """
+    """Physics steps per second of `mujoco.batch` alone: simulations of these lengths [physics steps], held at rest."""
     engine = batch.Batch(compile_model(robot, ModelOptions(looks=False)), nsim=len(lengths), nthread=threads)
     engine.reset()
     began = time.perf_counter()

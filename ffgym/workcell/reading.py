@@ -78,13 +78,7 @@ def merged(base: Tree, change: Tree) -> Tree:
 def build(name: str, tree: Mapping[str, Any], arm: RigidArm | None = None) -> Workcell:
     """Workcell of parsed tables.
 
-    Args:
-        name: what to call it.
-        tree: the tables.
-        arm: what its controller knows of it; None is the robot that the tables name.
-
-    Raises:
-        FFGymError: if an entry is unknown, missing or invalid.
+    Its controller knows `arm`, None is the robot that the tables name.
     """
     own = ("workcell", "payload", "sensors")
     tables = {key: value for key, value in tree.items() if key not in own}

@@ -33,7 +33,10 @@ def open_context(model: mujoco.MjModel, width: int, height: int, font: mujoco.mj
         try:
             return _open(backend, model, width, height, font)
         except Exception as error:  # each library fails in its own ways
-            failures.append(f"{backend}: {_reason(error)}")
+            reason = " ".join(str(error).split()).rstrip(".") or type(error).__name__
+            if isinstance(error, AttributeError):  # PyOpenGL did not find the library and calls a function of None
+                reason = "its library cannot be loaded"
+            failures.append(f"{backend}: {reason}")
     setting = f"MUJOCO_GL={asked}" if asked else "MUJOCO_GL is not set"
     raise FFGymError(f"No OpenGL for pictures ({setting}). {'; '.join(failures)}. {_HELP}.")
 
@@ -63,13 +66,6 @@ def start_glfw() -> None:
         works = glfw.init()
     if not works:
         raise ImportError("; ".join(str(warning.message) for warning in caught) or "GLFW does not start")
-
-
-def _reason(error: Exception) -> str:
-    """What went wrong, in a few words."""
-    if isinstance(error, AttributeError):  # PyOpenGL did not find the library and calls a function of None
-        return "its library cannot be loaded"
-    return " ".join(str(error).split()).rstrip(".") or type(error).__name__
 
 
 def _open(

@@ -9,10 +9,10 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
+from ffgym.control import Setpoints
 from ffgym.core.files import csv_rows, new_folder, write_text
 from ffgym.core.types import Array
 from ffgym.core.version import __version__
-from ffgym.paths import Reference
 from ffgym.recordings import Recording, write_recording
 from ffgym.robot import ModelOptions, RigidArm, RobotDescription
 from ffgym.simulation import RECORD_DT, Run, simulate
@@ -20,13 +20,11 @@ from ffgym.simulation.export.model import (
     ReferenceForm,
     add_rest,
     control_blocks,
-    control_names,
     control_row,
     in_engine,
     missing_text,
     plant_of,
     reference_table,
-    setpoints_of,
     spec_with_home,
     write_model,
 )
@@ -133,8 +131,13 @@ def export_run(
         FFGymError: if the folder cannot be written, or the run cannot be simulated.
     """
     physics, machine = replace(options or ModelOptions(), looks=False), machine or Machine.of(run.reference.robot)
+    reference, robot = run.reference, run.reference.robot
+
+    def report(done: float) -> None:
+        if progress is not None:  # simulating and writing count the whole motion once each
+            progress(done, 2 * reference.duration)
+
     with new_folder(path) as folder:
-        simulating, writing = _halves(progress, run.reference.duration)
         (recording,) = simulate(
             [run],
             arm=arm,
@@ -142,38 +145,31 @@ def export_run(
             options=physics,
             record_dt=record_dt,
             n_threads=n_threads,
-            progress=simulating,
+            progress=lambda done, _: report(done),
         )
         write_recording(recording, folder / "recording.csv")
-        torque = _write_reference(folder, run.reference, recording, form or ReferenceForm())
-        plant, setpoints = plant_of(machine, options), setpoints_of(run.reference, torque)
-        _write_table(folder / "controls.csv", control_names(plant.robot), control_blocks(plant, setpoints, writing))
+        samples = slice(None, None, round(robot.servo.control_dt / recording.dt))
+        u_ff, u_lff = (recording.joint_array(f"{name}.effort")[samples] for name in ("feedforward", "compensation"))
+        table = reference_table(reference, u_ff, u_lff, form or ReferenceForm())
+        _write_table(folder / "reference.csv", list(table), [np.stack([*table.values()], axis=1)])
+        plant = plant_of(machine, options)
+        setpoints = Setpoints(
+            position=reference.motor_q[None],
+            velocity=reference.motor_dq[None],
+            torque=(u_ff + u_lff)[None],
+            dt=robot.servo.control_dt,
+        )
+        units = {"position": "rad", "velocity": "rad/s", "torque": "N m"}
+        names = [f"motor.{name}.{joint} [{unit}]" for joint in robot.joints for name, unit in units.items()]
+        blocks = control_blocks(plant, setpoints, lambda done, _: report(reference.duration + done))
+        _write_table(folder / "controls.csv", names, blocks)
         spec = spec_with_home(plant, machine, options)
-        add_rest(spec, plant, "start", run.reference.q[0], run.reference.dq[0], control_row(plant, setpoints, 0))
+        add_rest(spec, plant, "start", reference.q[0], reference.dq[0], control_row(plant, setpoints, 0))
         write_model(folder, spec, binary=binary)
         player = resources.files("ffgym.simulation.export") / "play.py"
         write_text(folder / "play.py", player.read_text(encoding="utf-8"))
         write_text(folder / "README.txt", readme_text(machine, recording, binary=binary))
     return recording
-
-
-def _write_reference(folder: Path, reference: Reference, recording: Recording, form: ReferenceForm) -> Array:
-    """Write `reference.csv`; returns the sum of all feed-forward torques at its samples, motor side [N m], (T, N)."""
-    samples = slice(None, None, round(reference.robot.servo.control_dt / recording.dt))
-    u_ff, u_lff = (recording.joint_array(f"{name}.effort")[samples] for name in ("feedforward", "compensation"))
-    table = reference_table(reference, u_ff, u_lff, form)
-    _write_table(folder / "reference.csv", list(table), [np.stack([*table.values()], axis=1)])
-    return u_ff + u_lff
-
-
-def _halves(progress: Progress | None, duration: float) -> tuple[Progress, Progress]:
-    """Progress of simulating and of writing, where each counts the whole motion once."""
-
-    def report(done: float) -> None:
-        if progress is not None:
-            progress(done, 2 * duration)
-
-    return lambda done, _: report(done), lambda done, _: report(duration + done)
 
 
 def _write_table(path: Path, names: Sequence[str], blocks: Iterable[Array]) -> None:

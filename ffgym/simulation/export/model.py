@@ -13,30 +13,14 @@ from ffgym.core.errors import check_choice
 from ffgym.core.files import write_bytes, write_text
 from ffgym.core.types import Array
 from ffgym.core.version import __version__
-from ffgym.effects import Effect, ModelEffect, NativeEffect
+from ffgym.effects import ModelEffect, NativeEffect
 from ffgym.paths import Reference
-from ffgym.robot import ModelOptions, RobotDescription, mjcf_text, model_bytes
+from ffgym.robot import ModelOptions, mjcf_text, model_bytes
 from ffgym.simulation.plant import Machine, Plant
 from ffgym.simulation.run import Progress
 
 _CHUNK = 256
 """Control steps in one block: chosen, so that a block takes a few MB at most and progress is seen."""
-
-
-def setpoints_of(reference: Reference, torque: Array) -> Setpoints:
-    """Samples that the drives get: the reference, and the sum of all feed-forward torques, motor side [N m], (T, N)."""
-    return Setpoints(
-        position=reference.motor_q[None],
-        velocity=reference.motor_dq[None],
-        torque=torque[None],
-        dt=reference.robot.servo.control_dt,
-    )
-
-
-def control_names(robot: RobotDescription) -> list[str]:
-    """Names of the controls in the order of `data.ctrl`; all are motor side."""
-    parts = {"position": "rad", "velocity": "rad/s", "torque": "N m"}
-    return [f"motor.{name}.{joint} [{unit}]" for joint in robot.joints for name, unit in parts.items()]
 
 
 def control_row(plant: Plant, setpoints: Setpoints, k: int) -> Array:
@@ -91,38 +75,24 @@ def reference_table(reference: Reference, u_ff: Array, u_lff: Array, form: Refer
         u_lff: added feed-forward torque, likewise.
         form: sides and units.
     """
-    columns = {"t [s]": reference.t}
+    robot, columns = reference.robot, {"t [s]": reference.t}
+    torques = {"u_ff": u_ff, "u_lff": u_lff, "u_total": u_ff + u_lff}
     for side in ("link", "motor") if form.sides == "both" else (form.sides,):
-        columns |= _motion(reference, side, form.angles)
-        columns |= _torques(reference.robot, u_ff, u_lff, side)
-    return columns
-
-
-def _motion(reference: Reference, side: str, angles: str) -> dict[str, Array]:
-    """Position, speed and acceleration of every joint, or of its motor."""
-    motor, robot = side == "motor", reference.robot
-    lengths = ["rad"] * robot.n_joints if motor else robot.kinematics.units
-    values = {
-        ("position", ""): reference.motor_q if motor else reference.q,
-        ("velocity", "/s"): reference.motor_dq if motor else reference.dq,
-        ("acceleration", "/s^2"): reference.motor_ddq if motor else reference.ddq,
-    }
-    columns = {}
-    for (name, per_time), value in values.items():
-        for j, (joint, length) in enumerate(zip(robot.joints, lengths, strict=True)):
-            unit, factor = ("m", 1.0) if length == "m" else (angles, _PER_RADIAN[angles])
-            columns[f"{side}.{name}.{joint} [{unit}{per_time}]"] = value[:, j] * factor
-    return columns
-
-
-def _torques(robot: RobotDescription, u_ff: Array, u_lff: Array, side: str) -> dict[str, Array]:
-    """Feed-forward torques of every motor, or what they are behind the gearbox."""
-    columns = {}
-    for name, torque in {"u_ff": u_ff, "u_lff": u_lff, "u_total": u_ff + u_lff}.items():
-        value = torque if side == "motor" else robot.drive.joint_torque(torque)
-        for j, (joint, length) in enumerate(zip(robot.joints, robot.kinematics.units, strict=True)):
-            unit = "N" if side == "link" and length == "m" else "N m"
-            columns[f"{side}.{name}.{joint} [{unit}]"] = value[:, j]
+        motor = side == "motor"
+        lengths = ["rad"] * robot.n_joints if motor else robot.kinematics.units
+        motion = {
+            ("position", ""): reference.motor_q if motor else reference.q,
+            ("velocity", "/s"): reference.motor_dq if motor else reference.dq,
+            ("acceleration", "/s^2"): reference.motor_ddq if motor else reference.ddq,
+        }
+        for (name, per_time), values in motion.items():
+            for joint, length, value in zip(robot.joints, lengths, values.T, strict=True):
+                unit, factor = ("m", 1.0) if length == "m" else (form.angles, _PER_RADIAN[form.angles])
+                columns[f"{side}.{name}.{joint} [{unit}{per_time}]"] = value * factor
+        for name, torque in torques.items():
+            values = torque if motor else robot.drive.joint_torque(torque)
+            for joint, length, value in zip(robot.joints, lengths, values.T, strict=True):
+                columns[f"{side}.{name}.{joint} [{'N' if length == 'm' else 'N m'}]"] = value
     return columns
 
 
@@ -130,12 +100,6 @@ def in_engine(machine: Machine) -> Machine:
     """The machine with those of its effects that MuJoCo has itself."""
     inside = [effect for effect in machine.effects if isinstance(effect, NativeEffect | ModelEffect)]
     return replace(machine, effects=tuple(inside))
-
-
-def left_out(machine: Machine) -> tuple[Effect, ...]:
-    """Effects that MuJoCo does not have, so that a model in a file cannot have them."""
-    inside = in_engine(machine).effects
-    return tuple(effect for effect in machine.effects if not effect.is_null and effect not in inside)
 
 
 def plant_of(machine: Machine, options: ModelOptions | None) -> Plant:
@@ -160,9 +124,11 @@ def spec_with_home(plant: Plant, machine: Machine, options: ModelOptions | None)
 
 def missing_text(machine: Machine) -> str:
     """What a model in a file lacks of a machine, in one sentence; empty if nothing."""
+    inside = in_engine(machine).effects
     effects = [
         f"{effect.name} ({', '.join(f'{name} = {value.tolist()}' for name, value in effect.values().items())})"
-        for effect in left_out(machine)
+        for effect in machine.effects
+        if not effect.is_null and effect not in inside
     ]
     return f"Not in it, as MuJoCo has no such effects: {'; '.join(effects)}." if effects else ""
 

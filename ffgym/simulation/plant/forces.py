@@ -131,6 +131,23 @@ class Forces:
         """State of simulations now, (B', N) each."""
         return Reading(self._engine_state, chosen.rows, chosen.numbers, self._motor[chosen.rows])
 
+    def rollout(
+        self, engine: batch.Batch, controls: Array, record: tuple[str, ...], ids: IntArray | None
+    ) -> dict[str, Array]:
+        """As the engine's rollout of `controls` (B, S, 3 N), with torques of effects in each physics step."""
+        rows = slice(None) if ids is None or len(ids) == engine.nsim else ids
+        ids = None if isinstance(rows, slice) else ids
+        bound = {name: engine.bind(name) for name in record}
+        out = {name: np.empty((*controls.shape[:2], *field.shape[1:])) for name, field in bound.items()}
+        chosen = self.choose(rows)
+        for k in range(controls.shape[1]):
+            self._controls[rows] = controls[:, k]
+            self.apply(chosen, self._dt)
+            engine.step(ids)
+            for name, field in bound.items():
+                out[name][:, k] = field[rows]
+        return out
+
     def apply(self, chosen: Chosen, dt: float) -> None:
         """Set the engine's applied torques and resolver readings for the physics step of `dt` [s] that comes next."""
         if chosen.resolver:

@@ -1,6 +1,8 @@
 """Many copies of one robot, stepped together by MuJoCo; motor quantities go in and come out in motor units."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -8,13 +10,18 @@ from mujoco import batch
 
 from ffgym.core.errors import FFGymError, check_shape, check_whole
 from ffgym.core.types import Array, IntArray
-from ffgym.robot import ModelOptions, RobotDescription, physics_fingerprint
+from ffgym.robot import ModelOptions, RobotDescription, model_field, physics_fingerprint
 from ffgym.simulation.plant.engine_state import Addresses, PlantState, servo_reader
 from ffgym.simulation.plant.forces import Forces
 from ffgym.simulation.plant.machine import Machine, check_same_controller
 from ffgym.simulation.plant.settling import Settling, bent_by_load
-from ffgym.simulation.plant.stepping import check_same_make, check_stable, give_model, stepped, unprinted_warnings
 
+_BAD = [
+    int(mujoco.mjtWarning.mjWARN_BADQPOS),
+    int(mujoco.mjtWarning.mjWARN_BADQVEL),
+    int(mujoco.mjtWarning.mjWARN_BADQACC),
+]
+"""Warnings of the engine that a simulation is unstable."""
 MAX_THREADS = 1024
 """More threads than any machine has cores; a larger number is a slip."""
 
@@ -105,9 +112,16 @@ class Plant:
         for _, machine in changed:
             self.check_controller(machine.robot)
             models.append(machine.spec(self._options).compile())
-            check_same_make(models[-1], self.model, machine.robot.name)
+            if _make(models[-1]) != _make(self.model):
+                raise FFGymError(
+                    f"Robot {machine.robot.name!r} has other elastic joints, joints of effects or actuators than the "
+                    f"other simulations of the same batch; simulate it in a batch of its own."
+                )
         for (i, machine), model in zip(changed, models, strict=True):
-            give_model(self.batch, self.model, i, model)
+            for name in batch.MODEL_FIELDS:
+                own = model_field(model, name)
+                if self.batch.expanded(name) is not None or not np.array_equal(own, model_field(self.model, name)):
+                    self.batch.expand(name)[i] = own
             self.machines[i] = machine
         if changed:
             before, self._forces = self._forces, self._make_forces()
@@ -235,8 +249,31 @@ class Plant:
             if self._forces is None:
                 out: dict[str, Array] = self.batch.rollout(steps, control=controls, record=record, ids=ids)
             else:
-                out = stepped(self.batch, self._forces, controls, record, ids, self.physics_dt)
+                out = self._forces.rollout(self.batch, controls, record, ids)
         if self._warnings.any():
             warned, self._warned = self._warnings > self._warned, self._warnings.copy()
-            check_stable(warned, self.robot.name, began, steps * self.physics_dt, self.physics_dt)
+            failed = np.flatnonzero(warned[:, _BAD].any(axis=1))
+            if failed.size:
+                first = int(failed[0])
+                raise FFGymError(
+                    f"Simulation {first} of robot {self.robot.name!r} became unstable between t = {began[first]:.3f} s "
+                    f"and {began[first] + steps * self.physics_dt:.3f} s. Lower servo gains, torques or the physics "
+                    f"step of {self.physics_dt} s."
+                )
         return out
+
+
+def _make(model: mujoco.MjModel) -> tuple[Any, ...]:
+    """What must be the same in all models of a batch, which differ in numbers alone."""
+    return model.nu, model.na, [model.joint(i).name for i in range(model.njnt)]
+
+
+@contextmanager
+def unprinted_warnings() -> Iterator[None]:
+    """Keep MuJoCo from printing warnings and writing them to a file; an unstable simulation is an error of ours."""
+    before = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(lambda _: None)
+    try:
+        yield
+    finally:
+        mujoco.set_mju_user_warning(before)

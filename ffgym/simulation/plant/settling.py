@@ -119,16 +119,8 @@ def bent_by_load(
     springs or on links bend them further. A joint that turns back and forth goes half as far each time: within its
     backlash, where nothing carries it, it comes to rest at the lowest place.
 
-    Args:
-        engine: simulations, at rest.
-        at: where each joint's quantities stand in it.
-        rows: which simulations, shape (B,).
-        robots: what they are, B of them.
-        has_springs: whether there are springs between links.
-        effects: for simulations that are given to it, what acts on springs and links beside; None for nothing.
-
-    Raises:
-        FFGymError: if a robot is so soft that the iteration does not converge.
+    `rows` (B,) are the simulations, `robots` what they are; `has_springs` is of springs between links, and `effects`
+    give for simulations what acts on springs and links beside, None for nothing.
     """
     gravity, passive, qpos = engine.bind("qfrc_bias"), engine.bind("qfrc_passive"), engine.bind("qpos")
     joints = np.stack([robot.drive.joint_stiffness for robot in robots])[:, at.is_elastic]

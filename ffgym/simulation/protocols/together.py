@@ -77,14 +77,7 @@ def large_multisine(
 ) -> Reference:
     """Sums of sines of amplitudes inverse to their frequencies, as large as ranges, speeds and torques allow.
 
-    Args:
-        stage: the robot.
-        joints: which joints move.
-        frequencies: [Hz], shape (F,).
-        phases: [rad], shape (F, N).
-        reach: farthest way from the centre, as a share of each joint's range.
-        duration: with fades [s].
-        name: name of the motion.
+    Of `frequencies` (F,) [Hz] and `phases` (F, N) [rad]; joints go at most `reach` of their range from the centre.
     """
     way = stage.only(joints, reach * stage.span)
     centre = stage.about(stage.rest, way)
