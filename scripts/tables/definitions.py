@@ -1,6 +1,5 @@
 """Pages about files and formats: robots, column maps, motion files and protocols."""
 
-import inspect
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import MISSING, Field, fields
@@ -134,10 +133,6 @@ def quality() -> Contents:
 
 def motion_files() -> Contents:
     """What a motion file may say, its parts and limits, and the built-in motions with the first comment of each."""
-    meanings = re.findall(r'^    (\w+): [^\n]*\n    """(.*?)"""', inspect.getsource(MotionLimits), flags=re.M | re.S)
-    limits = [
-        (f"`{name}`", _default(f), meaning) for (name, meaning), f in zip(meanings, fields(MotionLimits), strict=True)
-    ]
     files = sorted(builtin_files().items())
     comments = {
         name: re.search(r"^\s*[#!] (.*)$", file.read_text(encoding="utf-8"), flags=re.M) for name, file in files
@@ -148,7 +143,7 @@ def motion_files() -> Contents:
             "parts": "\n\n".join(
                 _section(kind, part.__doc__ or "", "entry", entries(part)) for kind, part in PARTS.items()
             ),
-            "limits": markdown(("limit", "default", "meaning"), limits),
+            "limits": _table("limit", fields(MotionLimits)),
             "built-in": _named("name", "motion", {name: found[1] if found else "" for name, found in comments.items()}),
         }
     )
@@ -183,11 +178,16 @@ def protocols() -> Contents:
 
 def _section(title: str, summary: str, what: str, entries: Iterable[Field[Any]]) -> str:
     """Heading, summary and table of the fields of a part or protocol."""
+    return f"### {title}\n\n{summary}\n\n{_table(what, entries)}"
+
+
+def _table(what: str, entries: Iterable[Field[Any]]) -> str:
+    """Table of fields with their meanings."""
     rows = [
         (f"`{f.name}`", f.metadata["unit"], "required" if is_required(f) else _default(f), f.metadata["meaning"])
         for f in entries
     ]
-    return f"### {title}\n\n{summary}\n\n{markdown((what, 'unit', 'default', 'meaning'), rows)}"
+    return markdown((what, "unit", "default", "meaning"), rows)
 
 
 def _default(f: Field[Any]) -> str:

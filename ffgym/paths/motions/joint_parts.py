@@ -62,7 +62,7 @@ class ExcitationPart(Part):
         "joint positions in the middle; absent is where the robot is, at first its home", "rad or m", default=None
     )
 
-    def _timed(self, place: Place, path: Callable[[Array, float], JointPath]) -> list[Move]:
+    def _timed(self, place: Place, path: Callable[..., JointPath], *args: Any, **settings: Any) -> list[Move]:
         """Move along a path that is made from the joint positions in its middle and the sample time."""
         given = None
         if self.centre is not None:
@@ -70,7 +70,7 @@ class ExcitationPart(Part):
 
         def start(q: Array | None, dt: float) -> JointPath:
             middle = given if given is not None else q if q is not None else place.rest
-            return path(middle, dt)
+            return path(middle, *args, **settings, dt=dt)
 
         return [MoveTimed(path=start, label=self.label, where=place.where)]
 
@@ -128,11 +128,9 @@ class MultisinePart(ExcitationPart):
             phases = schroeder_phases(*amplitude.shape)
         else:
             phases = np.tile(check_shape("phases", self.phases, (len(rows),))[:, None], amplitude.shape[1])
-
-        def path(q: Array, dt: float) -> JointPath:
-            return multisine(q, amplitude, frequencies, phases, self.duration, ramp=self.ramp, dwell=self.dwell, dt=dt)
-
-        return self._timed(place, path)
+        return self._timed(
+            place, multisine, amplitude, frequencies, phases, self.duration, ramp=self.ramp, dwell=self.dwell
+        )
 
 
 @final
@@ -154,11 +152,7 @@ class LadderPart(ExcitationPart):
         fastest = place.robot.kinematics.max_speed
         speeds = np.stack([place.joints(f"speeds[{i}]", step, fastest) for i, step in enumerate(self.speeds)])
         travel = place.joints("travel", self.travel, place.span, others=place.span)
-
-        def path(q: Array, dt: float) -> JointPath:
-            return speed_ladder(q, speeds, travel, longest=self.longest, ramp=self.ramp, dwell=self.dwell, dt=dt)
-
-        return self._timed(place, path)
+        return self._timed(place, speed_ladder, speeds, travel, longest=self.longest, ramp=self.ramp, dwell=self.dwell)
 
 
 @final
@@ -176,8 +170,4 @@ class TrianglePart(ExcitationPart):
     def moves(self, place: Place) -> Sequence[Move]:
         """One excitation."""
         size = place.joints("amplitude", self.amplitude, place.span)
-
-        def path(q: Array, dt: float) -> JointPath:
-            return triangle(q, size, self.period, self.periods, ramp=self.ramp, dwell=self.dwell, dt=dt)
-
-        return self._timed(place, path)
+        return self._timed(place, triangle, size, self.period, self.periods, ramp=self.ramp, dwell=self.dwell)

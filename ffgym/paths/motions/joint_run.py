@@ -14,10 +14,11 @@ from ffgym.core.errors import errors_at
 from ffgym.core.types import Array
 from ffgym.paths.curves import Curve, Line, spline_through
 from ffgym.paths.limits import MARGIN, Bounds, MotionLimits, axis_bounds, stretches
-from ffgym.paths.motions.rows import Rows, Step, add_step, phases_at, sample_times
+from ffgym.paths.motions.rows import Rows, Step, add_step, rows_along
 from ffgym.paths.moves import JointMove, MoveJoint, located
 from ffgym.paths.route import Leg, rounded
 from ffgym.paths.timing import time_law
+from ffgym.recordings import PhaseKind
 from ffgym.robot import RigidArm
 
 _ZONE_POINTS = 64
@@ -67,16 +68,14 @@ def run_joints(arm: RigidArm, steps: Sequence[Step], limits: MotionLimits) -> Ro
     grid = [leg.grid() for leg in route.legs]
     bounds = [_bounds(arm, leg, s, limits) for leg, s in zip(route.legs, grid, strict=True)]
     law = time_law(stretches(grid, bounds))
-    t = sample_times(law, arm.robot.servo.control_dt)
-    s, speed, acceleration = law.at(t)
     unit = arm.robot.kinematics.max_speed
-    position, first, second, _ = (part * unit for part in route.at(s).path)
-    return Rows(
-        q=position,
-        dq=first * speed[:, None],
-        ddq=first * acceleration[:, None] + second * speed[:, None] ** 2,
-        phases=phases_at(law, targets, [step.move.label for step in steps], ["motion"] * len(steps), float(t[-1])),
-    )
+
+    def path(s: Array) -> tuple[Array, Array, Array]:
+        position, first, second, _ = route.at(s).path
+        return position * unit, first * unit, second * unit
+
+    phases: list[tuple[str, PhaseKind]] = [(step.move.label, "motion") for step in steps]
+    return rows_along(law, path, targets, phases, arm.robot.servo.control_dt)
 
 
 def _zone(arm: RigidArm, before: Step, after: Step) -> float:

@@ -1,7 +1,7 @@
 """Pieces of a joint reference, from rest to rest, and how they are joined."""
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -88,11 +88,6 @@ def rest(q: Array, duration: float, dt: float, label: str) -> Rows:
     return Rows(q=still + q, dq=still, ddq=still, phases=(phase,))
 
 
-def sample_times(law: TimeLaw, dt: float) -> Array:
-    """Times [s] of the samples of a piece, up to the first at or after its end, shape (T,)."""
-    return np.arange(_sample_count(law.duration, dt), dtype=np.float64) * dt
-
-
 def _sample_count(duration: float, dt: float) -> int:
     """Samples every `dt` [s] from 0 up to the first at or after `duration` [s]."""
     steps = duration / dt
@@ -101,14 +96,30 @@ def _sample_count(duration: float, dt: float) -> int:
     return int(np.ceil(steps - 1e-9)) + 1
 
 
-def phases_at(
-    law: TimeLaw, targets: Array, labels: Sequence[str], kinds: Sequence[PhaseKind], end: float
-) -> tuple[Phase, ...]:
-    """Phases that end where the path passes its targets, at path lengths of shape (L,); the last at time `end` [s]."""
-    times = [0.0, *(law.time_of(float(target)) for target in targets[:-1]), end]
-    return tuple(
-        Phase(label=label, kind=kind, start=start, end=end)
-        for label, kind, start, end in zip(labels, kinds, times, times[1:], strict=False)
+def rows_along(
+    law: TimeLaw,
+    path: Callable[[Array], tuple[Array, Array, Array]],
+    targets: Array,
+    phases: Sequence[tuple[str, PhaseKind]],
+    dt: float,
+) -> Rows:
+    """Samples of a path that is run by a time law, up to the first at or after its end.
+
+    `path` gives joint positions and their first two derivatives by path length, (T, N) each. Each of the `phases`, a
+    label and a kind, ends where the path passes its target, at path lengths of shape (L,).
+    """
+    t = np.arange(_sample_count(law.duration, dt), dtype=np.float64) * dt
+    s, speed, acceleration = law.at(t)
+    q, first, second = path(s)
+    times = [0.0, *(law.time_of(float(target)) for target in targets[:-1]), float(t[-1])]
+    return Rows(
+        q=q,
+        dq=first * speed[:, None],
+        ddq=first * acceleration[:, None] + second * speed[:, None] ** 2,
+        phases=tuple(
+            Phase(label=label, kind=kind, start=start, end=end)
+            for (label, kind), start, end in zip(phases, times, times[1:], strict=False)
+        ),
     )
 
 

@@ -9,7 +9,7 @@ from ffgym.core.errors import FFGymError, errors_at
 from ffgym.core.types import Array
 from ffgym.paths.curves import SAME, Arc, Curve, Line, Still, arc_through, spline_through
 from ffgym.paths.limits import Bounds, MotionLimits, axis_bounds, slope_of, stretches, tool_bounds
-from ffgym.paths.motions.rows import Rows, Step, add_step, phases_at, sample_times, split_steps
+from ffgym.paths.motions.rows import Rows, Step, add_step, rows_along, split_steps
 from ffgym.paths.moves import Move, MoveArc, MoveSpline, Pose, ToolMove, located
 from ffgym.paths.route import (
     SMOOTH,
@@ -52,15 +52,9 @@ class ToolRun:
 def run_tool(arm: RigidArm, run: ToolRun, q: Array, limits: MotionLimits) -> Rows:
     """Joint motion along the route, as fast as programmed speeds and limits allow, from joint positions `q` (N,)."""
     law = time_law(stretches(*_bounds(arm, run, q, limits)))
-    t = sample_times(law, arm.robot.servo.control_dt)
-    s, speed, acceleration = law.at(t)
-    q_rows, first, second = _followed(arm, run.route.at(s), q)
-    return Rows(
-        q=q_rows,
-        dq=first * speed[:, None],
-        ddq=first * acceleration[:, None] + second * speed[:, None] ** 2,
-        phases=phases_at(law, run.targets, [move.label for move in run.moves], run.kinds, float(t[-1])),
-    )
+    phases = [(move.label, kind) for move, kind in zip(run.moves, run.kinds, strict=True)]
+    dt = arm.robot.servo.control_dt
+    return rows_along(law, lambda s: _followed(arm, run.route.at(s), q), run.targets, phases, dt)
 
 
 def _followed(arm: RigidArm, course: Course, q: Array) -> tuple[Array, Array, Array]:

@@ -17,31 +17,16 @@ from ffgym.core.errors import check_number
 from ffgym.robot.description import RobotDescription
 from ffgym.robot.model.looks import add_looks
 
-
-def motor_joint(joint: str) -> str:
-    """Name of the hinge that the motor turns."""
-    return f"{joint}_motor"
-
-
-def deflection_joint(joint: str) -> str:
-    """Name of the hinge that is the elasticity."""
-    return f"{joint}_deflection"
-
-
-def servo_actuator(joint: str) -> str:
-    """Name of the servo actuator."""
-    return f"{joint}_servo"
-
-
-def friction_actuator(joint: str) -> str:
-    """Name of the friction actuator."""
-    return f"{joint}_friction"
-
-
-def motor_tendon(joint: str) -> str:
-    """Name of the tendon whose length is the angle of a motor that other axes turn too."""
-    return f"{joint}_motor_angle"
-
+motor_joint = "{}_motor".format
+"""Name of the hinge that the motor of a joint turns."""
+deflection_joint = "{}_deflection".format
+"""Name of the hinge that is the elasticity of a joint."""
+servo_actuator = "{}_servo".format
+"""Name of the servo actuator of a joint."""
+friction_actuator = "{}_friction".format
+"""Name of the friction actuator of a joint."""
+motor_tendon = "{}_motor_angle".format
+"""Name of the tendon whose length is the angle of a motor that other axes turn too."""
 
 _SERVO_INPUTS = mujoco.mjtCtrlInput.mjINPUT_POS | mujoco.mjtCtrlInput.mjINPUT_VEL | mujoco.mjtCtrlInput.mjINPUT_FF
 
