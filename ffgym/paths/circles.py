@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import final
 
 import numpy as np
 
@@ -17,7 +16,6 @@ BLEND = 0.5
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class HalfCircle:
     """Half a circle of half the radius, as in the thesis; its quantities are those of `SmoothLead`."""
@@ -38,7 +36,6 @@ class HalfCircle:
         return np.stack([0.5 * np.sin(angle), 0.5 - 0.5 * np.cos(angle)], axis=1)
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class SmoothLead:
     """Lead onto the unit circle around (0, 1), joined at the origin along x: a small circle, then a clothoid."""

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import final
 
 import numpy as np
 
@@ -72,7 +71,6 @@ class Move:
     """Place in the program, e.g. 'cut.mod:12:5', that starts error messages; empty if there is none."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MoveLinear(Move):
     """Straight line of the TCP; the orientation turns evenly along it."""
@@ -81,7 +79,6 @@ class MoveLinear(Move):
     speed: Speed
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MoveArc(Move):
     """Arc of the TCP through `via`; the orientation turns evenly along it."""
@@ -95,7 +92,6 @@ class MoveArc(Move):
         object.__setattr__(self, "via", check_position("via", self.via))
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MoveJoint(Move):
     """Straight line in joint space, all joints together; to joint angles or to a pose."""
@@ -106,7 +102,6 @@ class MoveJoint(Move):
     """Of the tool; None is as fast as the limits of the joints allow."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MoveSpline(Move):
     """Smooth curve of the TCP through poses, which all or none give an orientation; it stops at both ends.
@@ -125,7 +120,6 @@ class MoveSpline(Move):
             raise FFGymError("A spline needs at least one pose, and all or none of them must give an orientation.")
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MoveJointSpline(Move):
     """Smooth curve in joint space through joint positions, as fast as the limits allow; it stops at both ends.
@@ -137,7 +131,6 @@ class MoveJointSpline(Move):
     """Joint positions, link side [rad, or m for a sliding joint], shape (K, N)."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MoveTimed(Move):
     """A motion that brings its own time law, such as an excitation of the joints; no limits slow it down."""
@@ -147,7 +140,6 @@ class MoveTimed(Move):
     the sample time [s]."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Wait(Move):
     """Rest where the last move ended; that move must stop."""

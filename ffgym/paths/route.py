@@ -4,7 +4,6 @@ import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import final
 
 import numpy as np
 import scipy
@@ -18,7 +17,6 @@ Turned = tuple[Array, Array, Array]
 """Orientation (T, 3, 3), its rate by arc length and the rate of that, in world axes [rad/m, rad/m^2], (T, 3)."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class EvenTurn:
     """The tool turns about one axis of the world at a constant rate; a rate of zero keeps the orientation."""
@@ -35,7 +33,6 @@ class EvenTurn:
         return rotation, still + self.rate, still
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class BlendedTurn:
     r"""Around a corner: the turn before it fades out while the turn after it fades in.
@@ -73,7 +70,6 @@ class BlendedTurn:
         return (outer * inner).as_matrix() @ self.corner, first_rate + second_rate, change
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SplineTurn:
     """Smooth turn through orientations at given arc lengths, continuous in rate and its derivative."""
@@ -181,11 +177,6 @@ class Route:
     def ends(self) -> Array:
         """Arc length at the end of each leg, shape (L,)."""
         return np.cumsum([leg.curve.length for leg in self.legs])
-
-    @property
-    def length(self) -> float:
-        """Arc length of the whole."""
-        return float(self.ends[-1])
 
     def at(self, s: Array) -> Course:
         """What the path is like at increasing arc lengths `s`, shape (T,)."""

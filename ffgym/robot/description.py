@@ -63,7 +63,15 @@ class RobotDescription:
         bodies = ["world", "base", "tool", *self.links, *(f"{link}_rotor" for link in self.links)]
         if len(set(bodies)) != len(bodies):
             raise FFGymError(f"Link names {self.links} clash with the bodies world, base, tool or <link>_rotor.")
-        self._check_springs()
+        # springs must join two bodies that there are
+        bodies = ["base", *self.links, *(["tool"] if self.tool is not None else [])]
+        for spring in self.springs:
+            for body in spring.bodies:
+                check_choice(f"body of springs.{spring.name}", body, bodies)
+            if spring.bodies[0] == spring.bodies[1]:
+                raise FFGymError(f"springs.{spring.name} joins {spring.bodies[0]!r} to itself; it needs two bodies.")
+        if len({spring.name for spring in self.springs}) < len(self.springs):
+            raise FFGymError(f"Springs {[spring.name for spring in self.springs]} must have different names.")
         self._check_home()
         substeps = self.servo.control_dt / self.physics_dt
         if abs(substeps - round(substeps)) > 1e-9 or substeps < 1:
@@ -82,17 +90,6 @@ class RobotDescription:
                     f"work_area.home of {name} = {q:.6g} is outside its range, [{low:.6g}, {high:.6g}] (rad or m). "
                     f"Give a pose near the work, as the controller shows it."
                 )
-
-    def _check_springs(self) -> None:
-        """Springs must join two bodies that there are."""
-        bodies = ("base", *self.links, *(["tool"] if self.tool is not None else []))
-        for spring in self.springs:
-            for body in spring.bodies:
-                check_choice(f"body of springs.{spring.name}", body, bodies)
-            if spring.bodies[0] == spring.bodies[1]:
-                raise FFGymError(f"springs.{spring.name} joins {spring.bodies[0]!r} to itself; it needs two bodies.")
-        if len({spring.name for spring in self.springs}) < len(self.springs):
-            raise FFGymError(f"Springs {[spring.name for spring in self.springs]} must have different names.")
 
     @property
     def n_joints(self) -> int:

@@ -44,7 +44,7 @@ def test_a_route_is_smooth_passes_its_ends_and_rounds_corners_within_their_zones
     turns = Rotation.random(len(points), rng=seed).as_matrix()
     zones = radii[: len(points) - 2]
     route, targets = rounded(lines(points, turns), zones)
-    s = np.linspace(0, route.length, 8001)
+    s = np.linspace(0, route.ends[-1], 8001)
     course = route.at(s)
     position, tangent, bend, _ = course.path
     rotation, rate, change = course.turned

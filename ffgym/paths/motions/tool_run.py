@@ -10,7 +10,7 @@ from ffgym.core.types import Array
 from ffgym.paths.curves import SAME, Arc, Curve, Line, Still, arc_through, spline_through
 from ffgym.paths.limits import Bounds, MotionLimits, axis_bounds, slope_of, stretches, tool_bounds
 from ffgym.paths.motions.rows import Rows, Step, add_step, rows_along, split_steps
-from ffgym.paths.moves import Move, MoveArc, MoveSpline, Pose, ToolMove, located
+from ffgym.paths.moves import Move, MoveArc, MoveSpline, ToolMove, located
 from ffgym.paths.route import (
     SMOOTH,
     Course,
@@ -168,13 +168,10 @@ def tool_runs(moves: Sequence[ToolMove], position: Array, rotation: Array | None
         add_step(steps, move, leg)
         target = move.through[-1] if isinstance(move, MoveSpline) else move.to
         position = target.position
-        rotation = None if rotation is None else _turned(target, rotation)
+        if rotation is not None and target.rotation is not None:
+            rotation = target.rotation
     groups, notes = split_steps(steps)
     return [_run(group) for group in groups], notes
-
-
-def _turned(pose: Pose, before: Array) -> Array:
-    return before if pose.rotation is None else pose.rotation
 
 
 def _leg(move: ToolMove, position: Array, rotation: Array | None) -> Leg | None:
@@ -182,7 +179,7 @@ def _leg(move: ToolMove, position: Array, rotation: Array | None) -> Leg | None:
     if isinstance(move, MoveSpline):
         return _spline_leg(move, position, rotation)
     target = move.to.position
-    end = None if rotation is None else _turned(move.to, rotation)
+    end = rotation if rotation is None or move.to.rotation is None else move.to.rotation
     if isinstance(move, MoveArc):
         curve: Curve = arc_through(position, move.via, target)
     elif np.linalg.norm(target - position) > SAME:
@@ -206,7 +203,7 @@ def _spline_leg(move: MoveSpline, position: Array, rotation: Array | None) -> Le
     curve = spline_through(points, closed=move.closed)
     if rotation is None:
         return Leg(curve=curve, speed=move.speed)
-    rotations = np.stack([rotation, *(_turned(pose, rotation) for pose in poses)])
+    rotations = np.stack([rotation, *(rotation if pose.rotation is None else pose.rotation for pose in poses)])
     return Leg(curve=curve, speed=move.speed, turning=SplineTurn(knots=curve.knots, rotations=rotations))
 
 

@@ -3,6 +3,7 @@
 import os
 import re
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from textwrap import wrap
 from typing import Any
@@ -95,17 +96,13 @@ def completed_text(toml: str, draft: RobotDraft, robot: RobotDescription, *, bef
         Proposal(path=path, value=np.asarray(instead[path]), source=_SOURCE, side=RULES[path].side)
         for path in draft.missing
     ]
-
-    def moved(match: re.Match[str]) -> str:
-        """The path of the arm file from the other folder."""
-        path = (before / match.group(2)).resolve()
-        try:
-            relative = Path(os.path.relpath(path, folder.resolve())).as_posix()
-        except ValueError:  # another drive
-            relative = path.as_posix()
-        return f"{match.group(1)}{toml_value(relative)}"
-
-    return filled_text(_MODEL.sub(moved, toml, count=1), proposals, draft.types)
+    model = _MODEL.search(toml)
+    if model is not None:  # the arm file, from the other folder
+        file = (before / model[2]).resolve()
+        with suppress(ValueError):  # raised where it is on another drive
+            file = Path(os.path.relpath(file, folder.resolve()))
+        toml = f"{toml[: model.start()]}{model[1]}{toml_value(file.as_posix())}{toml[model.end() :]}"
+    return filled_text(toml, proposals, draft.types)
 
 
 def _rounded(value: Any) -> Any:
