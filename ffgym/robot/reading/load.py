@@ -4,6 +4,7 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import replace
 from importlib import resources
+from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any
 
@@ -19,21 +20,18 @@ from ffgym.robot.reading.rules import RULES
 
 def builtin_robots() -> tuple[str, ...]:
     """Names of the robots that ship with the package."""
-    return _names("data")
+    return tuple(sorted(_builtin("data")))
 
 
 def builtin_parameters() -> tuple[str, ...]:
     """Names of the parameter files that ship with the package; each is for one of its robots."""
-    return _names("parameters")
+    return tuple(sorted(_builtin("parameters")))
 
 
-def _names(folder: str) -> tuple[str, ...]:
+def _builtin(folder: str) -> dict[str, Traversable]:
+    """TOML files of a folder of this room, by name."""
     files = (resources.files("ffgym.robot") / folder).iterdir()
-    return tuple(sorted(Path(f.name).stem for f in files if f.name.endswith(".toml")))
-
-
-def _builtin_text(folder: str, name: str | Path) -> str:
-    return (resources.files("ffgym.robot") / folder / f"{name}.toml").read_text(encoding="utf-8")
+    return {Path(file.name).stem: file for file in files if file.name.endswith(".toml")}
 
 
 def load_robot(robot: str | Path) -> RobotDescription:
@@ -45,16 +43,20 @@ def load_robot(robot: str | Path) -> RobotDescription:
         FFGymError: if there is no such robot or file, or the file does not describe a whole robot.
     """
     if str(robot) in builtin_parameters():
-        return _draft_of(_builtin_text("parameters", robot), Path(f"{robot}.toml")).complete()
+        text = _builtin("parameters")[str(robot)].read_text(encoding="utf-8")
+        return _draft_of(text, Path(f"{robot}.toml")).complete()
     return load_draft(robot).complete()
 
 
 def _draft_of(text: str, place: Path, seen: tuple[Path, ...] = ()) -> RobotDraft:
     """Draft from the text of a description or of a parameter file; `seen` are the parameter files that lead to it."""
-    head = _parameters_head(text)
-    if head is None:
+    try:
+        head = tomllib.loads(text).get("parameters")
+    except (tomllib.TOMLDecodeError, RecursionError):  # the reading of a description says what is wrong
+        head = None
+    if not isinstance(head, dict) or not isinstance(head.get("robot"), str):
         return parse_draft(text, where=str(place), folder=place.parent)
-    if (path := head.get("description")) is None:
+    if not isinstance(path := head.get("description"), str):
         known = load_draft(check_choice(f"robot of parameter file {place}", head["robot"], builtin_robots()))
     elif not path.endswith(".toml"):
         raise FFGymError(f"{place}: description = {path!r} must be the path of the robot's description, .toml.")
@@ -66,16 +68,6 @@ def _draft_of(text: str, place: Path, seen: tuple[Path, ...] = ()) -> RobotDraft
     with errors_at(str(place)):
         _check_head(tree.pop("parameters", {}), known.description_for("kinematics"))
         return replace(draft_with_numbers(known, tree), where=str(place))
-
-
-def _parameters_head(text: str) -> dict[str, str] | None:
-    """Text entries of [parameters] of a file that says which robot it is for; None for any other file."""
-    try:
-        head = tomllib.loads(text).get("parameters")
-    except (tomllib.TOMLDecodeError, RecursionError):
-        return None
-    said = {key: value for key, value in head.items() if isinstance(value, str)} if isinstance(head, dict) else {}
-    return said if "robot" in said else None
 
 
 def load_draft(robot: str | Path) -> RobotDraft:
@@ -91,7 +83,7 @@ def load_draft(robot: str | Path) -> RobotDraft:
             f"{robot} is an arm file, which says nothing of drives. Make a description of it: ffgym robot new {robot}"
         )
     name = check_choice("robot", str(robot), builtin_robots())
-    return parse_draft(_builtin_text("data", name), where=f"{name}.toml")
+    return parse_draft(_builtin("data")[name].read_text(encoding="utf-8"), where=f"{name}.toml")
 
 
 def robot_of(robot: RobotDescription | str | Path, what: str = "robot") -> RobotDescription:
