@@ -3,7 +3,7 @@
 import sys
 from collections.abc import Sequence
 from contextlib import nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from ffgym.cli.diagnose_inputs import ROBOT, Nominal, fit_nominal, logs_from, nominal_named
@@ -37,16 +37,6 @@ COLUMNS = "columns.toml"
 """Corrected column map, which is written if columns are not what they are called."""
 
 WORSE = "The extended model leaves more than the nominal one of motions that were left out; it is not written."
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Compared:
-    """Both models on logs that were not diagnosed."""
-
-    replayed: Sequence[LoopLevel] = ()
-    """Empty without such logs, or if the diagnosis compared nothing."""
-    closed_loop: Sequence[LoopLevel] = ()
-    """Empty where no closed loop can be simulated."""
 
 
 def run(config: Diagnose) -> None:
@@ -83,18 +73,18 @@ def _diagnose(config: Diagnose) -> None:
     origin = provenance("ffgym diagnose", config, robot.name, physics, config.seed, passing=passing)
     examined = replace(examined, diagnosis=replace(examined.diagnosis, provenance=origin))
     models = _models(config, examined, nominal, recordings)
-    compared = _compared(config, models, examined, nominal, held_out)
-    if compared.replayed and not is_better(compared.replayed) and examined.diagnosis.causes:
+    replayed, closed_loop = _compared(config, models, examined, nominal, held_out)
+    if replayed and not is_better(replayed) and examined.diagnosis.causes:
         examined = replace(examined, diagnosis=replace(examined.diagnosis, gains=False))
         _remove(config, EXTENDED)
-    _write(config, examined, compared)
+    _write(config, examined, replayed, closed_loop)
     # everything for people
     diagnosis = examined.diagnosis
     print(format_diagnosis(diagnosis, robot))
-    if compared.replayed:
-        print(f"\n{compared_table('held out, RMS of', compared.replayed).text()}")
-    if compared.closed_loop:
-        print(f"\n{compared_table('closed loop, RMS of', compared.closed_loop).text()}")
+    if replayed:
+        print(f"\n{compared_table('held out, RMS of', replayed).text()}")
+    if closed_loop:
+        print(f"\n{compared_table('closed loop, RMS of', closed_loop).text()}")
     if diagnosis.causes and not diagnosis.gains:
         print(f"\n{WORSE}")
     print(f"\nnext: {next_step(config, diagnosis)}")
@@ -203,19 +193,20 @@ def _compared(
     examined: Examined,
     nominal: Nominal,
     held_out: Sequence[Recording],
-) -> Compared:
+) -> tuple[Sequence[LoopLevel], Sequence[LoopLevel]]:
     """Replay both models along logs that were not diagnosed, and run them along their set-points if they have some."""
     if not held_out or examined.before is None:
-        return Compared()
+        return (), ()
     replayed = held_out_levels(*models, held_out, cutoff=examined.before.cutoff)
     if not _runs_again(nominal, held_out):
-        return Compared(replayed=replayed)
+        return replayed, ()
     with progress_bar("closed loops", "s") as progress:
-        closed_loop = closed_loop_gain(*models, held_out, n_threads=config.threads, progress=progress)
-    return Compared(replayed=replayed, closed_loop=closed_loop)
+        return replayed, closed_loop_gain(*models, held_out, n_threads=config.threads, progress=progress)
 
 
-def _write(config: Diagnose, examined: Examined, compared: Compared) -> None:
+def _write(
+    config: Diagnose, examined: Examined, replayed: Sequence[LoopLevel], closed_loop: Sequence[LoopLevel]
+) -> None:
     """Files first: nobody may read what is printed."""
     diagnosis = examined.diagnosis
     if config.json is not None:
@@ -226,8 +217,8 @@ def _write(config: Diagnose, examined: Examined, compared: Compared) -> None:
         diagnosis=diagnosis,
         before=examined.before,
         after=examined.after if diagnosis.causes else None,
-        held_out=compared.replayed,
-        closed_loop=compared.closed_loop,
+        held_out=replayed,
+        closed_loop=closed_loop,
     )
     write_text(config.out / REPORT, render_diagnosis_page(page))
     write_diagnosis(config.out / DOCUMENT, diagnosis)

@@ -9,7 +9,6 @@ the one counts that explains more.
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from datetime import date
 
 import numpy as np
@@ -71,10 +70,30 @@ def drifts(log: Log, run: Replay, rest: Mapping[Channel, Array], blocks: Blocks)
             for kind in _LEVELS
             if (own := columns[kind.name, joint].get(("torque", j))) is not None
         }
-        if levels:
-            name = min(levels, key=lambda kind: levels[kind].left)
-            drift = _drift(name, joint, log.names, levels[name], days)
-            found += [] if drift is None else [drift]
+        if not levels:
+            continue
+        # of both levels the one that leaves less, if it changes steadily, by more than chance and by more than little
+        name = min(levels, key=lambda kind: levels[kind][2])
+        values, errors, _ = levels[name]
+        known = np.isfinite(values) & (errors > 0)
+        v, e, day = values[known], errors[known], days[known]
+        if len(v) < FEWEST or len(np.unique(day)) < 2:
+            continue
+        rate, error, chance = _line(v, e, day)
+        if chance > _SURE or abs(rate) * np.ptp(day) < _LARGE or not _holds(v, e, day):
+            continue
+        found.append(
+            Drift(
+                effect=name,
+                joint=joint,
+                motions=tuple(name for name, there in zip(log.names, known, strict=True) if there),
+                days=tuple(day.tolist()),
+                changes=tuple(v.tolist()),
+                errors=tuple(e.tolist()),
+                per_day=rate,
+                per_day_error=error,
+            )
+        )
     return tuple(found)
 
 
@@ -94,22 +113,14 @@ def days_of(recordings: Sequence[Recording]) -> Array | None:
     return np.array(found, dtype=np.float64) - min(found)
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Levels:
-    """One level of a joint in each motion."""
-
-    values: Array
-    """Change of the level, relative, shape (M,); NaN where it is not known."""
-    errors: Array
-    """Standard error of that, shape (M,)."""
-    left: float
-    """Energy that is left of the torque [(N m)^2]."""
-
-
-def _levels(column: Array, rest: Array, counting: BoolArray, blocks: Blocks) -> _Levels:
+def _levels(column: Array, rest: Array, counting: BoolArray, blocks: Blocks) -> tuple[Array, Array, float]:
     """One level beside a constant in each motion; the other level stays: along one motion both look much alike.
 
     Rows of a block say the same: errors are those of sums over blocks (White's estimate, clustered).
+
+    Returns:
+        Change of the level, relative, shape (M,), NaN where it is not known; standard error of that, shape (M,); and
+        energy that is left of the torque [(N m)^2].
     """
     values, errors, left = np.full(rest.shape[1], np.nan), np.full(rest.shape[1], np.nan), 0.0
     for m in range(rest.shape[1]):
@@ -125,7 +136,7 @@ def _levels(column: Array, rest: Array, counting: BoolArray, blocks: Blocks) -> 
         covariance = inverse @ (scores.T @ scores) @ inverse * n / (n - x.shape[1])
         values[m], errors[m] = size[0], np.sqrt(covariance[0, 0])
         left += float(np.sum((y - x @ size) ** 2))
-    return _Levels(values=values, errors=errors, left=left)
+    return values, errors, left
 
 
 _HOLDS = 0.2
@@ -133,28 +144,6 @@ _HOLDS = 0.2
 
 _ROUNDS = 5
 """Times that a line is fitted, and what levels scatter about it beyond their errors (method of moments)."""
-
-
-def _drift(effect: str, joint: str, names: Sequence[str], levels: _Levels, days: Array) -> Drift | None:
-    """A level that changes steadily with the days, by more than chance and by more than little."""
-    values, errors = levels.values, levels.errors
-    known = np.isfinite(values) & (errors > 0)
-    v, day, n = values[known], days[known], int(known.sum())
-    if n < FEWEST or len(np.unique(day)) < 2:
-        return None
-    rate, error, chance = _line(v, errors[known], day)
-    if chance > _SURE or abs(rate) * np.ptp(day) < _LARGE or not _holds(v, errors[known], day):
-        return None
-    return Drift(
-        effect=effect,
-        joint=joint,
-        motions=tuple(name for name, there in zip(names, known, strict=True) if there),
-        days=tuple(day.tolist()),
-        changes=tuple(v.tolist()),
-        errors=tuple(errors[known].tolist()),
-        per_day=rate,
-        per_day_error=error,
-    )
 
 
 def _line(values: Array, errors: Array, day: Array) -> tuple[float, float, float]:

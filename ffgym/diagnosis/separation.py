@@ -12,6 +12,7 @@ bounds, and its own numbers, as far as they are open.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 
@@ -71,25 +72,13 @@ class Foreseen:
         return float(0.5 * (apart @ gram @ apart - 2 * x @ pull + x @ scaled @ x + x @ x))
 
 
-def planned_log(arm: RigidArm, nominal: Machine, motions: Sequence[SessionMotion], channels: Sequence[Channel]) -> Log:
-    """Motions as the nominal machine makes them under its controller, without noise, with some channels."""
-    rig = SimulatedRig(arm=arm, machine=nominal)
-    log = log_of(arm.robot, list(record(motions, rig, record_dt=_SAMPLE_DT)))
-    return replace(
-        log,
-        tool=log.tool if "tool" in channels else None,
-        link=log.link if "link" in channels else None,
-        feedback=log.feedback if "servo" in channels else None,
-    )
-
-
 def foresee(
     log: Log, nominal: Machine, causes: Sequence[Hypothesis], noise: Mapping[Channel, Array], calibration: Calibration
 ) -> Foreseen:
     """What causes would show along planned motions.
 
     Args:
-        log: of `planned_log`.
+        log: of the motions as the nominal machine makes them, without noise.
         nominal: the machine without the causes.
         causes: two or more.
         noise: RMS that noise gives each component of each channel, shape (C,).
@@ -128,19 +117,6 @@ LONGEST = 90.0
 WARMING = Climate(rise=np.array([15.0]))
 """Assumed of a machine whose climate nobody knows, to see what warming up would show: 15 K (Bittencourt 2010: 20 to 40
 K over a day), within 20 min."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Planned:
-    """A proposal as motions of a robot."""
-
-    proposal: Proposal
-    motions: list[SessionMotion]
-
-    @property
-    def lasts(self) -> float:
-        """From the first start to the last end [s]."""
-        return float(self.motions[-1].end - self.motions[0].start)
 
 
 def separating_motion(
@@ -183,7 +159,7 @@ def separating_motion(
     return None
 
 
-def _planned(arm: RigidArm, some: Sequence[Proposal]) -> list[_Planned]:
+def _planned(arm: RigidArm, some: Sequence[Proposal]) -> list[tuple[Proposal, list[SessionMotion]]]:
     """Proposals that the robot can make, that do not take too long, and of which one motion can check another."""
     found = []
     for proposal in some:
@@ -192,14 +168,14 @@ def _planned(arm: RigidArm, some: Sequence[Proposal]) -> list[_Planned]:
         except FFGymError:
             continue  # its ranges, speeds or torques do not allow this one; there are others
         if len(motions) > 1 and sum(motion.reference.duration for motion in motions) <= LONGEST:
-            found.append(_Planned(proposal=proposal, motions=motions))
+            found.append((proposal, motions))
     return found
 
 
 def _best(
     arm: RigidArm,
     nominal: Machine,
-    planned: Sequence[_Planned],
+    planned: Sequence[tuple[Proposal, list[SessionMotion]]],
     causes: Sequence[Hypothesis],
     noise: Mapping[Channel, Array],
     calibration: Calibration,
@@ -207,25 +183,33 @@ def _best(
     """The fastest of the sessions that are sure; None if none is."""
     # names of motions must differ from those of other sessions
     motions = [
-        replace(motion, reference=replace(motion.reference, name=f"{p.proposal.name}.{motion.reference.name}"))
-        for p in planned
-        for motion in p.motions
+        replace(motion, reference=replace(motion.reference, name=f"{proposal.name}.{motion.reference.name}"))
+        for proposal, own in planned
+        for motion in own
     ]
     try:
-        foreseen = foresee(planned_log(arm, nominal, motions, list(noise)), nominal, causes, noise, calibration)
+        rig = SimulatedRig(arm=arm, machine=nominal)
+        log = log_of(arm.robot, list(record(motions, rig, record_dt=_SAMPLE_DT)))
+        unseen: dict[str, Any] = {
+            name: None
+            for channel, name in (("tool", "tool"), ("link", "link"), ("servo", "feedback"))
+            if channel not in noise
+        }
+        foreseen = foresee(replace(log, **unseen), nominal, causes, noise, calibration)
     except FAILED:
         return None  # a machine that cannot be simulated in these motions says nothing of them
     sure, first = [], 0
-    for p in planned:
-        own = range(first, first + len(p.motions))
-        first += len(p.motions)
+    for proposal, session in planned:
+        own = range(first, first + len(session))
+        first += len(session)
         # the smallest ratio between any two causes, whichever is right
         ratio, pair = min(
             (min(foreseen.ratio(own, a, b), foreseen.ratio(own, b, a)), (a, b))
             for a, b in combinations(range(len(causes)), 2)
         )
         if ratio >= SURE:
-            sure.append((ratio / p.lasts, p.proposal, pair))
+            lasts = float(session[-1].end - session[0].start)  # from the first start to the last end
+            sure.append((ratio / lasts, proposal, pair))
     if not sure:
         return None
     rate, proposal, (a, b) = max(sure, key=lambda one: one[0])

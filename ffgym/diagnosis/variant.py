@@ -66,7 +66,7 @@ def variants(kind: type[Effect], robot: RobotDescription, cycles: Cycles) -> Ite
             for span, fixed in enumerate(_spans(known, shape)):
                 for part in parts.get(size.per, (None,)):
                     values = {name: np.asarray(value, dtype=np.float64) for name, value in fixed.items()}
-                    values[size.name] = _size(size, robot, joints, part)
+                    values[size.name], places = _moved(size, robot, joints, part)
                     effect = kind(**_complete(known, values, robot))
                     yield Variant(
                         effect=effect,
@@ -74,7 +74,7 @@ def variants(kind: type[Effect], robot: RobotDescription, cycles: Cycles) -> Ite
                         part=part,
                         step=step_of(size),
                         shape={name: getattr(effect, name) for name in fixed},
-                        joints=_places(size, joints, part),
+                        joints=places,
                         choice=choice,
                         span=span,
                     )
@@ -85,27 +85,21 @@ def with_effect(machine: Machine, effect: Effect) -> Machine:
     return Machine(robot=machine.robot, effects=(*machine.effects, effect), climate=machine.climate)
 
 
-def _places(size: Parameter, joints: list[int], part: int | None) -> tuple[int, ...]:
-    if size.per == "joint":
-        return tuple(joints)
-    return tuple(j for j in joints if j != part) if size.per == "pair" else ()
-
-
-def _size(size: Parameter, robot: RobotDescription, joints: list[int], part: int | None) -> Array:
-    """The parameter a step away from its null value."""
-    shape = size.shape(robot.n_joints)
-    values = np.full(shape, size.neutral)
+def _moved(
+    size: Parameter, robot: RobotDescription, joints: Sequence[int], part: int | None
+) -> tuple[Array, tuple[int, ...]]:
+    """The parameter a step away from its null value, and the joints that have it."""
+    values = np.full(size.shape(robot.n_joints), size.neutral)
     moved = size.neutral + step_of(size)
     if size.per == "joint":
         values[joints] = moved
-    elif size.per == "pair":
+        return values, tuple(joints)
+    if size.per == "pair":
         values[:, part] = moved
         values[part, part] = size.neutral
-    elif size.per == "vector":
-        values[part] = moved
-    else:
-        values = np.asarray(moved)
-    return values
+        return values, tuple(j for j in joints if j != part)
+    values[... if part is None else part] = moved
+    return values, ()
 
 
 def _shapes(known: Mapping[str, Parameter], robot: RobotDescription, cycles: Cycles) -> list[dict[str, Any]]:
