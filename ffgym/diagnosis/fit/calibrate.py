@@ -16,7 +16,7 @@ from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.calibration import Calibration, doubts_of
 from ffgym.diagnosis.computing import FAILED
 from ffgym.diagnosis.evidence import Evidence, Stack, stack_of
-from ffgym.diagnosis.fit.fit import Trial, priors_of, trial_of
+from ffgym.diagnosis.fit.fit import Trial, energy_per_row, priors_of, trial_of
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, moved
 from ffgym.diagnosis.fit.setting import HELD, Setting, tangents, values_of
 from ffgym.diagnosis.fit.written import possible_numbers
@@ -184,10 +184,6 @@ class _Problem:
             for (channel, c), rows in column.items():
                 if channel in beyond:
                     beyond[channel][:, :, c] -= size * rows
-        is_used, shares = self.setting.blocks.of_row >= 0, []
-        for (channel, c), weight in self.setting.weights.items():
-            if channel in beyond:
-                counts = np.broadcast_to(weight, is_used.shape) * is_used
-                energy = float(np.sum((beyond[channel][:, :, c] * counts) ** 2))
-                shares.append(energy / max(int(np.count_nonzero(counts)), 1))
-        return max(shares, default=0.0) > _BENT
+        is_used, weights = self.setting.blocks.of_row >= 0, self.setting.weights
+        bent = [energy_per_row(beyond[c][:, :, k], w * is_used) for (c, k), w in weights.items() if c in beyond]
+        return max(bent, default=0.0) > _BENT

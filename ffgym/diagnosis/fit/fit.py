@@ -179,9 +179,14 @@ def loudness(setting: Setting, rest: Mapping[Channel, Array]) -> Loudness:
     found = {}
     for channel, rows in rest.items():
         for c in range(rows.shape[2]):
-            weight = np.broadcast_to(setting.weights[channel, c], valid.shape) * valid
-            found[channel, c] = float(np.sum((rows[:, :, c] * weight) ** 2)) / max(int(np.count_nonzero(weight)), 1)
+            found[channel, c] = energy_per_row(rows[:, :, c], setting.weights[channel, c] * valid)
     return found
+
+
+def energy_per_row(rows: Array, weight: Array) -> float:
+    """Weighted energy (R, M) per row that counts."""
+    weight = np.broadcast_to(weight, rows.shape)
+    return float(np.sum((rows * weight) ** 2)) / max(int(np.count_nonzero(weight)), 1)
 
 
 def excess_of(setting: Setting, fit: Fit) -> float:
@@ -194,9 +199,7 @@ def touched(setting: Setting, columns: list[Parts], *, by_channel: bool = False)
     energy: dict[tuple[Channel, int], float] = {}
     for column in columns:
         for key, rows in column.items():
-            weight = np.broadcast_to(setting.weights[key], rows.shape)
-            counted = max(int(np.count_nonzero(weight)), 1)
-            energy[key] = energy.get(key, 0.0) + float(np.sum((weight * rows) ** 2)) / counted
+            energy[key] = energy.get(key, 0.0) + energy_per_row(rows, setting.weights[key])
     most = dict.fromkeys((channel for channel, _ in energy), 0.0 if by_channel else sum(energy.values()))
     for (channel, _), value in energy.items() if by_channel else ():
         most[channel] += value
@@ -228,25 +231,20 @@ def removed(
     """
     free = dict.fromkeys(where, 0.0) if allowed is None else {key: allowed[key] for key in where}
     judged = sorted(key for key in where if before[key] - 1.0 > free[key]) or sorted(where)
-    gone = sum(_beyond(before[key] - after[key], free[key]) for key in judged)
+    # what is gone more than is allowed for; nothing is allowed for what has come
+    gone = {}
+    for key in judged:
+        less = before[key] - after[key]
+        gone[key] = less if less < 0 else max(less - free[key], 0.0)
     total = sum(before[key] for key in judged)
     # there may be less noise than the floor allows for: what is left is then all of it
     above = {key: max(before[key] - min(1.0, after[key]), 0.0) for key in judged}
     most = sum(above.values())
-    shares = {
-        key: _beyond(before[key] - after[key], free[key]) / max(above[key], 1e-9)
-        for key in judged
-        if above[key] > _MUCH * most / max(len(judged), 1)
-    }
+    heard = [key for key in judged if above[key] > _MUCH * most / max(len(judged), 1)]
     return Removed(
-        of_excess=gone / max(most, 1e-9),
-        of_all=gone / max(total, 1e-9),
+        of_excess=sum(gone.values()) / max(most, 1e-9),
+        of_all=sum(gone.values()) / max(total, 1e-9),
         excess=max(sum(before[key] - 1.0 for key in judged), 0.0) / max(total, 1e-9),
-        heard=len(shares),
-        best=max((share for key, share in shares.items() if above[key] >= _MUCH * most), default=0.0),
+        heard=len(heard),
+        best=max((gone[key] / max(above[key], 1e-9) for key in heard if above[key] >= _MUCH * most), default=0.0),
     )
-
-
-def _beyond(gone: float, allowed: float) -> float:
-    """What is gone more than `allowed` for; nothing is allowed for what has come."""
-    return gone if gone < 0 else max(gone - allowed, 0.0)

@@ -152,11 +152,12 @@ def replay(
         exact: whether links that bend ask for what they do there, not for what slopes about the measured motion say;
             it takes a little longer.
     """
-    robot = machine.physical
-    read, log = log, _truly(log, machine)
-    bases = [one for one in machine.effects if isinstance(one, BaseFlexibility) and not one.is_null]
+    robot, read = machine.physical, log
+    drive, log = robot.drive, _truly(log, machine)
     if like is not None and (like.log is not log or not same_links(like.robot, robot)):
         like = None
+    alike_driven = like if like is not None and alike(like.robot.drive, drive) else None
+    # terms of the links: known ones, those of other masses, or new ones
     known = like if like is not None else nearby
     if known is not None:
         links, rough = known.links, known.deflection.angle[0]
@@ -164,55 +165,49 @@ def replay(
         beside is not None
         and beside.log is log
         and alike(beside.robot.kinematics, robot.kinematics)
-        and np.all(beside.robot.drive.is_rigid == robot.drive.is_rigid)
+        and np.all(beside.robot.drive.is_rigid == drive.is_rigid)
     ):
-        elastic = np.flatnonzero(~robot.drive.is_rigid)
+        elastic = np.flatnonzero(~drive.is_rigid)
         links = terms_beside(RigidArm(robot), beside.links, log.q, log.dq, log.ddq, log.dt, elastic)
         rough = beside.deflection.angle[0]
     else:
         links, rough = _links(log, robot)
-    springs = Springs(
-        mass=links.mass,
-        stiffness=robot.drive.joint_stiffness,
-        damping=robot.drive.joint_damping,
-        dt=log.dt,
-        bending=links.bending,
-    )
-    same_drive = like is not None and alike(like.robot.drive, robot.drive)
-    if like is not None and same_drive:
-        springs = like.springs
+    # motors with their friction
     if bristles is None:
-        slip, speed = robot.drive.motor_angle(log.slip_dq), robot.drive.motor_angle(log.dq)
-        bristles = along_speed(robot.friction, slip, speed, log.dt)
-    state = state_of(log, machine, bristles)
-    on_arm = arm_effects(machine)
-    tilt = None
+        bristles = along_speed(robot.friction, drive.motor_angle(log.slip_dq), drive.motor_angle(log.dq), log.dt)
+    state, on_arm, tilt = state_of(log, machine, bristles), arm_effects(machine), None
+    # springs under what links ask for, on a base that may give way
+    if alike_driven is not None:
+        springs = alike_driven.springs
+    else:
+        stiffness, damping = drive.joint_stiffness, drive.joint_damping
+        springs = Springs(mass=links.mass, stiffness=stiffness, damping=damping, dt=log.dt, bending=links.bending)
+    bases = [one for one in machine.effects if isinstance(one, BaseFlexibility) and not one.is_null]
     if bases:
         tilt = tilt_of(log, robot, bases[0], base_terms(log, robot) if like is None else like.base_terms)
     rigid_torque = links.torque(log.ddq) + (0.0 if tilt is None else tilt.torque)
-    stands_alike = tilt is None and like is not None and like.tilt is None
-    if like is not None and same_drive and stands_alike and not on_arm and not arm_effects(like.machine):
-        deflection = like.deflection
+    stands = tilt is None and alike_driven is not None and alike_driven.tilt is None
+    if alike_driven is not None and stands and not on_arm and not arm_effects(alike_driven.machine):
+        deflection = alike_driven.deflection
     else:
         deflection = deflected(springs, state, on_arm, -rigid_torque, rough, log.dt)
     if exact and len(springs.elastic):
         deflection, beyond = _beyond_slopes(log, robot, links, springs, deflection)
         rigid_torque = rigid_torque + beyond
+    # load of the motors
     state = bent_state(state, deflection, robot)
     needed = rigid_torque + springs.bending_torque(deflection)
     added = summed(on_arm, state, log.dt)
     if added.link is not None:
         needed = needed - added.link
     state = loaded_state(state, added, needed, robot)
-    base = robot.drive.rotor_inertia * robot.drive.motor_angle(log.ddq) + bristles.torque
-    torque = base + robot.drive.motor_torque(needed)
-    motor = added.motor
+    torque = drive.rotor_inertia * drive.motor_angle(log.ddq) + bristles.torque + drive.motor_torque(needed)
     # motor-side torque effects, those that act on what the drive commands last: they see all that it must give
-    for of_motor in sorted(
-        (e for e in machine.torque_effects if e.side == "motor"), key=lambda e: (e.code.startswith("M"), e.name)
-    ):
+    motor = added.motor
+    of_motors = [effect for effect in machine.torque_effects if effect.side == "motor"]
+    for effect in sorted(of_motors, key=lambda effect: (effect.code.startswith("M"), effect.name)):
         state = replace(state, motor_torque=torque if motor is None else torque - motor)
-        motor = plus(motor, torques_along(of_motor, state, log.dt).motor)
+        motor = plus(motor, torques_along(effect, state, log.dt).motor)
     torque = torque if motor is None else torque - motor
     return Replay(
         read=read,
