@@ -149,7 +149,6 @@ def noisy(exact: Recording, noise: Noise, i: int, rng: np.random.Generator) -> R
     Angles are rounded to the steps of the encoder, which is no white noise where a motor stands.
     """
     header, columns, n = exact.header, dict(exact.columns), len(exact)
-
     for j, joint in enumerate(header.joints):
         # noise that is more than that of rounding comes before it
         step, angle = float(noise.step[i, j]), exact[f"motor.position.{joint}"]

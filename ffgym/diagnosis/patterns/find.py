@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ffgym.core.types import Array
-from ffgym.diagnosis.patterns.forms import Candidate, Fixed, Function, Periodic, Variable, fit, functions
+from ffgym.diagnosis.patterns.forms import Candidate, Function, Periodic, Variable, fit, functions
 from ffgym.diagnosis.patterns.periodic import Amplitude, Line, PerTurn
 from ffgym.diagnosis.patterns.rows import FEWEST_BLOCKS, Rows, rows_of, without_slow
 from ffgym.diagnosis.patterns.significance import Dependence, Trial, best_of, dependence, tried, wandering
@@ -75,7 +75,7 @@ def find_patterns(residual: Residual, rng: np.random.Generator) -> tuple[Pattern
     return tuple(pattern for _, pattern in sorted(found, key=lambda one: -one[0]))
 
 
-def candidates(n_joints: int) -> list[Fixed | Periodic]:
+def candidates(n_joints: int) -> list[Function | Periodic]:
     """All forms of dependence on the motion of N joints."""
     joints = range(n_joints)
     return [
@@ -87,7 +87,7 @@ def candidates(n_joints: int) -> list[Fixed | Periodic]:
 
 
 def _of_channel(
-    rows: Rows, forms: Sequence[Fixed | Periodic], levels: _Levels, rng: np.random.Generator
+    rows: Rows, forms: Sequence[Function | Periodic], levels: _Levels, rng: np.random.Generator
 ) -> list[_Found]:
     """Patterns of one channel: the best form of each component, then the best of what that leaves, and so on."""
     left, found, energy = rows.values.copy(), list[_Found](), np.sum(rows.values**2, axis=0)
@@ -136,7 +136,7 @@ def _find_ripple(
 def _adopt(trial: Trial, rows: Rows, values: Array, c: int, energy: Array, found: list[_Found]) -> Array:
     """Part of `values` (R,) that a form explains, fitted to all rows; its pattern joins those that were `found`."""
     form, frequency, fitted = trial.candidate, None, np.zeros_like(values)
-    if isinstance(form, Fixed):
+    if isinstance(form, Function):
         columns = rows.centred(form.columns(rows))
         fitted = columns @ fit(columns, values)
     elif peaks := form.search(rows, values[:, None], np.ones(len(values), dtype=np.bool_)):

@@ -32,14 +32,6 @@ class Candidate(ABC):
         """Number of what is fitted."""
 
 
-class Fixed(Candidate):
-    """A form whose columns follow from the motion alone."""
-
-    @abstractmethod
-    def columns(self, rows: Rows) -> Array:
-        """Its columns (R, P), of size about 1, not centred."""
-
-
 class Periodic(Candidate):
     """A form with a frequency that must be found in the residual first."""
 
@@ -85,7 +77,7 @@ a worn spot of a tooth or two, and a quarter of a second in ten."""
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Function(Fixed):
+class Function(Candidate):
     """A function of a variable of one joint, linear between knots; maybe times the sign of the speed of a joint."""
 
     variable: Variable
@@ -105,7 +97,7 @@ class Function(Fixed):
         return super().may_act_on(rows, component)
 
     def columns(self, rows: Rows) -> Array:
-        """See base class."""
+        """Its columns (R, P), of size about 1, not centred."""
         if self.variable == "time" or self.joint is None:
             values = rows.t
         elif self.variable == "none":

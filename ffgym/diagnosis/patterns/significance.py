@@ -7,7 +7,7 @@ import numpy as np
 import scipy
 
 from ffgym.core.types import Array, BoolArray, IntArray
-from ffgym.diagnosis.patterns.forms import Fixed, Periodic, Variable, fit
+from ffgym.diagnosis.patterns.forms import Function, Periodic, Variable, fit
 from ffgym.diagnosis.patterns.rows import Rows
 
 
@@ -15,14 +15,14 @@ from ffgym.diagnosis.patterns.rows import Rows
 class Trial:
     """How well one form of dependence foretells C residuals in B blocks that it was not fitted to."""
 
-    candidate: Fixed | Periodic
+    candidate: Function | Periodic
     gain: Array
     """Energy that it removes from each block, shape (B, C)."""
     p: Array
     """Probability of a prediction as good without any dependence, shape (C,)."""
 
 
-def tried(candidate: Fixed | Periodic, rows: Rows, values: Array, active: Sequence[int]) -> Trial:
+def tried(candidate: Function | Periodic, rows: Rows, values: Array, active: Sequence[int]) -> Trial:
     """Judge a form of dependence on centred values (R, C) of the components `active`, those that it may act on.
 
     A frequency is sought in the half that is fitted, too. Either direction is a valid test by itself; of the better one
@@ -33,11 +33,11 @@ def tried(candidate: Fixed | Periodic, rows: Rows, values: Array, active: Sequen
     if not open_to:
         return Trial(candidate=candidate, gain=gain, p=p[0])
     measured = values[:, open_to]
-    columns = rows.centred(candidate.columns(rows)) if isinstance(candidate, Fixed) else np.zeros((0, 0))
+    columns = rows.centred(candidate.columns(rows)) if isinstance(candidate, Function) else np.zeros((0, 0))
     for judged in (0, 1):
         train, blocks = rows.half != judged, rows.block_half == judged
         if train.any() and blocks.any():
-            if isinstance(candidate, Fixed):
+            if isinstance(candidate, Function):
                 foretold = columns @ fit(columns[train], measured[train])
             else:
                 foretold = _waves(candidate, rows, measured, train)
