@@ -60,17 +60,15 @@ def feedback_columns(robot: RobotDescription, recordings: Sequence[Recording], n
     """Feedback torque as recorded, or as what the motor torque has beside its feed-forward; None if neither is."""
     found = []
     for recording in recordings:
-        side = robot.drive.motor_torque if recording.header.torque_semantics == "link_side" else None
-        if recording.has("feedback.effort"):
-            torque = recording.joint_array("feedback.effort")
-            found.append(torque if side is None else side(torque))
-        elif recording.has("feedforward.effort"):
-            added = recording.joint_array("feedforward.effort")
-            if recording.has("compensation.effort"):
-                added = added + recording.joint_array("compensation.effort")
-            found.append(motor_effort(robot, recording) - (added if side is None else side(added)))
-        else:
+        of = "feedback.effort" if recording.has("feedback.effort") else "feedforward.effort"
+        if not recording.has(of):
             return None
+        torque = recording.joint_array(of)
+        if of == "feedforward.effort" and recording.has("compensation.effort"):
+            torque = torque + recording.joint_array("compensation.effort")
+        if recording.header.torque_semantics == "link_side":
+            torque = robot.drive.motor_torque(torque)
+        found.append(torque if of == "feedback.effort" else motor_effort(robot, recording) - torque)
     return padded(found, n, hold=True)
 
 

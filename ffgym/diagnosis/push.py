@@ -76,24 +76,21 @@ def push_of(run: Replay, effect: Effect) -> Push:
 
 def of_numbers(run: Replay, other: RobotDescription) -> Push:
     """Of a robot with other numbers: what each group of them changes by itself."""
-    robot = run.robot
-    log, drive = run.log, run.robot.drive
+    robot, drive = run.robot, run.robot.drive
     motor, links, spring = None, None, None
+
+    def more(name: str) -> Array:
+        """Difference of a number of the drive; rigid joints have infinite stiffness, which does not change."""
+        new, old = getattr(other.drive, name), getattr(drive, name)
+        return np.subtract(new, old, out=np.zeros_like(old), where=new != old)
+
     if not alike(other.friction, robot.friction):
         motor = _friction(run, other.friction, 0.0) - run.bristles.torque
-    if other.drive is not drive:
-        if np.any(other.drive.rotor_inertia != drive.rotor_inertia):
-            motor = plus(motor, (other.drive.rotor_inertia - drive.rotor_inertia) * drive.motor_angle(log.ddq))
-        # rigid joints have infinite stiffness, which does not change
-        stiffer, damped = (
-            np.subtract(new, old, out=np.zeros_like(old), where=new != old)
-            for new, old in (
-                (other.drive.joint_stiffness, drive.joint_stiffness),
-                (other.drive.joint_damping, drive.joint_damping),
-            )
-        )
-        if np.any(stiffer) or np.any(damped):
-            spring = -(stiffer * run.deflection.angle + damped * run.deflection.rate)
+    if np.any(heavier := more("rotor_inertia")):
+        motor = plus(motor, heavier * drive.motor_angle(run.log.ddq))
+    stiffer, damped = more("joint_stiffness"), more("joint_damping")
+    if np.any(stiffer) or np.any(damped):
+        spring = -(stiffer * run.deflection.angle + damped * run.deflection.rate)
     if not same_links(other, robot):
         links = run.link_torque(other) - run.own_link_torque
     return Push(motor=motor, links=links, spring=spring)
