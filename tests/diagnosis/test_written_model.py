@@ -78,7 +78,7 @@ def test_the_model_with_its_numbers_foretells_other_motions_better_than_with_the
     others = recorded(machine, (11, 12))
     alone = extended_machine(examined.nominal, examined.diagnosis.causes)
     nominal, bare, whole = (
-        held_out_levels(examined.nominal, model, others).levels[0].after
+        held_out_levels(examined.nominal, model, others)[0].after
         for model in (examined.nominal, alone, examined.machine)
     )
     assert whole < 0.8 * bare < 0.8 * nominal
