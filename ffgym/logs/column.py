@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from types import MappingProxyType
-from typing import Any, Literal, NamedTuple, final
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -50,14 +50,9 @@ DRIVING = ("A", "mA", "V", "mV", "%")
 """Units of what drives a motor, or of its share of a rated torque, which a scale makes torques."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Column:
-    """One family or column of a recording; the fields are the keys [columns] of keys.toml.
-
-    Raises:
-        FFGymError: if a field has the wrong type, or does not go with another.
-    """
+    """One family or column of a recording; the fields are the keys [columns] of keys.toml."""
 
     source: str | tuple[str, ...] = ""
     otherwise: tuple[str, ...] = ()
@@ -112,11 +107,7 @@ class Column:
 
 
 def parse_column(table: Any, where: str) -> Column:
-    """Column of a TOML table that messages call `where`.
-
-    Raises:
-        FFGymError: if a key is unknown, or a value is not what it must be.
-    """
+    """Column of a TOML table that messages call `where`."""
     entries = checked_table(table, "columns", where)
     with errors_at(where):
         return Column(**{key: _READERS[key](key, value) for key, value in entries.items()})
@@ -159,11 +150,7 @@ def _indices(key: str, value: Any) -> tuple[int, ...]:
 
 
 def check_truth(key: str, value: Any) -> bool:
-    """Return `value` if it is true or false.
-
-    Raises:
-        FFGymError: if it is something else.
-    """
+    """Return `value` if it is true or false."""
     if not isinstance(value, bool):
         raise FFGymError(f"{key} = {value!r} must be true or false.")
     return value
@@ -192,11 +179,7 @@ class Conversion(NamedTuple):
 
 
 def conversion(unit: str, wanted: str, counts_per_turn: float | None = None) -> Conversion:
-    """How numbers in `unit` become the SI unit `wanted`.
-
-    Raises:
-        FFGymError: if `unit` does not measure the same quantity, or counts come without their number per turn.
-    """
+    """How numbers in `unit` become the SI unit `wanted`."""
     if unit in COUNTS and COUNTS[unit] == wanted:
         if counts_per_turn is None:
             raise FFGymError(f"unit {unit!r} needs counts_per_turn: encoder counts per turn of the encoder's shaft.")

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import resources
 from pathlib import Path
-from typing import Any, final
+from typing import Any
 
 from ffgym.core.errors import FFGymError, check_number, errors_at
 from ffgym.core.files import read_text, write_text
@@ -23,7 +23,6 @@ TO_FILL_IN = "?"
 _NEUTRAL = {"factor": 1.0, "offset": 0.0, "delay": 0.0}
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ColumnMap:
     """What the arrays of a file mean. Made by `load_columns` or `parse_columns`."""
@@ -109,11 +108,7 @@ def parse_columns(text: str, where: str = "column map", folder: str | Path = "."
 
 
 def column_map_of(tree: Mapping[str, Any], where: str, folder: Path) -> ColumnMap:
-    """Column map of a TOML tree; arguments as for `parse_columns`.
-
-    Raises:
-        FFGymError: if an entry is missing, unknown or invalid.
-    """
+    """Column map of a TOML tree; arguments as for `parse_columns`."""
     tree = _with_base(tree, folder)
     _check_filled_in(tree)
     for key in tree:

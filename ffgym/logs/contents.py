@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any, final
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +20,6 @@ _LISTED = 12
 """Arrays that a message lists; `ffgym log columns` lists all."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Contents:
     """Arrays of a file by name. Nothing is converted; shapes are those of the file."""

@@ -2,7 +2,7 @@
 
 from bisect import bisect_left
 from dataclasses import dataclass, replace
-from typing import Any, final
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +28,6 @@ _DONE = {
 """What is said in the header about resampled columns."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Rows:
     """The rows of one motion in time."""
@@ -41,11 +40,7 @@ class Rows:
     """Reading of that clock at which times begin, None for its own zero."""
 
     def seconds(self, clock: NDArray[Any], unit: str) -> Array:
-        """Times [s] of another clock of the same epoch, on the scale of `t`.
-
-        Raises:
-            FFGymError: if `unit` is no time.
-        """
+        """Times [s] of another clock of the same epoch, on the scale of `t`."""
         factor = conversion(unit, "s").factor
         if self.zero is None:
             return clock.astype(np.float64) * factor
@@ -61,10 +56,6 @@ def recordings_of(contents: Contents, columns: ColumnMap, header: Header) -> lis
         contents: the file.
         columns: what its arrays mean.
         header: of the recordings; its segment names a single motion, and begins the names of several.
-
-    Raises:
-        FFGymError: if an array is missing or does not fit, or the result is no valid recording; the message names the
-            entry.
     """
     entries = entries_of(contents, columns, header)
     # the units of the user's columns, and what was done or left out on the way
@@ -208,9 +199,6 @@ def resample(samples: Array, clock: Array, t: Array, how: Resample) -> tuple[Arr
 
     Returns:
         Samples (T, P), NaN where there is none, and the rows between the first sample and the last (T,).
-
-    Raises:
-        FFGymError: if there is not one time per sample, or the times do not increase.
     """
     if clock.shape != samples.shape[:1]:
         raise FFGymError(f"its clock has {clock.size} times for {len(samples)} samples.")

@@ -29,9 +29,6 @@ def with_drive_units(columns: ColumnMap, header: Header, robot: RobotDescription
         columns: the map.
         header: of the recordings.
         robot: its description, None for a map that names joints without one.
-
-    Raises:
-        FFGymError: if the robot does not say what a unit is as a torque; the message begins with the entry of the map.
     """
     found = dict(columns.columns)
     meta = dict(header.meta)

@@ -4,7 +4,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, final
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +25,6 @@ _ANY = {"joint": ".+", "number": r"\d+", "index": r"\d+"}
 """What may stand in a place of a name, as long as it is not known whose log it is."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Gathered:
     """Numbers as they are in the file, in one shape."""
@@ -38,7 +37,6 @@ class Gathered:
     """Stream of the file that they belong to, None if it has no streams."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Entry:
     """One entry of the map, and its arrays."""
@@ -50,7 +48,6 @@ class Entry:
     """Times of the samples, one part; None where they are the times of the rows."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Entries:
     """All entries of a map that a file has arrays for."""
@@ -77,11 +74,7 @@ def place_of(key: str) -> str:
 
 
 def entries_of(contents: Contents, columns: ColumnMap, header: Header) -> Entries:
-    """Find the arrays of all entries.
-
-    Raises:
-        FFGymError: if one is missing or has another shape than it must; the message names the entry.
-    """
+    """Find the arrays of all entries."""
     # the clock of the rows, by the first of its names that the file has
     timestamp = columns.columns[TIMESTAMP]
     here = (name for name in (timestamp.source, *timestamp.otherwise) if name in contents.arrays)
@@ -196,11 +189,7 @@ def _one_per_row(contents: Contents, name: str) -> Gathered:
 
 
 def _gather(contents: Contents, column: Column, names: tuple[str, ...] | str, n_parts: int) -> Gathered:
-    """Numbers of the arrays `names` for the `n_parts` columns of an entry.
-
-    Raises:
-        FFGymError: if an array is missing, is not numbers, or does not have the shape that it must.
-    """
+    """Numbers of the arrays `names` for the `n_parts` columns of an entry."""
     if isinstance(names, str):
         first, values = names, _all_parts(contents, column, names, n_parts)
     else:

@@ -16,11 +16,7 @@ fields of the header (docs/recordings.md)."""
 
 
 def checked_table(table: Any, name: str, where: str = "") -> dict[str, Any]:
-    """The table [name], all of whose keys are known; messages call it `where` if it is one of several.
-
-    Raises:
-        FFGymError: if it is no table, or has an unknown key.
-    """
+    """The table [name], all of whose keys are known; messages call it `where` if it is one of several."""
     where = where or f"[{name}]"
     if not isinstance(table, dict):
         raise FFGymError(f"{where} must be a table, got {table!r}.")

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, final
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,6 @@ from ffgym.logs.contents import Contents
 from ffgym.logs.entries import Gathered
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Motion:
     """Where one motion is in the arrays of a file."""
@@ -31,11 +30,7 @@ class Motion:
     """What the file says about it."""
 
     def of(self, gathered: Gathered) -> NDArray[Any]:
-        """Its part of an array with the clock of the file, shape (T, P).
-
-        Raises:
-            FFGymError: if the array has other rows than those that tell the motions apart.
-        """
+        """Its part of an array with the clock of the file, shape (T, P)."""
         values = self.uncut(gathered)
         if self.rows is None:
             return values
@@ -50,11 +45,7 @@ class Motion:
 
 
 def motions_of(contents: Contents, columns: ColumnMap, segment: str, arrays: Iterable[Gathered]) -> list[Motion]:
-    """Motions in a file whose entries have these arrays; `segment` names a single one, and begins the names of several.
-
-    Raises:
-        FFGymError: if arrays disagree on the number of motions, a motion is in several places, or names are too few.
-    """
+    """Motions in a file whose entries have these arrays; `segment` names a single one, and begins names of several."""
     counts = {len(gathered.values) for gathered in arrays if gathered.stacked}
     if len(counts) > 1:
         raise FFGymError(f"Arrays hold different numbers of motions along their axis 'motion': {sorted(counts)}.")

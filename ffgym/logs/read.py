@@ -91,11 +91,7 @@ def _digest(path: Path) -> str:
 
 
 def _robot_of(columns: ColumnMap, robot: RobotDescription | str | None) -> RobotDescription | None:
-    """Robot whose logs a column map reads; None if the map has its joints, and its robot is just a name.
-
-    Raises:
-        FFGymError: if neither map nor caller names a robot, or they name different ones.
-    """
+    """Robot whose logs a column map reads; None if the map has its joints, and its robot is just a name."""
 
     def described(name: str | Path) -> RobotDescription:  # it may lack what a log does not need
         return load_draft(name).description_for("kinematics", "drive.gear_ratio")
@@ -123,11 +119,7 @@ def _robot_of(columns: ColumnMap, robot: RobotDescription | str | None) -> Robot
 
 
 def header_of(columns: ColumnMap, robot: RobotDescription | None) -> Header:
-    """Header for the recordings of a column map of a described robot, or of joints; its segment is the map's, or empty.
-
-    Raises:
-        FFGymError: if a field is invalid.
-    """
+    """Header for the recordings of a column map; its segment is the map's, or empty."""
     fields = dict(columns.header)
     if fields.get("payload") == "unknown":
         fields["payload"] = None

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, final
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,6 @@ _SLIDE_UNITS = {"rad": "m", "rad/s": "m/s", "rad/s^2": "m/s^2", "N m": "N"}
 """Units behind the gearbox of a sliding joint, by those of a hinge."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Target:
     """Columns of a recording that one entry fills."""
@@ -46,11 +45,7 @@ class Target:
         return "link" if header.torque_semantics == "link_side" else "motor"
 
     def file_side(self, header: Header, column: Column) -> str | None:
-        """Side of the numbers in the file.
-
-        Raises:
-            FFGymError: if the entry says one, but this quantity has no side to choose.
-        """
+        """Side of the numbers in the file."""
         kept = self.kept_side(header)
         if column.side and kept is None:
             raise FFGymError(f"side = {column.side!r} has no meaning for {self.key}; leave it out.")
@@ -68,11 +63,7 @@ class Target:
 
 
 def target_of(key: str, column: Column, joints: Sequence[str]) -> Target:
-    """Columns that the entry `key` fills on a robot with `joints`.
-
-    Raises:
-        FFGymError: if the schema has no such family or column.
-    """
+    """Columns that the entry `key` fills on a robot with `joints`."""
     if key.startswith(USER_PREFIX):
         names = tuple(f"{key}.{part}" for part in column.parts) or (key,)
         return Target(key=key, family=None, columns=names, joints=None)
@@ -91,11 +82,7 @@ def target_of(key: str, column: Column, joints: Sequence[str]) -> Target:
 
 
 def each(name: str, given: Any, n_parts: int) -> tuple[Any, ...]:
-    """What is given for each part: one for all, or a list.
-
-    Raises:
-        FFGymError: if the list is of another length.
-    """
+    """What is given for each part: one for all, or a list."""
     if not isinstance(given, tuple):
         return (given,) * n_parts
     if len(given) not in (1, n_parts):
@@ -111,9 +98,6 @@ def to_si(values: NDArray[Any], column: Column, units: tuple[str, ...], contents
         column: the entry that they come from.
         units: SI unit of each part.
         contents: where arrays for scale and offset are.
-
-    Raises:
-        FFGymError: if a unit does not fit, or a list does not have one number per part.
     """
     n_parts = values.shape[-1]
     given = each("unit", column.unit, n_parts)
@@ -159,11 +143,7 @@ def _constants(name: str, given: float | tuple[float, ...] | str, n_parts: int, 
 
 
 def to_kept_side(values: Array, target: Target, column: Column, header: Header) -> Array:
-    """Numbers (T, P) on the side of the gearbox on which the recording keeps them.
-
-    Raises:
-        FFGymError: if couplings between the axes call for all joints, and these are not all.
-    """
+    """Numbers (T, P) on the side of the gearbox on which the recording keeps them."""
     kept, side = target.kept_side(header), target.file_side(header, column)
     if kept == side or target.joints is None or target.family is None:
         return values

@@ -1,13 +1,12 @@
 """How a text file is laid out, as far as it cannot be seen."""
 
 from dataclasses import dataclass
-from typing import Any, Self, final
+from typing import Any, Self
 
 from ffgym.core.errors import FFGymError, check_whole
 from ffgym.logs.keys import checked_table
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class TextLayout:
     """Layout of a text file; the fields are the keys [file] of keys.toml, None where nothing is said."""

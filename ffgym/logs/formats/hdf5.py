@@ -3,7 +3,7 @@
 import io
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Any, final
+from typing import Any
 
 import lazy_loader
 import numpy as np
@@ -17,7 +17,6 @@ OBJECT = "a MATLAB object (table, timeseries, string ...); in MATLAB, save its n
 """Why a variable is skipped."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Found:
     """What was found on the way through a file."""

@@ -99,9 +99,6 @@ def _flatten(name: str, value: Any, arrays: dict[str, Any], skipped: dict[str, s
 def _check_mat5(data: bytes) -> None:
     """Check that tags are valid, and that every element lies within the one that holds it.
 
-    Raises:
-        FFGymError: if not; the message says at which byte.
-
     Reference:
         MathWorks, MAT-File Format, version 5.
     """

@@ -149,11 +149,7 @@ def _names(titles: list[str]) -> list[str]:
 
 
 def _rectangular(names: list[str], rows: list[tuple[int, list[str]]]) -> tuple[list[str], list[list[str]]]:
-    """Names and cells without the empty column that a delimiter at the end of each line makes.
-
-    Raises:
-        FFGymError: if a row has more or fewer cells than there are names.
-    """
+    """Names and cells without the empty column that a delimiter at the end of each line makes."""
     if all(cells and cells[-1] == "" for _, cells in rows):
         unnamed = names[-1] == ""
         if unnamed or len(names) == len(rows[0][1]) - 1:

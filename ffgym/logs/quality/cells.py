@@ -3,7 +3,6 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import final
 
 import numpy as np
 import scipy
@@ -82,7 +81,6 @@ def jump_ratio(x: Array, resolution: float) -> Array:
     return np.asarray(np.abs(np.diff(x)) / _largest_beside(x, REACH, resolution))
 
 
-@final
 @dataclass(frozen=True, eq=False)
 class Column:
     """A column without its missing samples."""

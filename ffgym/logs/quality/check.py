@@ -7,7 +7,7 @@ import tomllib
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from importlib import resources
-from typing import Any, Literal, final
+from typing import Any, Literal
 
 import numpy as np
 
@@ -35,7 +35,6 @@ ROWS: Mapping[str, Mapping[str, Any]] = {name: row for rows in STAGE_ROWS.values
 """Check -> what it says."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Finding:
     """One figure of a recording beside its limit."""
@@ -60,7 +59,6 @@ class Finding:
         return self.joint or next(iter(self.columns), "")
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class QualityReport:
     """All findings on one recording, the worst first."""
@@ -98,7 +96,6 @@ class QualityReport:
         return {**head, "findings": [asdict(finding) for finding in self.findings]}
 
 
-@final
 @dataclass(frozen=True)
 class Seen:
     """A figure that a check computed, before it is compared with the limits."""
@@ -110,7 +107,6 @@ class Seen:
     """What the message of the check says beside the value, by the names in its braces."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Check:
     """One question to a recording. A figure is bad when it is above its limits."""

@@ -4,7 +4,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from types import MappingProxyType
-from typing import final
 
 import numpy as np
 
@@ -32,11 +31,7 @@ FIGURES = (
 
 
 def figures(log: Log, name: str) -> Array:
-    """A figure of every joint, (N,).
-
-    Raises:
-        NotJudgedError: if there are no positions, or the figure needs more.
-    """
+    """A figure of every joint, (N,)."""
     if not log.has_positions:
         raise NotJudgedError("there are no positions")
     if name == "load_span":
@@ -92,7 +87,6 @@ COVERAGE = tuple(check(_judge(name), name) for name in FIGURES)
 """What a log excites."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Need:
     """A use of a log."""
@@ -119,9 +113,6 @@ def need_findings(log: Log, needs: Iterable[str], others: Sequence[Finding]) -> 
         log: what is judged.
         needs: names of uses.
         others: what checks found, of which some uses bear less.
-
-    Raises:
-        FFGymError: if a use is unknown.
     """
     found: list[Finding] = []
     for name in needs:

@@ -3,7 +3,6 @@
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import final
 
 import numpy as np
 
@@ -109,7 +108,6 @@ def _mended(log: Log, others: Sequence[Finding]) -> list[Finding]:
     return [replace(finding, verdict="flagged", message=f"Mended or left out: {finding.message}") for finding in bad]
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class LeftOut:
     """A log that is not used."""
@@ -121,7 +119,6 @@ class LeftOut:
         return f"{self.segment} was left out: {self.reason}"
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Judged:
     """Logs that serve, and what has to be known about all of them."""

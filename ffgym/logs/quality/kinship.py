@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import combinations
-from typing import Literal, final
+from typing import Literal
 
 import numpy as np
 
@@ -63,7 +63,6 @@ _OTHERWISE = "another scale or zero point"
 """What was done to a signal whose factor nothing explains."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Misfit:
     """A signal of one joint that does not fit the others."""
@@ -81,7 +80,6 @@ class Misfit:
     """What was probably done to it."""
 
 
-@final
 @dataclass(frozen=True, eq=False)
 class Signals:
     """Signals of one quantity, by family: of two that disagree the first is believed."""

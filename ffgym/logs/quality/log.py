@@ -3,7 +3,6 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import final
 
 import numpy as np
 import scipy
@@ -52,7 +51,6 @@ class NotJudgedError(Exception):
     """Raised by a check that the columns of a recording give no answer to; the text is the reason."""
 
 
-@final
 @dataclass(frozen=True, eq=False)
 class Log:
     """One recording, and the robot it is said to be of."""

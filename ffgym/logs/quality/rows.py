@@ -118,11 +118,7 @@ def _passing(log: Log, before: int, after: int) -> bool:
 
 
 def copies(log: Log) -> list[slice]:
-    """Stretches of rows that repeat the row before them in motion.
-
-    Raises:
-        NotJudgedError: if nothing but the clock changes.
-    """
+    """Stretches of rows that repeat the row before them in motion."""
     table = _table(log)
     equal = np.concatenate([[False], np.all(table[1:] == table[:-1], axis=1)])
     # rows that differ from the one before by more than `_ALIVE` steps in at least a third of all columns

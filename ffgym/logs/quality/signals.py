@@ -1,7 +1,6 @@
 """Signals of a log: stretches and steps of a column, intervals of a clock, averages, noise; comparison of two."""
 
 from dataclasses import dataclass
-from typing import final
 
 import numpy as np
 import scipy
@@ -113,7 +112,6 @@ def acceleration_noise(noise: Array, dt: float, cutoff: float) -> Array:
     return np.asarray(noise * (2 * np.pi * cutoff) ** 2 * np.sqrt(2 * dt * cutoff / 5))
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Comparison:
     """Signal a in terms of signal b, by their increments."""

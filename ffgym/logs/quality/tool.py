@@ -3,7 +3,6 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import final
 
 import numpy as np
 import scipy
@@ -38,7 +37,6 @@ _LARGEST_SWING = 5.0
 """Largest factor that elastic joints may make of a path: a tenth of critical damping leaves 5, a unit makes 10."""
 
 
-@final
 @dataclass(frozen=True, eq=False)
 class Fit:
     """The measured tool path as a scaled, turned and shifted copy of the path that the joints make."""
@@ -173,11 +171,7 @@ def _tracker_clock(log: Log) -> Iterator[Seen]:
 
 
 def first_resonance(log: Log) -> float:
-    """First resonance of the arm on its springs [Hz], in the middle of the log.
-
-    Raises:
-        NotJudgedError: if robot or positions are not known, or the robot has no springs.
-    """
+    """First resonance of the arm on its springs [Hz], in the middle of the log."""
     if log.robot is None or not log.has_positions or not log.is_described:
         raise NotJudgedError("it needs the robot and positions")
     if log.robot.drive.is_rigid.all():
@@ -186,11 +180,7 @@ def first_resonance(log: Log) -> float:
 
 
 def bandwidth(log: Log) -> tuple[float, str]:
-    """Frequency [Hz] below which 90 % of the power of the speed lie, and the joint where that is highest.
-
-    Raises:
-        NotJudgedError: if no joint moves, or the log is too short.
-    """
+    """Frequency [Hz] below which 90 % of the power of the speed lie, and the joint where that is highest."""
     if not log.excited.any():
         raise NotJudgedError("no joint moves")
     if len(log.t) < 64:

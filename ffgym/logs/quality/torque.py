@@ -3,7 +3,6 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import final
 
 import numpy as np
 import scipy
@@ -31,7 +30,6 @@ _GRAVITY_ROWS = 300
 """Rows at which directions of gravity are compared."""
 
 
-@final
 @dataclass(frozen=True, eq=False)
 class Model:
     """Motor torques of the description for the recorded motion, motor side [N m], (T, N) each."""
@@ -63,11 +61,7 @@ class Model:
 
 @lru_cache(maxsize=4)
 def model_of(log: Log) -> Model:
-    """The description's torque beside the recorded one.
-
-    Raises:
-        NotJudgedError: if robot, motion or torque are not known.
-    """
+    """The description's torque beside the recorded one."""
     q, dq, ddq, robot = log.smooth_q, log.dq, log.ddq, log.robot
     if robot is None or not log.has_positions or not log.is_described:
         raise NotJudgedError("it needs the robot and positions")

@@ -6,7 +6,6 @@ A torque may be made of whatever its motion allows: constants, positions, accele
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import final
 
 import numpy as np
 import scipy
@@ -47,7 +46,6 @@ _LATE, _ROWS_LATE = 0.02, 0.75
 """Delay that a torque may have: [s], or in rows if those are longer."""
 
 
-@final
 @dataclass(frozen=True, eq=False)
 class TorqueParts:
     """Motion and torque at R rows, averaged over `_PERIOD`; N joints."""
@@ -115,11 +113,7 @@ class TorqueParts:
 
 @lru_cache(maxsize=4)
 def torque_parts(log: Log) -> TorqueParts:
-    """Motion and torque of a log.
-
-    Raises:
-        NotJudgedError: if they are not in it, or it is too short.
-    """
+    """Motion and torque of a log."""
     if not log.has_positions or not log.recording.has("motor.effort"):
         raise NotJudgedError("motor.effort or all positions are missing")
     every = log.rows(_PERIOD)

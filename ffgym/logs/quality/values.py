@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import final
 
 import numpy as np
 
@@ -65,7 +64,6 @@ def _stuck(log: Log) -> Iterator[Seen]:
         yield Seen(float(stop - start), (stretch.name,), log.joints[stretch.joint], {"start": start})
 
 
-@final
 @dataclass(frozen=True)
 class Stretch:
     """Rows in which a column is stuck."""

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations, permutations, product
-from typing import Literal, final
+from typing import Literal
 
 import numpy as np
 
@@ -60,7 +60,6 @@ LONGEST_DELAY = 0.3
 """[s]; periodic motions fit themselves again beyond."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Hypothesis:
     """One mistake, made with some families and joints."""
@@ -202,7 +201,6 @@ def touches_motion(hypothesis: Hypothesis) -> bool:
     return hypothesis.kind == "clock" or POSITION in hypothesis.families
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Found:
     """A mistake with what speaks for it."""
@@ -224,7 +222,6 @@ class Found:
         return max(self.before, key=lambda key: np.log(self.before[key] / self.after.get(key, self.before[key])))
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Mistake:
     """A mistake that was made with columns of all logs."""

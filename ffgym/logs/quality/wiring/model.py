@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import final
 
 import numpy as np
 
@@ -66,7 +65,6 @@ def bounds(changed: Mapping[str, tuple[float, float]] | None = None) -> tuple[Ar
     return low, high
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Columns:
     """Regressor of the motor torque of each joint at R rows."""

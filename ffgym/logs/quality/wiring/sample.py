@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import final
 
 import numpy as np
 import scipy
@@ -61,7 +60,6 @@ FAMILIES_USED = (
 """Families that a wiring fit looks at."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Motion:
     """One recording, filtered, on a grid of its own."""
@@ -74,7 +72,6 @@ class _Motion:
     """Family -> columns, (M, P); NaN where a sensor saw nothing."""
 
 
-@final
 class Samples:
     """Filtered columns of R rows of all recordings, with their rates, at any delay."""
 

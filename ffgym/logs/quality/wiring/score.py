@@ -3,7 +3,6 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import final
 
 import numpy as np
 
@@ -47,7 +46,6 @@ TORQUE = "motor.effort"
 POSITION = "motor.position"
 
 
-@final
 class Scorer:
     """Judge of readings of one set of samples."""
 
@@ -247,7 +245,6 @@ def _clipped(lefts: Lefts, floor: float) -> Lefts:
     return {key: min(max(left, floor), CAP) for key, left in lefts.items()}
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Pair:
     """Two ways to say one thing, joint by joint: sums of columns or of their derivatives."""

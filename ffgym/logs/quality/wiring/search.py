@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import final
 
 import numpy as np
 
@@ -222,7 +221,6 @@ def _scaled(families: tuple[str, ...], factors: dict[int, float]) -> Hypothesis:
     return Hypothesis(kind="current", families=families, parts=tuple(factors), factors=tuple(factors.values()))
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Wiring:
     """Mistakes in the wiring of a set of logs, the most telling first, and how their columns should be read."""
