@@ -32,13 +32,8 @@ RESTING = 0.02
 """Share of the largest speed of a joint below which it rests."""
 
 MOTION_FAMILIES = (
-    "motor.position",
-    "motor.velocity",
-    "link.position",
-    "link.velocity",
-    "reference.position",
-    "reference.velocity",
-    "reference.acceleration",
+    *("motor.position", "motor.velocity", "link.position", "link.velocity"),
+    *("reference.position", "reference.velocity", "reference.acceleration"),
 )
 """Families that say how joints move."""
 

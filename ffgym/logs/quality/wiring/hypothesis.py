@@ -14,22 +14,12 @@ from ffgym.robot import RobotDescription
 
 Kind = Literal["sign", "unit", "side", "swap", "axes", "zero", "delay", "clock", "current"]
 
-MOTIONS = (
-    "motor.position",
-    "motor.velocity",
-    "reference.position",
-    "reference.velocity",
-    "reference.acceleration",
-)
+MOTIONS = ("motor.position", "motor.velocity", "reference.position", "reference.velocity", "reference.acceleration")
 """Families of the motors' motion, which one reading of the axes makes."""
 
 EFFORTS = (
-    "motor.effort",
-    "command.effort",
-    "feedforward.effort",
-    "feedback.effort",
-    "feedback.integral",
-    "compensation.effort",
+    *("motor.effort", "command.effort", "feedforward.effort"),
+    *("feedback.effort", "feedback.integral", "compensation.effort"),
 )
 """Families of torque."""
 
@@ -116,22 +106,21 @@ def effort_groups(samples: Samples) -> list[tuple[str, ...]]:
     return _distinct([there, *((family,) for family in there if family != "feedback.integral")])
 
 
-def everything(samples: Samples) -> list[tuple[str, ...]]:
-    """All families of the motors."""
-    return _distinct([tuple(f for f in (*MOTIONS, *EFFORTS) if f in samples.present)])
-
-
 def hypotheses(samples: Samples, n: int) -> Iterator[Hypothesis]:
     """All mistakes that need no search for a number, of a robot with `n` joints."""
     motions, efforts = motion_groups(samples), effort_groups(samples)
     sets = [(j,) for j in range(n)] + ([tuple(range(n))] if n > 1 else [])
-    for group in [*motions, *efforts, *everything(samples)]:
+    everything = tuple(family for family in (*MOTIONS, *EFFORTS) if family in samples.present)
+    for group in _distinct([*motions, *efforts, everything]):
         yield from (Hypothesis(kind="sign", families=group, parts=s, factors=(-1.0,) * len(s)) for s in sets)
         for pair in combinations(range(n), 2):
             order = [*range(n)]
             order[pair[0]], order[pair[1]] = pair[1], pair[0]
             yield Hypothesis(kind="swap", families=group, parts=pair, order=tuple(order))
-    for group, units in _unit_groups(motions, efforts):
+    for group in (*motions, *efforts):
+        units = _TORQUE_UNITS if group in efforts else _ANGLE_UNITS
+        if all(family.endswith("velocity") for family in group):
+            units = _ANGLE_UNITS | _SPEED_UNITS
         for parts, (unit, factor) in product(sets, units.items()):
             yield Hypothesis(kind="unit", families=group, parts=parts, factors=(factor,) * len(parts), unit=unit)
     ratio = np.abs(samples.header.gear_ratio)
@@ -140,10 +129,16 @@ def hypotheses(samples: Samples, n: int) -> Iterator[Hypothesis]:
             if not np.allclose(ratio[list(parts)], 1.0):
                 factors = tuple(float(ratio[j] ** power) for j in parts)
                 yield Hypothesis(kind="side", families=group, parts=parts, factors=factors)
-    for unit, factor in _TIME_UNITS.items():
+    for unit, factor in (*_TIME_UNITS.items(), *(("", rate) for rate in _RATES)):
         yield Hypothesis(kind="clock", families=(), parts=(), factors=(factor,), unit=unit)
-    yield from (Hypothesis(kind="clock", families=(), parts=(), factors=(rate,)) for rate in _RATES)
-    yield from _tool(samples)
+    # unit and axes of the tracker
+    there = tuple(family for family in ("tcp.position", "tcp_reference.position") if samples.has(family))
+    for group in _distinct([there, *((family,) for family in there)]):
+        for unit, factor in _LENGTH_UNITS.items():
+            yield Hypothesis(kind="unit", families=group, parts=(0, 1, 2), factors=(factor,) * 3, unit=unit)
+        for axes, signs in product(permutations(range(3)), product((1.0, -1.0), repeat=3)):
+            if (axes, signs) != ((0, 1, 2), (1.0, 1.0, 1.0)):
+                yield Hypothesis(kind="axes", families=group, parts=(0, 1, 2), order=axes, factors=signs)
 
 
 def zeros(samples: Samples, robot: RobotDescription) -> Iterator[Hypothesis]:
@@ -166,30 +161,6 @@ def delays(samples: Samples, n_joints: int, least: float) -> Iterator[Hypothesis
     for group in [g for g in effort_groups(samples) if TORQUE in g]:
         for parts, amount in product(sets, [*amounts.tolist(), *(-amounts).tolist()]):
             yield Hypothesis(kind="delay", families=group, parts=parts, amount=amount)
-
-
-def _unit_groups(
-    motions: Sequence[tuple[str, ...]], efforts: Sequence[tuple[str, ...]]
-) -> Iterator[tuple[tuple[str, ...], dict[str, float]]]:
-    """Families with the units that they may be in."""
-    for group in motions:
-        if all(family.endswith("velocity") for family in group):
-            yield group, _ANGLE_UNITS | _SPEED_UNITS
-        else:
-            yield group, _ANGLE_UNITS
-    yield from ((group, _TORQUE_UNITS) for group in efforts)
-
-
-def _tool(samples: Samples) -> Iterator[Hypothesis]:
-    """Unit and axes of the tracker."""
-    there = tuple(family for family in ("tcp.position", "tcp_reference.position") if samples.has(family))
-    for group in _distinct([there, *((family,) for family in there)]):
-        for unit, factor in _LENGTH_UNITS.items():
-            yield Hypothesis(kind="unit", families=group, parts=(0, 1, 2), factors=(factor,) * 3, unit=unit)
-        for order in permutations(range(3)):
-            for signs in product((1.0, -1.0), repeat=3):
-                if (order, signs) != ((0, 1, 2), (1.0, 1.0, 1.0)):
-                    yield Hypothesis(kind="axes", families=group, parts=(0, 1, 2), order=order, factors=signs)
 
 
 def _distinct(groups: Sequence[tuple[str, ...]]) -> list[tuple[str, ...]]:
@@ -246,20 +217,24 @@ class Mistake:
 def mistake_of(found: Found, samples: Samples, ratio: tuple[float, ...]) -> Mistake:
     """What was found, for people and programs."""
     one = found.hypothesis
+    of_tool = bool(one.families) and one.families[0].startswith("tcp")
+    joints = tuple("xyz"[part] if of_tool else samples.joints[part] for part in one.parts)
     family, part = found.telling
     before, after = found.before[found.telling], found.after[found.telling]
-    names = _parts(one, samples)
     signal = f"{family} of {samples.joints[part]}" if part or not family.startswith("tcp") else family
-    fault = _fault(one, names, samples, ratio)
+    way_out = "Correct the columns, or read the files with the corrected column map"
+    if one.kind == "current":
+        way_out = "Give the torque per ampere of each motor as scale; the corrected map holds what the logs say"
+    fault = _fault(one, joints, samples, ratio)
     fault = fault[0].upper() + fault[1:] if fault.startswith(("all ", "timestamp")) else fault
     message = (
         f"{fault}. As given, {_share(before)} of the energy of {signal} is left unexplained, read otherwise "
-        f"{_share(after)}. {_way_out(one)}."
+        f"{_share(after)}. {way_out}."
     )
     return Mistake(
         kind=one.kind,
         families=one.families,
-        joints=names,
+        joints=joints,
         factors=one.factors,
         amount=one.amount,
         before=before,
@@ -268,18 +243,18 @@ def mistake_of(found: Found, samples: Samples, ratio: tuple[float, ...]) -> Mist
     )
 
 
-def _parts(one: Hypothesis, samples: Samples) -> tuple[str, ...]:
-    names = tuple("xyz") if one.families and one.families[0].startswith("tcp") else samples.joints
-    return tuple(names[part] for part in one.parts)
-
-
-def _fault(one: Hypothesis, names: tuple[str, ...], samples: Samples, ratio: tuple[float, ...]) -> str:
-    what, who = _what(one, samples), _who(names, samples)
+def _fault(one: Hypothesis, joints: tuple[str, ...], samples: Samples, ratio: tuple[float, ...]) -> str:
+    """What is wrong: families and joints in a word, where there is one, and what was done to them."""
+    groups = {"all channels": (*MOTIONS, *EFFORTS), "all positions and speeds": MOTIONS, "all torques": EFFORTS}
+    there = {name: tuple(f for f in families if f in samples.present) for name, families in groups.items()}
+    named = (name for name, families in there.items() if one.families == families and len(families) > 1)
+    what = next(named, ", ".join(one.families))
+    who = "all joints" if len(joints) == len(samples.joints) > 1 else ", ".join(joints)
     match one.kind:
         case "sign":
             return f"{what} of {who}: wrong sign"
         case "swap":
-            return f"{what} of {names[0]} and {names[1]}: swapped"
+            return f"{what} of {joints[0]} and {joints[1]}: swapped"
         case "axes":
             order = ", ".join(("-" if f < 0 else "") + "xyz"[p] for p, f in zip(one.order, one.factors, strict=True))
             return f"{what}: axes in another order or direction, x, y, z of the robot are {order} of the file"
@@ -302,26 +277,8 @@ def _fault(one: Hypothesis, names: tuple[str, ...], samples: Samples, ratio: tup
             return f"{what} of {who}: {sizes} times what the description needs, as if it were a current in A"
 
 
-def _what(one: Hypothesis, samples: Samples) -> str:
-    """Families in a word, where there is one."""
-    groups = {"all channels": (*MOTIONS, *EFFORTS), "all positions and speeds": MOTIONS, "all torques": EFFORTS}
-    for name, families in groups.items():
-        if one.families == tuple(f for f in families if f in samples.present) and len(one.families) > 1:
-            return name
-    return ", ".join(one.families)
-
-
-def _who(names: tuple[str, ...], samples: Samples) -> str:
-    return "all joints" if len(names) == len(samples.joints) > 1 else ", ".join(names)
-
-
-def _way_out(one: Hypothesis) -> str:
-    if one.kind == "current":
-        return "Give the torque per ampere of each motor as scale; the corrected map holds what the logs say"
-    return "Correct the columns, or read the files with the corrected column map"
-
-
 def _share(left: float) -> str:
+    """Share in percent."""
     if left > 1.0:
         return "more than all"
     return f"{left:.0%}" if left >= 0.1 else f"{left:.1%}"

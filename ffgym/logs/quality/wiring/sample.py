@@ -42,20 +42,10 @@ _ENDS = 1.0
 """Periods of the cut-off at either end of a recording that are not used."""
 
 FAMILIES_USED = (
-    "motor.position",
-    "motor.velocity",
-    "motor.effort",
-    "reference.position",
-    "reference.velocity",
-    "reference.acceleration",
-    "feedforward.effort",
-    "feedback.effort",
-    "compensation.effort",
-    "command.effort",
-    "link.position",
-    "link.velocity",
-    "tcp.position",
-    "tcp_reference.position",
+    *("motor.position", "motor.velocity", "motor.effort"),
+    *("reference.position", "reference.velocity", "reference.acceleration"),
+    *("feedforward.effort", "feedback.effort", "compensation.effort", "command.effort"),
+    *("link.position", "link.velocity", "tcp.position", "tcp_reference.position"),
 )
 """Families that a wiring fit looks at."""
 
@@ -111,23 +101,20 @@ class Samples:
         """Sign of the rate of a column, filtered as all columns are, as it is `delay` [s] later, (R,)."""
         return self._column(family, part, _SIGN, round(delay, 9))
 
-    def _signs(self, family: str, part: int) -> list[Array]:
-        rates = [np.gradient(motion.values[family][:, part], motion.t) for motion in self._motions]
-        largest = max(np.abs(rate).max() for rate in rates) or 1.0
-        signs = [np.tanh(rate / (SLIDES * largest)) for rate in rates]
-        steps = [float(motion.t[1] - motion.t[0]) for motion in self._motions]
-        return [_low_pass(sign[:, None], dt, self.band)[:, 0] for sign, dt in zip(signs, steps, strict=True)]
-
     def _computed(self, family: str, part: int, order: int, delay: float) -> Array:
-        pieces = []
-        signs = self._signs(family, part) if order == _SIGN else []
-        for i, motion in enumerate(self._motions):
-            values = signs[i] if signs else motion.values[family][:, part]
-            for _ in range(max(order, 0)):
-                values = np.gradient(values, motion.t)
-            now = values[motion.at] if delay == 0.0 else np.interp(motion.t[motion.at] + delay, motion.t, values)
-            pieces.append(now)
-        return np.concatenate(pieces)
+        pieces = [motion.values[family][:, part] for motion in self._motions]
+        for _ in range(1 if order == _SIGN else order):
+            pieces = [np.gradient(values, motion.t) for values, motion in zip(pieces, self._motions, strict=True)]
+        if order == _SIGN:
+            largest = max(np.abs(rate).max() for rate in pieces) or 1.0
+            signs = [np.tanh(rate / (SLIDES * largest))[:, None] for rate in pieces]
+            steps = [float(motion.t[1] - motion.t[0]) for motion in self._motions]
+            pieces = [_low_pass(sign, dt, self.band)[:, 0] for sign, dt in zip(signs, steps, strict=True)]
+        if delay == 0.0:
+            return np.concatenate([values[motion.at] for values, motion in zip(pieces, self._motions, strict=True)])
+        return np.concatenate(
+            [np.interp(m.t[m.at] + delay, m.t, values) for values, m in zip(pieces, self._motions, strict=True)]
+        )
 
 
 def _complete(recording: Recording, family: str) -> bool:
@@ -143,21 +130,17 @@ def _band(recordings: Sequence[Recording], families: Sequence[str]) -> float:
     if "motor.position" not in families:
         return bands[0]
     for band in bands:
-        shares = [_noise_share(recording, band) for recording in recordings]
+        shares = []  # noise of the accelerations of a typical joint, over its accelerations
+        for recording in recordings:
+            angle, t = recording.joint_array("motor.position"), _even(recording)
+            noise = acceleration_noise(white_noise(angle), recording.dt, band)
+            slow = _low_pass(_resampled(angle, recording.t, t), recording.dt, band)
+            there = np.std(np.gradient(np.gradient(slow, t, axis=0), t, axis=0), axis=0)
+            moved = np.ptp(slow, axis=0) > 0
+            shares.append(float(np.median((noise / np.maximum(there, 1e-300))[moved])) if moved.any() else 0.0)
         if np.median(shares) < _NOISY:
             return band
     return bands[-1]
-
-
-def _noise_share(recording: Recording, band: float) -> float:
-    """Noise of the accelerations of a typical joint in this band, over its accelerations."""
-    angle = recording.joint_array("motor.position")
-    noise = acceleration_noise(white_noise(angle), recording.dt, band)
-    t = _even(recording)
-    slow = _low_pass(_resampled(angle, recording.t, t), recording.dt, band)
-    there = np.std(np.gradient(np.gradient(slow, t, axis=0), t, axis=0), axis=0)
-    moved = np.ptp(slow, axis=0) > 0
-    return float(np.median((noise / np.maximum(there, 1e-300))[moved])) if moved.any() else 0.0
 
 
 def _motion(recording: Recording, families: Sequence[str], band: float, rows: int) -> _Motion:
@@ -172,7 +155,11 @@ def _motion(recording: Recording, families: Sequence[str], band: float, rows: in
         slow = _low_pass(_resampled(raw[seen], recording.t[seen], even), dt, band) if seen.sum() > 30 else None
         found = np.full((len(grid), raw.shape[1]), np.nan) if slow is None else _resampled(slow, even, grid)
         if slow is not None and not seen.all():
-            found[_far(recording.t[seen], grid, 1 / (4 * band))] = np.nan
+            # rows that are far from any sample
+            times = recording.t[seen]
+            after = np.clip(np.searchsorted(times, grid), 1, len(times) - 1)
+            nearest = np.minimum(np.abs(times[after] - grid), np.abs(times[after - 1] - grid))
+            found[nearest > 1 / (4 * band)] = np.nan
         values[family] = found
     ends = min(_ENDS / band, (grid[-1] - grid[0]) / 8)
     inner = np.flatnonzero((grid >= grid[0] + ends) & (grid <= grid[-1] - ends))
@@ -192,10 +179,3 @@ def _resampled(values: Array, t: Array, wanted: Array) -> Array:
 def _low_pass(values: Array, dt: float, band: float) -> Array:
     filtered: Array = scipy.signal.filtfilt(*scipy.signal.butter(2, band, fs=1 / dt), values, axis=0)
     return filtered
-
-
-def _far(times: Array, wanted: Array, span: float) -> BoolArray:
-    """Where no sample is within `span` [s]."""
-    after = np.clip(np.searchsorted(times, wanted), 1, len(times) - 1)
-    nearest = np.minimum(np.abs(times[after] - wanted), np.abs(times[after - 1] - wanted))
-    return np.asarray(nearest > span)

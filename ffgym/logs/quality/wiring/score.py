@@ -1,6 +1,6 @@
 """How much of each signal a reading of the columns leaves unexplained: torques by the arm, others by the motion."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
@@ -9,7 +9,7 @@ import numpy as np
 from ffgym.core.types import Array, BoolArray
 from ffgym.logs.quality.wiring.model import Columns, Regressor, bounded_fit, bounds
 from ffgym.logs.quality.wiring.sample import Samples
-from ffgym.recordings.rewiring import Rewiring
+from ffgym.recordings.rewiring import Rewire, Rewiring
 
 FLOOR, TOOL_FLOOR = 0.005, 0.004
 """Shares of the energy of a signal, and of the path of the tool, below which what is left is not told apart:
@@ -119,11 +119,32 @@ class Scorer:
 
     def torques(self, wiring: Rewiring, floor: float = FLOOR, known: Bounds | None = None) -> Lefts:
         """Channels that the dynamics of the arm explain, with some coefficients in other bounds, if `known`."""
-        return _clipped(dict(self._torque(wiring, known)), floor)
+        if not self.samples.has(TORQUE) or self.samples.header.torque_semantics == "unspecified":
+            return {}
+        columns, torque, rewire = self.columns(wiring), self.torque(wiring), wiring.of(TORQUE, self.n)
+        motion = (known is None, wiring.of(POSITION, self.n), wiring.clock)
+        keys = {
+            j: (motion, j, rewire.source[j], rewire.factor[j], rewire.offset[j], rewire.delay[j])
+            for j in self.judged(wiring)
+        }
+        todo = [j for j, key in keys.items() if key not in self._torques]
+        if todo:
+            found = left_by(columns, todo, torque[:, todo].T, self.samples.held_out, known)
+            self._torques |= {keys[j]: left for j, left in zip(todo, found.tolist(), strict=True)}
+        return _clipped({(TORQUE, j): self._torques[key] for j, key in keys.items()}, floor)
 
     def tools(self, wiring: Rewiring, floor: float = TOOL_FLOOR) -> Lefts:
         """Channels that the kinematics of the arm explain."""
-        return _clipped(dict(self._tool(wiring)), floor)
+        lefts: Lefts = {}
+        for tool, joints in (("tcp.position", POSITION), ("tcp_reference.position", "reference.position")):
+            if self.robot.tool is None or not self.samples.has(tool) or not self.samples.has(joints):
+                continue
+            key = (tool, wiring.of(tool, 3), wiring.of(joints, self.n), wiring.clock)
+            if key not in self._shares:
+                path = self.regressor.arm.tcp_position(self.link_side(self.values(wiring, joints)))
+                self._shares[key] = _misfit(self.values(wiring, tool), path, free=True)
+            lefts[tool, 0] = self._shares[key] or 0.0
+        return _clipped(lefts, floor)
 
     def all(self, wiring: Rewiring) -> Lefts:
         """All channels."""
@@ -142,22 +163,18 @@ class Scorer:
         """Regressor of the motion in a reading."""
         return self._columns(wiring.of(POSITION, self.n), wiring.clock)
 
-    def _computed_columns(self, rewire: object, clock: float) -> Columns:
-        wiring = Rewiring(families={POSITION: rewire}, clock=clock)  # type: ignore[dict-item]
+    def _computed_columns(self, rewire: Rewire, clock: float) -> Columns:
+        wiring = Rewiring(families={POSITION: rewire}, clock=clock)
         q, dq, ddq = (self.link_side(self.values(wiring, POSITION, order)) for order in range(3))
-        columns = self.regressor(q, dq, ddq, self._ways(wiring))
-        still = np.ptp(q, axis=0) < _TRAVEL
-        columns.counted[still] = False
+        ways = None
+        if self.robot.drive.coupling is None:  # the sign of each motor's speed, filtered as torques are
+            link = self.samples.header.position_side == "link"
+            turns = np.sign(rewire.factor) * (np.sign(self.robot.drive.gear_ratio) if link else 1.0)
+            signs = [self.samples.way(POSITION, rewire.source[j], rewire.delay[j]) for j in range(self.n)]
+            ways = np.stack(signs, axis=1) * turns
+        columns = self.regressor(q, dq, ddq, ways)
+        columns.counted[np.ptp(q, axis=0) < _TRAVEL] = False
         return columns
-
-    def _ways(self, wiring: Rewiring) -> Array | None:
-        """Sign of each motor's speed, filtered as torques are, (R, N); None where motors turn with other joints."""
-        if self.robot.drive.coupling is not None:
-            return None
-        rewire, ratio = wiring.of(POSITION, self.n), self.robot.drive.gear_ratio
-        turn = np.sign(ratio) if self.samples.header.position_side == "link" else np.ones(self.n)
-        ways = [self.samples.way(POSITION, rewire.source[j], rewire.delay[j]) for j in range(self.n)]
-        return np.stack([np.sign(f) * turn[j] * w for j, (f, w) in enumerate(zip(rewire.factor, ways, strict=True))], 1)
 
     def torque(self, wiring: Rewiring) -> Array:
         """Recorded torque, motor side, in a reading, (R, N)."""
@@ -175,37 +192,6 @@ class Scorer:
         said = columns.values[j][rows] @ columns.expected
         along = float(said @ torque[rows])
         return float(said @ said) / along if along > 0 else 0.0
-
-    def _torque(self, wiring: Rewiring, known: Bounds | None = None) -> Iterator[tuple[Channel, float]]:
-        if not self.samples.has(TORQUE) or self.samples.header.torque_semantics == "unspecified":
-            return
-        columns, torque = self.columns(wiring), self.torque(wiring)
-        motion = (wiring.of(POSITION, self.n), wiring.clock)
-        rewire = wiring.of(TORQUE, self.n)
-        wanted = {}
-        for j in self.judged(wiring):
-            key = (known is None, motion, j, rewire.source[j], rewire.factor[j], rewire.offset[j], rewire.delay[j])
-            wanted[j] = key
-        todo = [j for j, key in wanted.items() if key not in self._torques]
-        if todo:
-            found = left_by(columns, todo, torque[:, todo].T, self.samples.held_out, known)
-            self._torques |= {wanted[j]: left for j, left in zip(todo, found.tolist(), strict=True)}
-        for j, key in wanted.items():
-            yield (TORQUE, j), self._torques[key]
-
-    def _tool(self, wiring: Rewiring) -> Iterator[tuple[Channel, float]]:
-        if self.robot.tool is None:
-            return
-        for tool, joints in (("tcp.position", POSITION), ("tcp_reference.position", "reference.position")):
-            if not self.samples.has(tool) or not self.samples.has(joints):
-                continue
-            key = (tool, wiring.of(tool, 3), wiring.of(joints, self.n), wiring.clock)
-            if key not in self._shares:
-                path = self.regressor.arm.tcp_position(self.link_side(self.values(wiring, joints)))
-                self._shares[key] = _misfit(self.values(wiring, tool), path, free=True)
-            left = self._shares[key]
-            if left is not None:
-                yield (tool, 0), left
 
 
 def left_by(

@@ -95,10 +95,17 @@ def _best(scorer: Scorer, wiring: Rewiring, fixed: list[Hypothesis]) -> Found | 
         considered += _improved(scorer, wiring, before, candidates, considered)
     if not considered:
         return None
-    best = _clearest(scorer, wiring, considered)
+
+    def left(candidate: Hypothesis) -> float:
+        return scorer.left_at_all(candidate.mended(wiring, scorer.n))
+
+    # of mistakes that explain next to everything the one that leaves least, however little that is
+    most = max(one.worth for one in considered)
+    alike = [one for one in considered if one.worth > most - _ALIKE]
+    best = min(alike, key=lambda one: left(one.hypothesis) + one.hypothesis.cost) if len(alike) > 1 else alike[0]
     if best.hypothesis.kind not in ("zero", "delay"):
         return best
-    return replace(best, hypothesis=_refined(scorer, wiring, best.hypothesis, least))
+    return replace(best, hypothesis=min(_near(best.hypothesis, scorer.samples.shortest, least), key=left))
 
 
 def _improved(
@@ -122,28 +129,16 @@ def _improved(
         if _bound(before, sure, candidate) - candidate.cost <= best - _ALIKE:
             continue
         after = sure | scorer.torques(mended)
-        one = Found(hypothesis=candidate, gain=_gain(before, after), before=before, after=after)
+        gain = sum(float(np.log(left / after.get(key, left))) for key, left in before.items())
+        one = Found(hypothesis=candidate, gain=gain, before=before, after=after)
         if one.worth > best - _ALIKE and _convincing(one):
             found.append(one)
             best = max(best, one.worth)
     return found
 
 
-def _clearest(scorer: Scorer, wiring: Rewiring, considered: list[Found]) -> Found:
-    """Of mistakes that explain next to everything the one that leaves least, however little that is."""
-    best = max(one.worth for one in considered)
-    alike = [one for one in considered if one.worth > best - _ALIKE]
-    if len(alike) == 1:
-        return alike[0]
-    return min(alike, key=lambda one: scorer.left_at_all(one.hypothesis.mended(wiring, scorer.n)) + one.hypothesis.cost)
-
-
 def _floor(channel: Channel) -> float:
     return TOOL_FLOOR if channel[0].startswith("tcp") else FLOOR
-
-
-def _gain(before: Lefts, after: Lefts) -> float:
-    return sum(float(np.log(left / after.get(key, left))) for key, left in before.items())
 
 
 def _bound(before: Lefts, cheap: Lefts, candidate: Hypothesis) -> float:
@@ -171,13 +166,6 @@ def _convincing(found: Found) -> bool:
     if after > (_EXPLAINED_BY_RATE if found.hypothesis.kind == "clock" else _EXPLAINED):
         return False
     return before > _SHARE or before > _TELLING * after
-
-
-def _refined(scorer: Scorer, wiring: Rewiring, found: Hypothesis, least: float) -> Hypothesis:
-    """The delay or zero near the one that was found at which least is left, however little that is."""
-    candidates = [*_near(found, scorer.samples.shortest, least)]
-    left = [scorer.left_at_all(candidate.mended(wiring, scorer.n)) for candidate in candidates]
-    return candidates[int(np.argmin(left))]
 
 
 def _near(found: Hypothesis, dt: float, least: float) -> Iterator[Hypothesis]:
@@ -241,7 +229,8 @@ def find_wiring(recordings: Sequence[Recording], robot: RobotDescription) -> Wir
         robot: its description; masses and friction may be typical.
     """
     fitting = [recording for recording in recordings if _fits(recording, robot)]
-    if not fitting or len({_kind(recording) for recording in fitting}) > 1:
+    meanings = {(h.gear_ratio, h.position_side, h.torque_semantics, h.coupling) for h in (r.header for r in fitting)}
+    if len(meanings) != 1:
         return Wiring()
     samples = Samples(fitting)
     if POSITION not in samples.families:
@@ -257,9 +246,3 @@ def _fits(recording: Recording, robot: RobotDescription) -> bool:
     if header.joints != robot.joints or len(recording) < _ROWS or not recording.has(POSITION):
         return False
     return bool(np.allclose(header.gear_ratio, drive.gear_ratio, rtol=_RATIO))
-
-
-def _kind(recording: Recording) -> tuple[object, ...]:
-    """What columns of a recording mean."""
-    header = recording.header
-    return header.gear_ratio, header.position_side, header.torque_semantics, header.coupling
