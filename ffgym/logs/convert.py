@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ffgym.core.errors import FFGymError, errors_at
 from ffgym.core.types import Array, BoolArray
-from ffgym.logs.column import Column, Resample, conversion
+from ffgym.logs.column import Resample, conversion
 from ffgym.logs.column_map import ColumnMap
 from ffgym.logs.contents import Contents
 from ffgym.logs.entries import TIMESTAMP, Entries, Entry, entries_of, place_of
@@ -50,13 +50,7 @@ class Rows:
 
 
 def recordings_of(contents: Contents, columns: ColumnMap, header: Header) -> list[Recording]:
-    """Recordings of all motions in a file.
-
-    Args:
-        contents: the file.
-        columns: what its arrays mean.
-        header: of the recordings; its segment names a single motion, and begins the names of several.
-    """
+    """Recordings of all motions in a file; the segment of `header` names a single one, and begins names of several."""
     entries = entries_of(contents, columns, header)
     # the units of the user's columns, and what was done or left out on the way
     units: dict[str, str] = {}
@@ -76,11 +70,7 @@ def recordings_of(contents: Contents, columns: ColumnMap, header: Header) -> lis
 def _recording(contents: Contents, columns: ColumnMap, entries: Entries, header: Header, motion: Motion) -> Recording:
     """Recording of one motion."""
     with errors_at(place_of(TIMESTAMP)):
-        if entries.times is not None:
-            every = _rows_of(contents, entries.timestamp, motion.of(entries.times))
-        else:
-            first = next(entry for entry in entries.others.values() if entry.clock is None)
-            every = _rows_at_rate(contents, entries.timestamp.rate_hz or "", len(motion.of(first.values)))
+        every = _rows(contents, entries, motion)
     ordered = _increasing(every.t)
     rows = every if ordered.all() else replace(every, t=every.t[ordered])
     table = {TIMESTAMP: rows.t}
@@ -172,19 +162,20 @@ def _longest_increasing(t: Array) -> BoolArray:
     return kept
 
 
-def _rows_of(contents: Contents, timestamp: Column, clock: NDArray[Any]) -> Rows:
-    """Rows whose clock reads `clock`, shape (T, 1)."""
-    zero = clock[0, 0] if timestamp.from_first and len(clock) else None
-    readings = clock if zero is None else since(clock, zero)
-    return Rows(t=to_si(readings, timestamp, ("s",), contents)[:, 0], unit=str(timestamp.unit), zero=zero)
-
-
-def _rows_at_rate(contents: Contents, rate_hz: float | str, n_rows: int) -> Rows:
-    """Rows at a constant rate, which begin at 0."""
-    numbers = contents.numbers(rate_hz).reshape(-1) if isinstance(rate_hz, str) else np.array([rate_hz])
+def _rows(contents: Contents, entries: Entries, motion: Motion) -> Rows:
+    """Rows of a motion: at the readings of their clock, or at a constant rate from 0 on."""
+    timestamp = entries.timestamp
+    if entries.times is not None:
+        clock = motion.of(entries.times)
+        zero = clock[0, 0] if timestamp.from_first and len(clock) else None
+        readings = clock if zero is None else since(clock, zero)
+        return Rows(t=to_si(readings, timestamp, ("s",), contents)[:, 0], unit=str(timestamp.unit), zero=zero)
+    rate = timestamp.rate_hz
+    numbers = contents.numbers(rate).reshape(-1) if isinstance(rate, str) else np.array([rate])
     if numbers.size != 1 or not 0 < numbers[0] < np.inf:
         raise FFGymError(f"rate_hz = {numbers.tolist()[:3]} must be one number > 0.")
-    return Rows(t=np.arange(n_rows) / float(numbers[0]), unit="s")
+    first = next(entry for entry in entries.others.values() if entry.clock is None)
+    return Rows(t=np.arange(len(motion.of(first.values))) / float(numbers[0]), unit="s")
 
 
 def since(clock: NDArray[Any], zero: Any) -> NDArray[Any]:

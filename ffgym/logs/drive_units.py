@@ -25,10 +25,7 @@ DRIVE_UNITS: Mapping[str, tuple[str, float]] = {
 def with_drive_units(columns: ColumnMap, header: Header, robot: RobotDescription | None) -> tuple[ColumnMap, Header]:
     """The map with torque for each column of a drive's unit, and the header with the factors in `meta`.
 
-    Args:
-        columns: the map.
-        header: of the recordings.
-        robot: its description, None for a map that names joints without one.
+    `robot` is None for a map that names joints without a description.
     """
     found = dict(columns.columns)
     meta = dict(header.meta)

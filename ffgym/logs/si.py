@@ -91,13 +91,9 @@ def each(name: str, given: Any, n_parts: int) -> tuple[Any, ...]:
 
 
 def to_si(values: NDArray[Any], column: Column, units: tuple[str, ...], contents: Contents) -> Array:
-    """Return sign * (unit (scale * values + offset)) as float64, shape (T, P) like `values`.
+    """Return sign * (unit (scale * values + offset)) in `units`, float64, shape (T, P) like `values`.
 
-    Args:
-        values: numbers of the file; counts in two's complement get their sign first.
-        column: the entry that they come from.
-        units: SI unit of each part.
-        contents: where arrays for scale and offset are.
+    Counts in two's complement get their sign first.
     """
     n_parts = values.shape[-1]
     given = each("unit", column.unit, n_parts)

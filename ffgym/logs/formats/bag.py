@@ -88,8 +88,7 @@ def _messages(path: Path) -> tuple[dict[str, list[dict[str, Any]]], dict[str, st
 
 def _joint_names(message: Any) -> tuple[str, ...] | None:
     """Joints that a message names, in its order; None if it names none."""
-    for field in _NAMING:
-        names = getattr(message, field, None)
+    for names in (getattr(message, field, None) for field in _NAMING):
         if isinstance(names, list) and names and all(isinstance(name, str) for name in names):
             return tuple(names)
     return None

@@ -27,14 +27,7 @@ def _judge(kind: Kind) -> Callable[[Log], Iterator[Seen]]:
         if not groups:
             raise NotJudgedError("no two columns say the same of a joint that moves")
         yield Seen(0.0)  # where nothing is odd
-        for one in (misfit for signals in groups for misfit in signals.misfits if misfit.kind == kind):
-            joint = log.joints[one.joint]
-            columns, others = columns_of(one.family, joint), columns_of(one.other, log.joints[one.other_joint])
-            words = {"name": " + ".join(columns), "other": " + ".join(others), "factor": one.value, "text": one.text}
-            # what some controllers command lacks friction, so that commanded torques count half
-            value = 0.5 if kind == "agreement" and one.family.endswith("effort") else 1.0
-            value = abs(np.log(abs(one.value))) if kind == "scale" else value
-            yield Seen(float(value), (*columns, *others), joint, words)
+        yield from (seen for signals in groups for way, seen in signals.misfits if way == kind)
 
     return judge
 

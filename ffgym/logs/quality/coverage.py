@@ -109,10 +109,7 @@ NEEDS: Mapping[str, Need] = MappingProxyType({name: Need(**row) for name, row in
 def need_findings(log: Log, needs: Iterable[str], others: Sequence[Finding]) -> tuple[Finding, ...]:
     """What a log lacks for its uses: refused if no joint serves, flagged for joints that do not.
 
-    Args:
-        log: what is judged.
-        needs: names of uses.
-        others: what checks found, of which some uses bear less.
+    Of what checks found, the `others`, some uses bear less.
     """
     found: list[Finding] = []
     for name in needs:

@@ -108,24 +108,14 @@ def _mended(log: Log, others: Sequence[Finding]) -> list[Finding]:
     return [replace(finding, verdict="flagged", message=f"Mended or left out: {finding.message}") for finding in bad]
 
 
-@dataclass(frozen=True, kw_only=True)
-class LeftOut:
-    """A log that is not used."""
-
-    segment: str
-    reason: str
-
-    def __str__(self) -> str:
-        return f"{self.segment} was left out: {self.reason}"
-
-
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Judged:
     """Logs that serve, and what has to be known about all of them."""
 
     recordings: tuple[Recording, ...]
     """Conditioned, in their order."""
-    left_out: tuple[LeftOut, ...]
+    left_out: tuple[str, ...]
+    """Which logs are not used, and why, a sentence each."""
     flagged: tuple[str, ...]
     """What was left out, what conditioning did, what was accepted, and what else was flagged."""
 
@@ -149,18 +139,18 @@ def judged(
     """
     overruled, uses = accepted(accept), tuple(needs)
     kept: list[Recording] = []
-    left_out: list[LeftOut] = []
+    left_out: list[str] = []
     told: list[str] = []
     for recording in conditioned_alike(recordings):
         segment = recording.header.segment or "A log"
         report = check_quality(recording, robot, uses, accept=overruled)
         if report.verdict == "insufficient":
-            left_out.append(LeftOut(segment=segment, reason=report.problems[0].message))
+            left_out.append(f"{segment} was left out: {report.problems[0].message}")
             continue
         kept.append(recording)
         told += [f"{segment}: {note}" for note in notes_of(recording)]
         told += [f"{segment}: {finding.message}" for finding in report.problems]
-    return Judged(recordings=tuple(kept), left_out=tuple(left_out), flagged=(*map(str, left_out), *told))
+    return Judged(recordings=tuple(kept), left_out=tuple(left_out), flagged=(*left_out, *told))
 
 
 def accepted(names: Iterable[str]) -> tuple[str, ...]:

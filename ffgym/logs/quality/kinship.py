@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 
 from ffgym.core.types import Array, BoolArray
+from ffgym.logs.quality.check import Seen
 from ffgym.logs.quality.log import EXCITED, Log
 from ffgym.logs.quality.signals import compare, correlations
 
@@ -63,27 +64,12 @@ _OTHERWISE = "another scale or zero point"
 """What was done to a signal whose factor nothing explains."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Misfit:
-    """A signal of one joint that does not fit the others."""
-
-    kind: Kind
-    family: str
-    joint: int
-    other: str
-    """The family it was compared with."""
-    value: float
-    """Slope of the signal in terms of the other; for `agreement` its correlation."""
-    other_joint: int
-    """Joint whose signal it is, for `permutation`; else its own."""
-    text: str
-    """What was probably done to it."""
-
-
 @dataclass(frozen=True, eq=False)
 class Signals:
     """Signals of one quantity, by family: of two that disagree the first is believed."""
 
+    joints: tuple[str, ...]
+    """Names of the N joints."""
     values: Mapping[str, Array]
     """All on one side of the gearbox and in one unit, (T, N) each."""
     ratio: Array
@@ -110,8 +96,8 @@ class Signals:
         return [int(j) for j in np.flatnonzero(self.judged)]
 
     @cached_property
-    def misfits(self) -> tuple[Misfit, ...]:
-        """Signals that do not fit the majority."""
+    def misfits(self) -> tuple[tuple[Kind, Seen], ...]:
+        """Signals of a joint that do not fit the majority, and in which way."""
         found = []
         for j in self.numbers:
             # the largest group of signals of a joint that agree is trusted, and the first of it says what is right
@@ -156,7 +142,8 @@ class Signals:
         white = float(np.var(np.diff(rest))) > _WHITE * float(np.var(rest))
         return white and offset < 0.5 * max(abs(float(a.mean())), abs(float(b.mean())), 2 * float(rest.std()))
 
-    def _explained(self, family: str, other: str, j: int) -> Misfit | None:
+    def _explained(self, family: str, other: str, j: int) -> tuple[Kind, Seen] | None:
+        """How a signal of joint `j` differs from another; None if it is late only."""
         a, b = self.increments[family][:, j], self.increments[other]
         seen = compare(a, b[:, j], self.lags)
         if seen.correlation > _SAME_MOTION and abs(seen.slope - 1) < CLOSE:
@@ -170,8 +157,13 @@ class Signals:
             kind, text = explain(seen.slope, float(self.ratio[j]), _NEAR)
         else:
             kind, value, text = "agreement", seen.correlation, "it is another motion, or another quantity"
-        whose = j if twin is None else twin
-        return Misfit(kind=kind, family=family, joint=j, other=other, value=value, other_joint=whose, text=text)
+        # what some controllers command lacks friction, so that commanded torques count half
+        size = 0.5 if kind == "agreement" and family.endswith("effort") else 1.0
+        size = abs(float(np.log(abs(value)))) if kind == "scale" else size
+        columns = columns_of(family, self.joints[j])
+        others = columns_of(other, self.joints[j if twin is None else twin])
+        words = {"name": " + ".join(columns), "other": " + ".join(others), "factor": value, "text": text}
+        return kind, Seen(size, (*columns, *others), self.joints[j], words)
 
 
 def channel_of(family: str) -> str:
@@ -231,4 +223,4 @@ def _signals(log: Log, values: Mapping[str, Array], slack: float, judged: BoolAr
     window = min(log.rows(_WINDOW), len(log.t) - 1)
     lags = min(max(3, round(LAG_SPAN / log.dt)), len(log.t) // 4)
     ratio = np.asarray(log.recording.header.gear_ratio)
-    return Signals(values=values, ratio=ratio, judged=judged, window=window, lags=lags, slack=slack, noisy=noisy)
+    return Signals(log.joints, values, ratio, judged, window=window, lags=lags, slack=slack, noisy=noisy)

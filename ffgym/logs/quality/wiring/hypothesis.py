@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from ffgym.logs.quality.wiring.sample import Samples
-from ffgym.logs.quality.wiring.score import POSITION, TORQUE, Channel, Lefts
+from ffgym.logs.quality.wiring.score import TORQUE, Channel, Lefts
 from ffgym.recordings.rewiring import Rewiring
 from ffgym.robot import RobotDescription
 
@@ -165,11 +165,6 @@ def delays(samples: Samples, n_joints: int, least: float) -> Iterator[Hypothesis
 
 def _distinct(groups: Sequence[tuple[str, ...]]) -> list[tuple[str, ...]]:
     return [group for group in dict.fromkeys(groups) if group]
-
-
-def touches_motion(hypothesis: Hypothesis) -> bool:
-    """Whether the positions that the arm is computed for change."""
-    return hypothesis.kind == "clock" or POSITION in hypothesis.families
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -13,7 +13,6 @@ from ffgym.logs.quality.wiring.hypothesis import (
     effort_groups,
     hypotheses,
     mistake_of,
-    touches_motion,
     zeros,
 )
 from ffgym.logs.quality.wiring.model import KNOWN_MASSES, regressor_of
@@ -144,19 +143,17 @@ def _floor(channel: Channel) -> float:
 def _bound(before: Lefts, cheap: Lefts, candidate: Hypothesis) -> float:
     """Largest gain that a mistake can have, when its cheap signals are known."""
     gain = sum(float(np.log(before[key] / left)) for key, left in cheap.items() if key in before)
-    for key, left in before.items():
-        if key not in cheap and _may_change(key, candidate):
-            gain += float(np.log(left / _floor(key)))
+    changed = candidate.families
+    for (family, j), left in before.items():
+        if family == TORQUE:
+            may_change = TORQUE in changed and j in candidate.parts
+        else:
+            may_change = family in changed or (family.startswith("tcp_") and "reference.position" in changed)
+        # a mistake of the motion, or of its clock, changes all that the arm is computed for
+        may_change |= candidate.kind == "clock" or POSITION in changed
+        if may_change and (family, j) not in cheap:
+            gain += float(np.log(left / _floor((family, j))))
     return gain
-
-
-def _may_change(channel: Channel, candidate: Hypothesis) -> bool:
-    family, j = channel
-    if touches_motion(candidate):
-        return True
-    if family == TORQUE:
-        return TORQUE in candidate.families and j in candidate.parts
-    return family in candidate.families or (family.startswith("tcp_") and "reference.position" in candidate.families)
 
 
 def _convincing(found: Found) -> bool:

@@ -32,10 +32,10 @@ def test_a_refused_log_is_left_out_with_its_reason_and_the_others_are_used():
     assert [recording.header.segment for recording in found.recordings] == ["multisine", "spiky"]
     assert found.recordings[0] is not None
     assert np.flatnonzero(~found.recordings[1].valid[:, 1]).tolist() == [4000]
-    ((segment, reason),) = [(one.segment, one.reason) for one in found.left_out]
-    assert segment == "coarse"
-    assert "must have at least 300" in reason
-    assert found.flagged[0].startswith("coarse was left out: For diagnosis: motor.effort.elbow has ")
+    (sentence,) = found.left_out
+    assert sentence.startswith("coarse was left out: For diagnosis: motor.effort.elbow has ")
+    assert "must have at least 300" in sentence
+    assert found.flagged[0] == sentence
     assert any(text.startswith("spiky: Single rows that stick out") for text in found.flagged)
 
 
