@@ -34,7 +34,7 @@ UNITS: Mapping[str, Mapping[str, float]] = MappingProxyType(
         "m/s^2": {"mm/s^2": 1e-3},
         "N m": {"mN m": 1e-3, "N cm": 1e-2, "kN m": 1e3},
         "N": {"mN": 1e-3, "kN": 1e3},
-        "degC": {},
+        "degC": {"K": 1.0},
         "1": {"%": 1e-2},
     }
 )
@@ -43,8 +43,8 @@ UNITS: Mapping[str, Mapping[str, float]] = MappingProxyType(
 COUNTS = MappingProxyType({"count": "rad", "count/s": "rad/s", "count/s^2": "rad/s^2"})
 """Units of an encoder, which `counts_per_turn` makes angles."""
 
-KELVIN, ZERO_CELSIUS = "K", 273.15
-"""0 degC is 273.15 K, by definition."""
+_SHIFTS = {"K": -273.15}
+"""What is added after the factor: 0 degC is 273.15 K, by definition."""
 
 DRIVING = ("A", "mA", "V", "mV", "%")
 """Units of what drives a motor, or of its share of a rated torque, which a scale makes torques."""
@@ -187,24 +187,19 @@ def conversion(unit: str, wanted: str, counts_per_turn: float | None = None) -> 
         return Conversion(_TURN / turn)
     if counts_per_turn is not None:
         raise FFGymError(f"counts_per_turn belongs to unit 'count' of an angle, not to {unit!r} for [{wanted}].")
-    if unit == KELVIN and wanted == "degC":
-        return Conversion(1.0, -ZERO_CELSIUS)
     if unit == wanted:
         return Conversion(1.0)
     if unit not in UNITS.get(wanted, {}):
         counts = [count for count, angle in COUNTS.items() if angle == wanted]
-        known = [wanted, *UNITS.get(wanted, {}), *counts, *([KELVIN] if wanted == "degC" else [])]
-        way_out = f"must be {', '.join(map(repr, known))}."
+        way_out = f"must be {', '.join(map(repr, [wanted, *UNITS.get(wanted, {}), *counts]))}."
         if unit in DRIVING and wanted in ("N m", "N"):
             way_out = f"give scale = <{wanted}/{unit}> and unit = {wanted!r}."
         raise FFGymError(f"unit {unit!r} does not fit a quantity in {wanted}, {way_out}")
-    return Conversion(UNITS[wanted][unit])
+    return Conversion(UNITS[wanted][unit], _SHIFTS.get(unit, 0.0))
 
 
 def si_of(unit: str, counts_per_turn: float | None = None) -> str:
     """SI unit that a column of the user's own is kept in: that of `unit`, or `unit` itself if it is not known."""
     if unit in COUNTS and counts_per_turn is not None:
         return COUNTS[unit]
-    if unit == KELVIN:
-        return "degC"
     return next((si for si, others in UNITS.items() if unit in others), unit)

@@ -9,7 +9,7 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
-from ffgym.logs.column import COUNTS, KELVIN, UNITS
+from ffgym.logs.column import COUNTS, UNITS
 from ffgym.logs.keys import KEYS
 from ffgym.logs.quality import NEEDS, STAGES
 from ffgym.paths.limits import MotionLimits
@@ -85,7 +85,7 @@ def column_maps() -> Contents:
     """Every key of a column map, and the units that numbers may come in."""
     units = []
     for si, others in UNITS.items():
-        also = [unit for unit, angle in COUNTS.items() if angle == si] + ([KELVIN] if si == "degC" else [])
+        also = [unit for unit, angle in COUNTS.items() if angle == si]
         units.append((f"`{si}`", ", ".join(f"`{unit}`" for unit in (si, *others, *also))))
     parts = {name: _named("key", "meaning", meanings) for name, meanings in KEYS.items()}
     return Contents(parts=parts | {"units": markdown(("kept in", "may come in"), units)})

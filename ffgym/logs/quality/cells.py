@@ -76,11 +76,6 @@ def outlier_ratio(x: Array, resolution: float) -> Array:
     return np.asarray(out / np.maximum(usual_steps(x, resolution), noise))
 
 
-def jump_ratio(x: Array, resolution: float) -> Array:
-    """How much larger each difference of `x` (T,) is than those around it; shape (T - 1,)."""
-    return np.asarray(np.abs(np.diff(x)) / _largest_beside(x, REACH, resolution))
-
-
 @dataclass(frozen=True, eq=False)
 class Column:
     """A column without its missing samples."""
@@ -128,7 +123,7 @@ def _jump(log: Log) -> Iterator[Seen]:
         if column.family not in _CONTINUOUS:
             continue
         rows, x = column.rows, column.values
-        ratio = jump_ratio(x, column.resolution)
+        ratio = np.abs(np.diff(x)) / _largest_beside(x, REACH, column.resolution)
         ratio[0] = 0.0  # a run may begin with a step of its servo
         ratio[np.diff(rows) > np.median(np.diff(rows))] = 0.0  # a longer way between samples that are not missing
         worst = int(np.argmax(ratio))
@@ -157,17 +152,12 @@ def burst_ratios(column: Column, counts: BoolArray) -> Array:
     x = column.values
     if len(x) < 8 * BURST:
         return np.zeros(0)
-    levels = noise_levels(x)
+    # standard deviation of white noise in each window, without spikes; 0 in motion
+    count = (len(x) - 3) // BURST
+    first, third = (np.diff(x, order)[: count * BURST].reshape(count, BURST) for order in (1, 3))
+    white = np.mean(third**2, axis=1) > _WHITE * np.var(first, axis=1)
+    levels = np.where(white, 1.4826 * np.median(np.abs(third), axis=1) / np.sqrt(20), 0.0)
     rounding = _ROUNDING * float(np.max(np.abs(x)))
     usual = max(float(np.median(levels)), column.resolution, _FLOOR * float(np.ptp(x)), rounding)
     known = counts[column.rows][: len(levels) * BURST].reshape(len(levels), BURST).all(axis=1)
     return np.where(known, levels / usual, 0.0) if usual else np.zeros_like(levels)
-
-
-def noise_levels(x: Array) -> Array:
-    """Standard deviation of white noise in windows of `BURST` rows of `x` (T,), without spikes; 0 in motion."""
-    count = (len(x) - 3) // BURST
-    first = np.diff(x)[: count * BURST].reshape(count, BURST)
-    third = np.diff(x, 3)[: count * BURST].reshape(count, BURST)
-    white = np.mean(third**2, axis=1) > _WHITE * np.var(first, axis=1)
-    return np.where(white, 1.4826 * np.median(np.abs(third), axis=1) / np.sqrt(20), 0.0)

@@ -104,14 +104,6 @@ def white_noise(values: Array) -> Array:
     return np.asarray(np.median(sizes, axis=0) / (_NORMAL * gain))
 
 
-def acceleration_noise(noise: Array, dt: float, cutoff: float) -> Array:
-    """Noise of the second derivative of white `noise` (C,), sampled every `dt` [s], behind a low-pass at `cutoff` [Hz].
-
-    Of the density 2 dt noise^2 up to the cut-off, times (2 pi f)^4.
-    """
-    return np.asarray(noise * (2 * np.pi * cutoff) ** 2 * np.sqrt(2 * dt * cutoff / 5))
-
-
 @dataclass(frozen=True, kw_only=True)
 class Comparison:
     """Signal a in terms of signal b, by their increments."""
@@ -131,22 +123,16 @@ def compare(a: Array, b: Array, lags: int = 0) -> Comparison:
         return Comparison(slope=np.nan if size_b == 0.0 else 0.0, correlation=0.0, lag=0.0)
     if lags == 0:
         correlation, lag = float(np.sum(a * b) / (size_a * size_b)), 0.0
-    else:
-        correlation, lag = _peak(a, b, lags, size_a * size_b)
+    else:  # the correlation of largest size, and where it is, between rows by a parabola
+        near = np.abs(scipy.signal.correlation_lags(len(a), len(b))) <= lags
+        curve = scipy.signal.correlate(a, b, method="fft")[near] / (size_a * size_b)
+        peak = int(np.argmax(np.abs(curve)))
+        correlation, lag = float(curve[peak]), float(peak - (len(curve) - 1) // 2)
+        if 0 < peak < len(curve) - 1:
+            before, top, after = curve[peak - 1 : peak + 2]
+            bend = before - 2 * top + after
+            lag += 0.5 * float((before - after) / bend) if bend else 0.0
     return Comparison(slope=float(np.copysign(size_a / size_b, correlation)), correlation=correlation, lag=lag)
-
-
-def _peak(a: Array, b: Array, lags: int, size: float) -> tuple[float, float]:
-    """Correlation of largest size within `lags` rows, and where it is, between rows by a parabola."""
-    near = np.abs(scipy.signal.correlation_lags(len(a), len(b))) <= lags
-    curve = scipy.signal.correlate(a, b, method="fft")[near] / size
-    peak = int(np.argmax(np.abs(curve)))
-    lag = float(peak - (len(curve) - 1) // 2)
-    if 0 < peak < len(curve) - 1:
-        before, top, after = curve[peak - 1 : peak + 2]
-        bend = before - 2 * top + after
-        lag += 0.5 * float((before - after) / bend) if bend else 0.0
-    return float(curve[peak]), lag
 
 
 def correlations(a: Array, b: Array) -> tuple[Array, Array]:

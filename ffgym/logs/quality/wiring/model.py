@@ -84,7 +84,16 @@ class Regressor:
         """Compile the arm, and four of it with a payload."""
         self.robot = robot
         self.arm = RigidArm(robot)
-        self._loaded = [RigidArm(loaded) for loaded in _loads(robot)]
+        # the robot with more mass on its last link, and with that shifted along three axes
+        bodies, last = robot.bodies, robot.n_joints - 1
+        added = _MASS * (float(bodies.mass.sum()) + (robot.tool.mass if robot.tool is not None else 0.0))
+        total = bodies.mass[last] + added
+        heavier = np.where(np.arange(robot.n_joints) == last, total, bodies.mass)
+        self._loaded = []
+        for shift in (np.zeros(3), *(_SHIFT * axis for axis in np.eye(3))):
+            com = bodies.com.copy()
+            com[last] = com[last] + added / total * shift
+            self._loaded.append(RigidArm(replace(robot, bodies=replace(bodies, mass=heavier, com=com))))
         ones = ("inertia", "rotors", "gravity", "coulomb", "viscous")
         self._expected = np.array([float(name in ones) for name in _NAMES])
 
@@ -119,21 +128,6 @@ class Regressor:
 def sliding(speed: Array) -> Array:
     """Sign of speeds (R, ...), smoothly where a joint is slow."""
     return np.asarray(np.tanh(speed / np.maximum(SLIDES * np.abs(speed).max(axis=0), np.finfo(np.float64).tiny)))
-
-
-def _loads(robot: RobotDescription) -> list[RobotDescription]:
-    """The robot with more mass on its last link, and with that shifted along three axes."""
-    bodies, last = robot.bodies, robot.n_joints - 1
-    added = _MASS * (float(bodies.mass.sum()) + (robot.tool.mass if robot.tool is not None else 0.0))
-    total = bodies.mass[last] + added
-    shifts = [np.zeros(3), *(_SHIFT * axis for axis in np.eye(3))]
-    heavier = np.where(np.arange(robot.n_joints) == last, total, bodies.mass)
-    made = []
-    for shift in shifts:
-        com = bodies.com.copy()
-        com[last] = com[last] + added / total * shift
-        made.append(replace(robot, bodies=replace(bodies, mass=heavier, com=com)))
-    return made
 
 
 @lru_cache(maxsize=1)

@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 
 from ffgym.core.types import Array, BoolArray, IntArray
-from ffgym.logs.quality.signals import acceleration_noise, white_noise
+from ffgym.logs.quality.signals import white_noise
 from ffgym.recordings import FAMILIES, Recording
 
 BANDS = (5.0, 2.5, 1.2)
@@ -32,8 +32,8 @@ _ROWS = 900
 _BLOCK = 1.0
 """Time [s] in one block of rows; blocks are fitted and left out in turn."""
 
-_SIGN = -1
-"""Stands for the sign of the rate among orders of derivatives."""
+SIGN = -1
+"""Stands for the sign of the rate, filtered as all columns are, among orders of derivatives."""
 
 SLIDES = 0.02
 """Share of the largest speed of a joint from which on it slides; slower rows carry stiction of any size."""
@@ -94,18 +94,14 @@ class Samples:
         return family in self.families
 
     def column(self, family: str, part: int, order: int = 0, delay: float = 0.0) -> Array:
-        """One column, or its derivative of an `order`, as it is `delay` [s] later, (R,)."""
+        """One column, its derivative of an `order`, or the `SIGN` of its rate, as it is `delay` [s] later, (R,)."""
         return self._column(family, part, order, round(delay, 9))
-
-    def way(self, family: str, part: int, delay: float = 0.0) -> Array:
-        """Sign of the rate of a column, filtered as all columns are, as it is `delay` [s] later, (R,)."""
-        return self._column(family, part, _SIGN, round(delay, 9))
 
     def _computed(self, family: str, part: int, order: int, delay: float) -> Array:
         pieces = [motion.values[family][:, part] for motion in self._motions]
-        for _ in range(1 if order == _SIGN else order):
+        for _ in range(1 if order == SIGN else order):
             pieces = [np.gradient(values, motion.t) for values, motion in zip(pieces, self._motions, strict=True)]
-        if order == _SIGN:
+        if order == SIGN:
             largest = max(np.abs(rate).max() for rate in pieces) or 1.0
             signs = [np.tanh(rate / (SLIDES * largest))[:, None] for rate in pieces]
             steps = [float(motion.t[1] - motion.t[0]) for motion in self._motions]
@@ -133,7 +129,8 @@ def _band(recordings: Sequence[Recording], families: Sequence[str]) -> float:
         shares = []  # noise of the accelerations of a typical joint, over its accelerations
         for recording in recordings:
             angle, t = recording.joint_array("motor.position"), _even(recording)
-            noise = acceleration_noise(white_noise(angle), recording.dt, band)
+            # of the density 2 dt noise^2 up to the cut-off, times (2 pi f)^4
+            noise = white_noise(angle) * (2 * np.pi * band) ** 2 * np.sqrt(2 * recording.dt * band / 5)
             slow = _low_pass(_resampled(angle, recording.t, t), recording.dt, band)
             there = np.std(np.gradient(np.gradient(slow, t, axis=0), t, axis=0), axis=0)
             moved = np.ptp(slow, axis=0) > 0

@@ -8,7 +8,7 @@ import numpy as np
 
 from ffgym.core.types import Array, BoolArray
 from ffgym.logs.quality.wiring.model import Columns, Regressor, bounded_fit, bounds
-from ffgym.logs.quality.wiring.sample import Samples
+from ffgym.logs.quality.wiring.sample import SIGN, Samples
 from ffgym.recordings.rewiring import Rewire, Rewiring
 
 FLOOR, TOOL_FLOOR = 0.005, 0.004
@@ -170,7 +170,7 @@ class Scorer:
         if self.robot.drive.coupling is None:  # the sign of each motor's speed, filtered as torques are
             link = self.samples.header.position_side == "link"
             turns = np.sign(rewire.factor) * (np.sign(self.robot.drive.gear_ratio) if link else 1.0)
-            signs = [self.samples.way(POSITION, rewire.source[j], rewire.delay[j]) for j in range(self.n)]
+            signs = [self.samples.column(POSITION, rewire.source[j], SIGN, rewire.delay[j]) for j in range(self.n)]
             ways = np.stack(signs, axis=1) * turns
         columns = self.regressor(q, dq, ddq, ways)
         columns.counted[np.ptp(q, axis=0) < _TRAVEL] = False
