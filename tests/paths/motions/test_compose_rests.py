@@ -1,12 +1,16 @@
-"""Where a composed motion starts, rests and stops, and what it says of stops that nobody asked for."""
+"""Where a composed motion starts, rests and stops, what it says of stops that nobody asked for, and how phases join."""
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from programs import POINT, line, pose
 
 from ffgym.paths.motions import compose
+from ffgym.paths.motions.rows import joined, rest
 from ffgym.paths.moves import MoveJoint, MoveSpline, Speed, Wait, Zone
 
 
@@ -64,3 +68,14 @@ def test_a_stop_that_was_not_asked_for_is_noted(arm, moves, note):
     motion = compose(arm, [line(0, 0, 0), first, *moves[1:]])
     assert len(motion.notes) == 1
     assert note in motion.notes[0]
+
+
+@given(st.lists(st.integers(1, 2000), min_size=2, max_size=6))
+def test_phases_of_joined_pieces_tile_the_motion(irb4600, counts):
+    dt, home = irb4600.servo.control_dt, irb4600.work_area.home
+    pieces = [rest(home, count * dt, dt, f"rest {k}") for k, count in enumerate(counts)]
+    motion = joined("rests", irb4600, pieces)
+    ends = np.cumsum(counts) * dt
+    np.testing.assert_allclose([phase.end for phase in motion.phases], ends, atol=1e-9)
+    for before, after in itertools.pairwise(motion.phases):
+        assert before.end <= after.start <= before.end + 1e-9
