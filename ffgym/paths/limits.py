@@ -14,10 +14,10 @@ from ffgym.paths.timing import Stretch
 
 JOINT_ACCELERATION = 12.5
 """Default largest acceleration of a joint on any path, in its largest speeds per second; chosen: the thesis' fastest
-circle takes 8.2 on the built-in robot, and a curve at constant speed may use 80 % (see `bounds`)."""
+circle takes 8.2 on the built-in robot, and a curve at constant speed may use 80 % (CURVE_SHARE)."""
 JOINT_JERK = 2000.0
 """Default largest jerk of a joint on any path, in its largest speeds per second squared; chosen: the thesis' fastest
-circle takes 1215, and a curve at constant speed may use 80 % (see `bounds`)."""
+circle takes 1215, and a curve at constant speed may use 80 % (CURVE_SHARE)."""
 
 
 LEAST, MOST = 1e-6, 1e9

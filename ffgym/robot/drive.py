@@ -45,12 +45,9 @@ class Drive:
                 f"drive.gear_ratio = {self.gear_ratio.tolist()} gives rotors of {reflected.tolist()} kg m^2 behind the "
                 f"gearbox. Ratios are motor turns per joint turn, some hundred at most."
             )
-        if self.coupling is not None:
-            self._check_coupling(self.coupling)
-
-    def _check_coupling(self, coupling: Array) -> None:
-        n = len(self.gear_ratio)
-        coupling = check_shape("drive.coupling", coupling, (n, n))
+        if self.coupling is None:
+            return
+        coupling = check_shape("drive.coupling", self.coupling, (len(self.gear_ratio), len(self.gear_ratio)))
         if np.any(np.diag(coupling)):
             raise FFGymError(
                 f"drive.coupling has {np.diag(coupling)} on its diagonal, must be 0; see drive.gear_ratio."

@@ -29,7 +29,7 @@ from ffgym.robot.inverse_kinematics.poses import PathJump
 
 RESOLVED = 0.1
 """Largest change of joint speeds per path speed from one point at which a leg is examined to the next, as a share of
-the largest on the leg; chosen: what lies between is then missed by the square of it, which `bounds.MARGIN` covers."""
+the largest on the leg; chosen: what lies between is then missed by the square of it, which `limits.MARGIN` covers."""
 _HALVINGS = 4
 """How often the intervals of a leg may be halved on which joints seem to jump; chosen: 5 mm become 0.3 mm, in which
 only an arm in a singularity moves as far."""
