@@ -141,20 +141,16 @@ def _join(ray: Any, executor: Executor) -> None:
     """Connect to the cluster, or begin a local one."""
     own = {} if executor.address else {"num_cpus": executor.jobs or None, "include_dashboard": False}
     try:
-        _check_answers(executor.address)
+        # knock at host:port first, as Ray itself waits for minutes; words such as 'auto' it looks up itself
+        host, colon, port = (executor.address or "").removeprefix("ray://").rpartition(":")
+        if colon and port.isdecimal():
+            socket.create_connection((host, int(port)), timeout=_KNOCK).close()
         ray.init(address=executor.address, log_to_driver=False, configure_logging=False, **own)
     except (OSError, RuntimeError, ValueError) as error:
         raise FFGymError(
             f"No Ray cluster answers at {executor.address!r}: {error}. Begin one with `ray start --head`, and give its "
             f"address, or leave the address out for one on this machine."
         ) from error
-
-
-def _check_answers(address: str | None) -> None:
-    """Knock at host:port first: Ray itself waits for minutes. Words such as 'auto' it looks up itself."""
-    host, colon, port = (address or "").removeprefix("ray://").rpartition(":")
-    if colon and port.isdecimal():
-        socket.create_connection((host, int(port)), timeout=_KNOCK).close()
 
 
 def _result(ray: Any, reference: Any) -> Any:

@@ -11,7 +11,6 @@ from ffgym.core.toml import toml_key, toml_table
 from ffgym.core.types import Array
 from ffgym.effects.catalogue import EFFECTS
 from ffgym.effects.effect import Effect
-from ffgym.effects.parameters import Parameter
 from ffgym.robot import RobotDescription
 
 
@@ -67,22 +66,27 @@ def read_effects(
         its, values = kind.parameters(), {}
         for entry, given in table.items():
             check_choice(f"parameter of effects.{name}", entry, list(its))
-            values[entry] = _value(f"effects.{name}.{entry}", given, its[entry])
+            where = f"effects.{name}.{entry}"
+            values[entry] = given_value(where, given, its[entry].unit, also=("interval",))
+            if "interval" in given:
+                ends = its[entry].numbers(f"effects.{name}", given["interval"])
+                if ends.shape[-1:] != (2,) or np.any(ends[..., 0] > ends[..., 1]):
+                    raise FFGymError(
+                        f"{where}.interval = {given['interval']!r} must be lower and upper ends, shape (..., 2)."
+                    )
         effects.append(kind.on(robot, **values))
     return tuple(effects)
 
 
-def _value(where: str, given: Any, known: Parameter) -> Any:
-    if not isinstance(given, dict) or not {"value", "unit"} <= set(given) <= {"value", "unit", "source", "interval"}:
-        raise FFGymError(f"{where} = {given!r} must be a table of value, unit, and maybe source and interval.")
-    if given["unit"] != known.unit:
-        raise FFGymError(f"{where} has unit {given['unit']!r}, must be {known.unit!r}.")
+def given_value(where: str, given: Any, unit: str, also: tuple[str, ...] = ()) -> Any:
+    """Value of a table of value, unit, and maybe source and what else it may `also` have."""
+    maybe = ("source", *also)
+    if not isinstance(given, dict) or not {"value", "unit"} <= set(given) <= {"value", "unit", *maybe}:
+        raise FFGymError(f"{where} = {given!r} must be a table of value, unit, and maybe {' and '.join(maybe)}.")
+    if given["unit"] != unit:
+        raise FFGymError(f"{where} has unit {given['unit']!r}, must be {unit!r}.")
     if not isinstance(given.get("source", ""), str):
         raise FFGymError(f"{where}.source = {given['source']!r} must be text.")
-    if "interval" in given:
-        ends = known.numbers(where.removesuffix(f".{known.name}"), given["interval"])
-        if ends.shape[-1:] != (2,) or np.any(ends[..., 0] > ends[..., 1]):
-            raise FFGymError(f"{where}.interval = {given['interval']!r} must be lower and upper ends, shape (..., 2).")
     return given["value"]
 
 

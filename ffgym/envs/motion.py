@@ -116,8 +116,14 @@ class Motion:
         """Centre and unit normal of the circles, shape (3,) each; zero without circles, or where they share neither."""
         fits = list(self._circles.values())
         last = fits[-1] if fits else None
-        if last is None or any(circle is None or _apart(circle, last) for circle in fits):
-            return np.zeros(3), np.zeros(3)
+        nowhere = np.zeros(3), np.zeros(3)
+        if last is None:
+            return nowhere
+        for circle in fits:  # all about the same centre, in the same plane, but for rounding
+            if circle is None or np.linalg.norm(np.cross(circle.normal, last.normal)) > CONCENTRIC:
+                return nowhere
+            if np.linalg.norm(circle.centre - last.centre) > CONCENTRIC * max(circle.radius, last.radius):
+                return nowhere
         return last.centre, last.normal
 
     @cached_property
@@ -171,12 +177,6 @@ class Motion:
             circle_here = self._circles.get(phase)
             if circle_here is not None and in_plane:
                 rows[on, at.radius] = circle_here.radius
-
-
-def _apart(circle: Circle, other: Circle) -> bool:
-    """Whether two circles have another centre or another plane, beyond rounding."""
-    far = float(np.linalg.norm(circle.centre - other.centre)) > CONCENTRIC * max(circle.radius, other.radius)
-    return far or float(np.linalg.norm(np.cross(circle.normal, other.normal))) > CONCENTRIC
 
 
 def _directions(points: Array) -> Array:

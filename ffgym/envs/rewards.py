@@ -105,13 +105,9 @@ class OfPathError(Reward):
             raise FFGymError(f"Robot {robot.name!r} has no tool, so there is no path error; use reward='motor_error'.")
 
     def cost(self, signals: Signals, robot: RobotDescription) -> Array:
-        """See base class."""
+        """See base class; the distance itself, in units of `scale`."""
         assert signals.path_error is not None  # `check` asks for a tool
-        return self.of_path(signals.path_error / self.scale)
-
-    @abstractmethod
-    def of_path(self, error: Array) -> Array:
-        """Cost (B,) of distances (B,) in units of `scale`."""
+        return signals.path_error / self.scale
 
 
 @final
@@ -122,10 +118,6 @@ class PathError(OfPathError):
     scale: float = 1e-4
     """[m]; 0.1 mm is the order of the uncompensated error at 10 mm/s (thesis, Table 4.1)."""
     name: ClassVar[str] = "path_error"
-
-    def of_path(self, error: Array) -> Array:
-        """See base class."""
-        return error
 
 
 @final
@@ -143,9 +135,9 @@ class RelativePathError(OfPathError):
     friction is off by tens of per cent."""
     name: ClassVar[str] = "relative_path_error"
 
-    def of_path(self, error: Array) -> Array:
+    def cost(self, signals: Signals, robot: RobotDescription) -> Array:
         """See base class."""
-        return np.log1p(error)
+        return np.log1p(super().cost(signals, robot))
 
 
 @final

@@ -19,6 +19,7 @@ import numpy as np
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.types import Array
 from ffgym.effects import EFFECTS
+from ffgym.effects.reading import given_value
 from ffgym.robot import RigidArm, load_robot
 from ffgym.simulation import LaserTracker, Resolver, Thermometer, TorqueSensor
 from ffgym.simulation.plant import with_payload
@@ -108,7 +109,7 @@ def build(name: str, tree: Mapping[str, Any], arm: RigidArm | None = None) -> Wo
 def _number(where: str, table: Any) -> Any:
     """Value of an entry, a number or an array."""
     check_choice("entry", where, list(_UNITS))
-    if not isinstance(table, dict) or set(table) != {"value", "unit", "source"} or table["unit"] != _UNITS[where]:
-        raise FFGymError(f"{where} = {table!r} must be a table of value, unit ({_UNITS[where]}) and source.")
-    value: Array = np.asarray(table["value"], dtype=np.float64)
+    value: Array = np.asarray(given_value(where, table, _UNITS[where]), dtype=np.float64)
+    if "source" not in table:
+        raise FFGymError(f"{where} = {table!r} must have a source.")
     return value if value.ndim else float(value)

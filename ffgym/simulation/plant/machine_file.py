@@ -22,6 +22,7 @@ from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.files import read_text
 from ffgym.core.toml import parse_toml, toml_table
 from ffgym.effects import EFFECTS, Effect, Origin, read_effects, read_origins
+from ffgym.effects.reading import given_value
 from ffgym.robot import RobotDescription, builtin_parameters, builtin_robots, load_draft, load_robot
 from ffgym.robot.reading.load import GROUPS, draft_with_numbers, with_numbers
 from ffgym.simulation.plant.machine import Climate, Machine, check_same_controller
@@ -124,13 +125,7 @@ def parse_climate(tables: Mapping[str, Any]) -> Climate:
     values: dict[str, Any] = {}
     for name, table in tables.items():
         unit = CLIMATE_UNITS[check_choice("entry of climate", name, list(CLIMATE_UNITS))]
-        if not isinstance(table, dict) or not {"value", "unit"} <= set(table) <= {"value", "unit", "source"}:
-            raise FFGymError(f"climate.{name} = {table!r} must be a table of value, unit and maybe source.")
-        if table["unit"] != unit:
-            raise FFGymError(f"climate.{name} has unit {table['unit']!r}, must be {unit!r}.")
-        if not isinstance(table.get("source", ""), str):
-            raise FFGymError(f"climate.{name}.source = {table['source']!r} must be text.")
-        values[name] = table["value"]
+        values[name] = given_value(f"climate.{name}", table, unit)
     return Climate(**values)
 
 
@@ -152,7 +147,8 @@ def _table(tree: Mapping[str, Any], name: str) -> Mapping[str, Any]:
 
 def _with_numbers(head: Any, folder: Path, numbers: Mapping[str, Any], *, partial: bool) -> RobotDescription:
     """The robot that a file names, with the numbers of the file."""
-    draft = load_draft(place) if (place := _description(head, folder)) is not None else None
+    named = head.get("robot") if isinstance(head, dict) else None
+    draft = load_draft(folder / named) if isinstance(named, str) and named.endswith(".toml") else None
     if draft is None or not draft.missing:
         known = _robot(head, folder)
         robot = with_numbers(known, numbers) if numbers else known
@@ -163,12 +159,6 @@ def _with_numbers(head: Any, folder: Path, numbers: Mapping[str, Any], *, partia
     if numbers:
         check_same_controller(robot, known)
     return robot
-
-
-def _description(head: Any, folder: Path) -> Path | None:
-    """Path of the description that a file names; None for what is no path."""
-    named = head.get("robot") if isinstance(head, dict) else None
-    return folder / named if isinstance(named, str) and named.endswith(".toml") else None
 
 
 def _robot(head: Any, folder: Path) -> RobotDescription:
