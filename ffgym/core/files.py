@@ -20,11 +20,7 @@ TEMPORARY = ".ffgym-{}.tmp"
 
 
 def check_writable(path: str | os.PathLike[str]) -> None:
-    """Check before long work that `path` can be written after it.
-
-    Raises:
-        FFGymError: if its folder does not exist or is not writable, or it is a folder itself, or no name of a file.
-    """
+    """Check before long work that `path` can be written after it."""
     target = Path(path)
     folder = target.absolute().parent
     try:
@@ -40,11 +36,7 @@ def check_writable(path: str | os.PathLike[str]) -> None:
 
 
 def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
-    """Write `data` beside `path` and move it there; whatever interrupts this, no half file is left.
-
-    Raises:
-        FFGymError: if the file cannot be written; an old file of that name stays as it was.
-    """
+    """Write `data` beside `path` and move it there; whatever fails or interrupts this, the old file or none is left."""
     target = Path(os.path.realpath(path))  # through a link, as an ordinary write does
     temporary = target.with_name(TEMPORARY.format(uuid4().hex))
     try:
@@ -65,11 +57,7 @@ def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
 
 
 def read_bytes(path: str | os.PathLike[str]) -> bytes:
-    """Bytes of a file that is not empty.
-
-    Raises:
-        FFGymError: if there is no such file, it is a folder, empty, or cannot be read.
-    """
+    """Bytes of a file that is there and not empty."""
     place = Path(path)
     try:
         data = place.read_bytes()
@@ -85,11 +73,7 @@ def read_bytes(path: str | os.PathLike[str]) -> bytes:
 
 
 def read_text(path: str | os.PathLike[str]) -> str:
-    """Text of a UTF-8 file, without byte order mark.
-
-    Raises:
-        FFGymError: if it cannot be read, or is no UTF-8 text.
-    """
+    """Text of a UTF-8 file, without byte order mark."""
     try:
         return Path(path).read_text(encoding="utf-8-sig")
     except OSError as error:
@@ -108,11 +92,7 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
 
 
 def check_vacant(path: str | os.PathLike[str]) -> None:
-    """Check before long work that `new_folder` can make `path` after it.
-
-    Raises:
-        FFGymError: if something is there that is no empty folder, or the folder around it is missing or not writable.
-    """
+    """Check before long work that `new_folder` can make `path` after it: nothing or an empty folder is there."""
     target = Path(os.path.realpath(path))
     if target.exists() and not (target.is_dir() and not any(target.iterdir())):
         raise FFGymError(f"{path}: exists already, and nothing is overwritten; choose another place, or remove it.")
@@ -145,11 +125,7 @@ def new_folder(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 @contextmanager
 def made_folder(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Yield a folder, made if there is none; if the block ends with an error, what was made and is empty goes again.
-
-    Raises:
-        FFGymError: if it cannot be made.
-    """
+    """Yield a folder, made if there is none; if the block ends with an error, what was made and is empty goes again."""
     target = Path(path)
     missing: list[Path] = []
     try:
@@ -172,11 +148,7 @@ def csv_rows(values: Array) -> str:
 
 
 def write_json(path: str | os.PathLike[str], value: Any) -> None:
-    """Write a JSON file, as `write_bytes`.
-
-    Raises:
-        FFGymError: if the value has no JSON form (NaN and infinity have none), or the file cannot be written.
-    """
+    """Write a JSON file, as `write_bytes`; NaN and infinity have no JSON form."""
     try:
         text = json.dumps(value, indent=1, allow_nan=False)
     except (TypeError, ValueError) as error:
@@ -192,11 +164,7 @@ def encode_arrays(arrays: Mapping[str, Any]) -> bytes:
 
 
 def decode_arrays(data: bytes) -> dict[str, Any]:
-    """Arrays in the bytes of an NPZ file.
-
-    Raises:
-        FFGymError: if it is damaged, holds a name twice, or something that is no array.
-    """
+    """Arrays in the bytes of an NPZ file that is whole, and holds nothing else and no name twice."""
     try:
         with np.load(io.BytesIO(data), allow_pickle=False) as file:
             names = list(file.files)

@@ -20,7 +20,7 @@ import numpy as np
 import scipy
 
 from ffgym.core.errors import FFGymError, check_choice
-from ffgym.core.types import Array, BoolArray
+from ffgym.core.types import Array
 from ffgym.effects.parameters import Parameter, declared
 from ffgym.effects.state import ResolverError, State, Torques, no_memory
 from ffgym.recordings import FAMILIES, Recording
@@ -71,10 +71,16 @@ class Effect(ABC):
     more, and of their family to somebody who asks for no more."""
 
     def __post_init__(self) -> None:
-        given = {p.name: p.numbers(self.name, getattr(self, p.name)) for p in self.parameters().values()}
-        n = self._length(given)
-        for known in self.parameters().values():
-            array = known.checked(self.name, given[known.name], n)
+        known_ones = self.parameters().values()
+        given = {p.name: p.numbers(self.name, getattr(self, p.name)) for p in known_ones}
+        # the number of joints, from what is given per joint; one number alone is one joint
+        lengths = {len(given[p.name]) for p in known_ones if p.per in ("joint", "pair") and given[p.name].ndim > 0}
+        if len(lengths) > 1:
+            raise FFGymError(
+                f"Parameters of effect {self.name} are for {sorted(lengths)} joints, must be for one number."
+            )
+        for known in known_ones:
+            array = known.checked(self.name, given[known.name], max(lengths, default=1))
             array.setflags(write=False)
             object.__setattr__(self, known.name, array)
 
@@ -133,33 +139,16 @@ class Effect(ABC):
         if self.n_joints not in (None, robot.n_joints):
             raise FFGymError(f"Effect {self.name} is for {self.n_joints} joints, {robot.name!r} has {robot.n_joints}.")
         if self.needs_elasticity:
-            rigid = [j for j, r, a in zip(robot.joints, robot.drive.is_rigid, self._acts(), strict=True) if r and a]
+            acts = np.zeros(self.n_joints or 0, dtype=np.bool_)  # where a parameter differs from its null value
+            for known in self.parameters().values():
+                if known.null is not None and known.per == "joint":
+                    acts |= getattr(self, known.name) != known.null
+            rigid = [j for j, r, a in zip(robot.joints, robot.drive.is_rigid, acts, strict=True) if r and a]
             if rigid:
                 raise FFGymError(
                     f"Effect {self.name} acts in the elasticity of the joint, but {rigid} of {robot.name!r} are rigid. "
                     f"Give them a joint_stiffness, or leave the effect at its null value there."
                 )
-
-    def _acts(self) -> BoolArray:
-        """Where a parameter with a null value differs from it, shape (N,)."""
-        acts = np.zeros(self.n_joints or 0, dtype=np.bool_)
-        for known in self.parameters().values():
-            if known.null is not None and known.per == "joint":
-                acts |= getattr(self, known.name) != known.null
-        return acts
-
-    def _length(self, given: Mapping[str, Array]) -> int:
-        """Number of joints, from the parameter that is given per joint; one number alone is one joint."""
-        lengths = {
-            given[p.name].shape[0]
-            for p in self.parameters().values()
-            if p.per in ("joint", "pair") and given[p.name].ndim > 0
-        }
-        if len(lengths) > 1:
-            raise FFGymError(
-                f"Parameters of effect {self.name} are for {sorted(lengths)} joints, must be for one number."
-            )
-        return lengths.pop() if lengths else 1
 
 
 class NativeEffect(Effect):
