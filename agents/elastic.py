@@ -42,6 +42,7 @@ from ffgym.agents.flexible_joints import (
     given_torque,
     lead_between,
     links_torque,
+    motion_at,
     step_friction,
     wound_up,
     wound_up_sums,
@@ -185,7 +186,7 @@ class ElasticLaw(CausalLaw):
         gravity, links = rows[..., 0, :], rows[..., 1:-6, :]  # in the order of `_remembered`
         angle, speed, acceleration, integral, bristle, friction = (rows[..., k, :] for k in range(-6, 0))
         lead = Lead(angle=angle, speed=speed, acceleration=acceleration)
-        here, after, newest = (_sample(window, k) for k in (1, 2, self.preview))
+        here, after, newest = (motion_at(window, k) for k in (1, 2, self.preview))
         links = np.concatenate([links, (self.links(*newest) - gravity)[..., None, :]], axis=-2)
         next_lead = self.lead(links, dt)
         dq, next_dq = self.motor_speed(here[1], lead), self.motor_speed(after[1], next_lead)
@@ -225,11 +226,6 @@ class ElasticLaw(CausalLaw):
         drive = self.model.robot.drive
         rotor = drive.rotor_inertia * (motor_ddq + drive.motor_angle(lead.acceleration))
         return drive.motor_torque(links) + rotor + friction
-
-
-def _sample(window: Window, k: int) -> tuple[Array, Array, Array]:
-    """Position, motor speed and motor acceleration of sample `k`."""
-    return window.q[..., k, :], window.motor_dq[..., k, :], window.motor_ddq[..., k, :]
 
 
 def _remembered(gravity: Array, links: Array, lead: Lead, integral: Array, bristle: Array, friction: Array) -> Array:

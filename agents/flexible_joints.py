@@ -11,7 +11,7 @@ from math import factorial
 
 import numpy as np
 
-from ffgym.control import DynamicLuGreExact
+from ffgym.control import DynamicLuGreExact, Window
 from ffgym.core.types import Array
 from ffgym.robot import RigidArm
 from ffgym.robot.drive import Drive
@@ -27,6 +27,11 @@ class Lead:
     """[rad/s]."""
     acceleration: Array
     """[rad/s^2]."""
+
+
+def motion_at(window: Window, k: int) -> tuple[Array, Array, Array]:
+    """Position, motor speed and motor acceleration of the reference at sample `k`."""
+    return window.q[..., k, :], window.motor_dq[..., k, :], window.motor_ddq[..., k, :]
 
 
 def lead_between(bend: Array, relaxation: Array, dt: float) -> Lead:

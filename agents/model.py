@@ -37,9 +37,9 @@ import numpy as np
 
 from ffgym.agents.declaration import Entry, declare
 from ffgym.agents.elastic import ElasticLaw, elastic_law
-from ffgym.agents.flexible_joints import Lead, bristles_within, error_of, given_torque, in_parts, wound_up
+from ffgym.agents.flexible_joints import Lead, bristles_within, error_of, given_torque, in_parts, motion_at, wound_up
 from ffgym.agents.model_springs import Carried, Past, Springs, Start, unpacked
-from ffgym.agents.model_states import Motors, Place, States
+from ffgym.agents.model_states import Motors, Place
 from ffgym.control import CausalLaw, DynamicLuGreExact, LawStyle, Window
 from ffgym.core.types import Array
 from ffgym.effects import Effect, NativeEffect, ResolverEffect, TorqueEffect
@@ -68,16 +68,13 @@ def model_law(
     believed = machine if isinstance(machine, Machine) else load_machine(machine)
     known = controller or RigidArm(believed.robot)
     check_same_controller(believed.robot, known.robot)
-    elastic = elastic_law(RigidArm(believed.physical), _tuned(known, believed), name)
+    servo = believed.physical.servo  # which an effect may have tuned otherwise
+    if servo is not believed.robot.servo:
+        known = RigidArm(replace(known.robot, servo=servo))
+    elastic = elastic_law(RigidArm(believed.physical), known, name)
     if not believed.torque_effects and not believed.resolver_effects:
         return elastic
     return ModelLaw(machine=believed, elastic=elastic)
-
-
-def _tuned(controller: RigidArm, machine: Machine) -> RigidArm:
-    """The existing controller with the servo that the machine has, which an effect may have tuned otherwise."""
-    servo = machine.physical.servo
-    return controller if servo is machine.robot.servo else RigidArm(replace(controller.robot, servo=servo))
 
 
 def left_alone(machine: Machine) -> tuple[Effect, ...]:
@@ -113,11 +110,11 @@ class ModelLaw(CausalLaw):
 
     @cached_property
     def _springs(self) -> Springs:
-        return Springs.of(States(machine=self.machine))
+        return Springs(machine=self.machine)
 
     @cached_property
     def _motors(self) -> Motors:
-        return Motors.of(States(machine=self.machine))
+        return Motors(machine=self.machine)
 
     @cached_property
     def _friction(self) -> DynamicLuGreExact:
@@ -135,53 +132,65 @@ class ModelLaw(CausalLaw):
         start, springs, motors = self._rest(q)
         rows = [Carried(load=start.load, bend=start.bend, reaction=still)]
         for k in range(reach + 2):
-            found, springs = self._carried(_sample(window, k), start, rows[-1], springs, dt)
+            found, springs = self._carried(window, k, start, rows[-1], springs)
             rows.append(found)
         rows = [rows[1]] * reach + rows[1:]  # it rested before
-        lead, next_lead = (self._lead(rows[k : k + 2 * reach + 1], start, dt) for k in (0, 1))
-        here = self._place(_sample(window, 0), rows[reach], lead, start, still)
-        after = self._place(_sample(window, 1), rows[reach + 1], next_lead, start, still + dt)
-        _, lost, bristle, motors = self._lost(here, after, still, motors, dt)  # from relaxed bristles on
-        seen, next_seen = self._seen(here, lead, start), self._seen(after, next_lead, start)
-        return Past(
+        past = Past(
             start=start,
-            carried=tuple(rows[2:]),
-            time=still + dt,
-            lead=next_lead,
-            integral=0.5 * dt * (seen.angle + next_seen.angle),
-            bristle=bristle,
-            lost=lost,
+            carried=tuple(rows[1:-1]),
+            time=still,
+            lead=self._lead(rows[:-1], start, dt),
+            integral=still,
+            bristle=still,
+            lost=still,
             springs=springs,
             motors=motors,
-        ).packed()
+        )
+        return self._advanced(past, window, 0, rows[-1])[-1].packed()
 
     def step(self, memory: Array, window: Window) -> tuple[Array, Array]:
-        """See base class; `here` is sample 1, whose torque is wanted, `after` the next one."""
-        dt, past = window.dt, self._past(memory)
-        start, lead = past.start, past.lead
-        newest, springs = self._carried(_sample(window, self.preview), start, past.carried[-1], past.springs, dt)
-        rows = (*past.carried, newest)
-        next_lead = self._lead(rows, start, dt)
-        here = self._place(_sample(window, 1), rows[self.preview - 3], lead, start, past.time)
-        after = self._place(_sample(window, 2), rows[self.preview - 2], next_lead, start, past.time + dt)
-        more, lost, bristle, motors = self._lost(here, after, past.bristle, past.motors, dt)
-        needed = here.needed - self._drive.motor_torque(start.load) + past.lost + more + start.added
-        seen, next_seen = self._seen(here, lead, start), self._seen(after, next_lead, start)
-        given = given_torque(self.elastic.known, *_sample(window, 1), seen, past.integral)
-        carried = self._drive.motor_torque(start.load) - start.added
-        integral = past.integral + 0.5 * dt * (seen.angle + next_seen.angle)
+        """See base class; the torque of sample 1 is wanted."""
+        past = self._past(memory)
+        newest, springs = self._carried(window, self.preview, past.start, past.carried[-1], past.springs)
+        here, seen, lost, later = self._advanced(replace(past, springs=springs), window, 1, newest)
+        needed = here.needed - self._drive.motor_torque(past.start.load) + past.lost + lost + past.start.added
+        given = given_torque(self.elastic.known, *motion_at(window, 1), seen, past.integral)
+        carried = self._drive.motor_torque(past.start.load) - past.start.added
+        integral = wound_up(later.integral, self.elastic.known, self._drive.joint_torque(carried))
+        return needed - given, replace(later, integral=integral).packed()
+
+    def _advanced(self, past: Past, window: Window, k: int, newest: Carried) -> tuple[Place, Lead, Array, Past]:
+        """The step from sample `k` of the window to the next one.
+
+        Returns:
+            Where the arm is at sample `k`, the lead as the servo sees it there, friction less what effects add within
+            the step as its part of that sample [N m], and what is remembered after the step.
+        """
+        dt, start, rows = window.dt, past.start, (*past.carried, newest)
+        middle = len(rows) // 2
+        lead = self._lead(rows, start, dt)
+        here = self._place(motion_at(window, k), rows[middle - 1], past.lead, start, past.time)
+        after = self._place(motion_at(window, k + 1), rows[middle], lead, start, past.time + dt)
+        # friction less what effects add, in the middle of sub-steps
+        law = self._friction
+        dq, next_dq = (self._drive.motor_angle(place.joint_speed) for place in (here, after))
+        middles, speeds, bristle = bristles_within(law, past.bristle, dq, next_dq, dt)
+        friction = law.friction.torque(middles, speeds)
+        added, motors = self._motors.within(here.towards(after, law.shares), middles, friction, past.motors, dt)
+        lost, next_lost = in_parts(friction - added)
+        seen, next_seen = self._seen(here, past.lead, start), self._seen(after, lead, start)
         later = Past(
             start=start,
             carried=rows[1:],
             time=past.time + dt,
-            lead=next_lead,
-            integral=wound_up(integral, self.elastic.known, self._drive.joint_torque(carried)),
+            lead=lead,
+            integral=past.integral + 0.5 * dt * (seen.angle + next_seen.angle),
             bristle=bristle,
-            lost=lost,
-            springs=springs,
+            lost=next_lost,
+            springs=past.springs,
             motors=motors,
         )
-        return needed - given, later.packed()
+        return here, seen, lost, later
 
     def own_error(self, memory: Array) -> tuple[Array, Array]:
         """See base class; motors lead their reference, and resolvers read what they read."""
@@ -213,12 +222,12 @@ class ModelLaw(CausalLaw):
         return replace(start, added=carried.reaction + added), springs, motors
 
     def _carried(
-        self, sample: tuple[Array, Array, Array], start: Start, before: Carried, springs: list[Array], dt: float
+        self, window: Window, k: int, start: Start, before: Carried, springs: list[Array]
     ) -> tuple[Carried, list[Array]]:
-        """What gearboxes and springs carry at a sample of the reference, and what effects remember then."""
-        q, motor_dq, _ = sample
-        needed, dq = self.elastic.links(*sample), self._drive.joint_angle(motor_dq)
-        return self._springs.next(needed, q, dq, start.bend, before, springs, dt)
+        """What gearboxes and springs carry at sample `k`, and what effects remember then."""
+        q, motor_dq, motor_ddq = motion_at(window, k)
+        needed, dq = self.elastic.links(q, motor_dq, motor_ddq), self._drive.joint_angle(motor_dq)
+        return self._springs.next(needed, q, dq, start.bend, before, springs, window.dt)
 
     def _lead(self, rows: Sequence[Carried], start: Start, dt: float) -> Lead:
         """Lead at the middle one of an odd number of samples."""
@@ -240,17 +249,6 @@ class ModelLaw(CausalLaw):
             needed=drive.motor_torque(carried.load) + rotor - carried.reaction,
         )
 
-    def _lost(
-        self, here: Place, after: Place, bristle: Array, motors: list[Array], dt: float
-    ) -> tuple[Array, Array, Array, list[Array]]:
-        """Friction less what effects add within a step, as parts of both ends [N m]; bristles and memories after it."""
-        law = self._friction
-        dq, next_dq = (self._drive.motor_angle(place.joint_speed) for place in (here, after))
-        middles, speeds, bristle = bristles_within(law, bristle, dq, next_dq, dt)
-        friction = law.friction.torque(middles, speeds)
-        added, motors = self._motors.within(here.towards(after, law.shares), middles, friction, motors, dt)
-        return *in_parts(friction - added), bristle, motors
-
     def _seen(self, place: Place, lead: Lead, start: Start) -> Lead:
         """The lead as the resolver shows it to the servo."""
         angle, speed = self._drive.motor_angle(place.joint_angle), self._drive.motor_angle(place.joint_speed)
@@ -260,11 +258,6 @@ class ModelLaw(CausalLaw):
             speed=lead.speed + self._drive.joint_angle(read_speed - speed),
             acceleration=lead.acceleration,
         )
-
-
-def _sample(window: Window, k: int) -> tuple[Array, Array, Array]:
-    """Position, motor speed and motor acceleration of sample `k`."""
-    return window.q[..., k, :], window.motor_dq[..., k, :], window.motor_ddq[..., k, :]
 
 
 FITTED = "model_fitted"

@@ -11,15 +11,17 @@ side of the gap the spring is; a motor cannot jump from one to the other, and cr
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
+from functools import cached_property
 
 import numpy as np
 
 from ffgym.agents.flexible_joints import Lead
-from ffgym.agents.model_states import Place, States
+from ffgym.agents.model_states import Place, state_at
 from ffgym.core.types import Array
-from ffgym.effects import State, TorqueEffect, Torques
+from ffgym.effects import TorqueEffect, Torques
 from ffgym.effects.elasticity import Backlash
 from ffgym.effects.leads import Leads
+from ffgym.simulation.plant import Machine
 
 REACH = 1e-3
 """Deflection [rad] beyond that of the linear spring in which the root is looked for; chosen: three arc minutes, more
@@ -51,31 +53,28 @@ class Carried:
 class Springs:
     """Effects that act on springs and links, of one machine."""
 
-    states: States
-    effects: tuple[TorqueEffect, ...]
-    """All but gaps."""
-    half_gap: Array
-    """Half the room between teeth [rad], link side, shape (N,)."""
+    machine: Machine
 
-    @classmethod
-    def of(cls, states: States) -> "Springs":
-        """Those of a machine, in the order in which a plant adds them up."""
-        chosen = [effect for effect in states.machine.torque_effects if effect.side == "link"]
-        gaps = [effect.half_gap for effect in chosen if isinstance(effect, Backlash)]
-        others = [effect for effect in chosen if not isinstance(effect, Backlash)]
-        return cls(
-            states=states,
-            effects=tuple(sorted(others, key=lambda effect: effect.name)),
-            half_gap=sum(gaps, np.zeros(states.machine.robot.n_joints)),
-        )
+    @cached_property
+    def effects(self) -> tuple[TorqueEffect, ...]:
+        """All but gaps, in the order in which a plant adds them up."""
+        chosen = [e for e in self.machine.torque_effects if e.side == "link" and not isinstance(e, Backlash)]
+        return tuple(sorted(chosen, key=lambda effect: effect.name))
+
+    @cached_property
+    def half_gap(self) -> Array:
+        """Half the room between teeth [rad], link side, shape (N,)."""
+        gaps = [effect.half_gap for effect in self.machine.torque_effects if isinstance(effect, Backlash)]
+        return sum(gaps, np.zeros(self.machine.robot.n_joints))
 
     def rest(self, needed: Array, q: Array) -> tuple[Carried, list[Array]]:
         """What is carried where the robot rests at `q` (..., N), and what effects remember there."""
         none = np.zeros_like(q)
         still = self._place(needed, q, none, none, none, none)
-        memories = [effect.initial_memory(self._state(still)) for effect in self.effects]
+        state = state_at(self.machine, still, bristle=none, command=none)
+        memories = [effect.initial_memory(state) for effect in self.effects]
         carried, _ = self._carried(lambda bent: self._place(needed, q, none, bent, none, bent), needed, memories, 1.0)
-        return self._beyond_gap(carried, self.states.machine.physical.drive.joint_stiffness * LOOSE), memories
+        return self._beyond_gap(carried, self.machine.physical.drive.joint_stiffness * LOOSE), memories
 
     def next(
         self, needed: Array, q: Array, dq: Array, start: Array, before: Carried, memories: Sequence[Array], dt: float
@@ -91,7 +90,7 @@ class Springs:
             memories: what effects remember, (..., N, M) each.
             dt: time between samples [s].
         """
-        drive = self.states.machine.physical.drive
+        drive = self.machine.physical.drive
         started, last = -start / drive.joint_stiffness, -before.bend / drive.joint_stiffness
 
         def place(bent: Array) -> Place:
@@ -107,14 +106,14 @@ class Springs:
         pressed = np.divide(carried.load, full, out=np.sign(carried.load), where=full > 0)
         side = np.minimum(np.maximum(pressed, -1.0), 1.0)
         smooth = side * (1.5 - 0.5 * side * side)  # so that speed does not jump either
-        stiffness = self.states.machine.physical.drive.joint_stiffness
+        stiffness = self.machine.physical.drive.joint_stiffness
         across = np.where(self.half_gap > 0, stiffness, 0.0) * self.half_gap * smooth
         return replace(carried, bend=carried.bend + across)
 
     def _carried(
         self, place: Callable[[Array], Place], needed: Array, memories: Sequence[Array], dt: float
     ) -> tuple[Carried, list[Array]]:
-        drive = self.states.machine.physical.drive
+        drive = self.machine.physical.drive
         if not self.effects:
             return Carried(load=needed, bend=needed, reaction=np.zeros_like(needed)), []
 
@@ -133,7 +132,7 @@ class Springs:
         return Carried(load=load, bend=bend, reaction=reaction), later
 
     def _place(self, needed: Array, q: Array, dq: Array, bent: Array, rate: Array, started: Array) -> Place:
-        drive = self.states.machine.physical.drive
+        drive = self.machine.physical.drive
         linear = -np.where(drive.is_rigid, 0.0, drive.joint_stiffness) * bent
         return Place(
             time=np.zeros_like(bent),
@@ -145,13 +144,10 @@ class Springs:
             needed=needed,
         )
 
-    def _state(self, place: Place) -> State:
-        none = np.zeros_like(place.deflection)
-        return self.states.at(place, bristle=none, command=none)
-
     def _sum(self, place: Place, memories: Sequence[Array], dt: float) -> tuple[Torques, list[Array]]:
         """All torques together; what a spring adds is load for the next effect, as in a plant."""
-        state, total, later = self._state(place), Torques(), []
+        none = np.zeros_like(place.deflection)
+        state, total, later = state_at(self.machine, place, bristle=none, command=none), Torques(), []
         alone, leads = state.load, Leads(are_in_load=True)
         for effect, memory in zip(self.effects, memories, strict=True):
             added, after = effect.torques(state, memory, dt)

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
+from functools import cached_property
 
 import numpy as np
 
@@ -45,56 +46,47 @@ class Place:
         return Place(**{f.name: between(f.name) for f in fields(self)})
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class States:
-    """States of one machine."""
+def state_at(machine: Machine, place: Place, *, bristle: Array, command: Array) -> State:
+    """State that effects of a machine are asked at.
 
-    machine: Machine
+    Args:
+        machine: what the law believes.
+        place: where motors and links are, (..., N).
+        bristle: deflection of the LuGre bristles [rad], (..., N).
+        command: torque that the servo commands [N m], motor side, (..., N).
+    """
+    drive, friction = machine.physical.drive, machine.physical.friction
+    speed, climate = drive.motor_angle(place.joint_speed), machine.climate or AMBIENT
+    times = place.time[..., 0].reshape(-1)  # the same for all joints
+    return State(
+        time=place.time,
+        running=climate.running_since + place.time,
+        motor_angle=drive.motor_angle(place.joint_angle),
+        motor_speed=speed,
+        joint_angle=place.joint_angle,
+        joint_speed=place.joint_speed,
+        deflection=place.deflection,
+        deflection_rate=place.deflection_rate,
+        load=place.load,
+        load_at_motor=drive.motor_torque(place.load),
+        joint_stiffness=np.where(drive.is_rigid, 0.0, drive.joint_stiffness),
+        joint_damping=np.where(drive.is_rigid, 0.0, drive.joint_damping),
+        friction_sign=friction.bristle_stiffness * bristle / friction.stribeck_level(speed),
+        coulomb=friction.coulomb,
+        static=friction.static,
+        viscous=friction.viscous,
+        stribeck_velocity=friction.stribeck_velocity,
+        feedback_torque=np.zeros_like(command),
+        motor_torque=_limited(machine, command),
+        peak_torque=drive.peak_torque,
+        temperature=climate.temperature(times, machine.robot.n_joints).reshape(place.time.shape),
+    )
 
-    def at(self, place: Place, *, bristle: Array, command: Array) -> State:
-        """State of effects.
 
-        Args:
-            place: where motors and links are, (..., N).
-            bristle: deflection of the LuGre bristles [rad], (..., N).
-            command: torque that the servo commands [N m], motor side, (..., N).
-        """
-        robot = self.machine.physical
-        drive, friction = robot.drive, robot.friction
-        rigid, speed = drive.is_rigid, drive.motor_angle(place.joint_speed)
-        return State(
-            time=place.time,
-            running=(self.machine.climate or AMBIENT).running_since + place.time,
-            motor_angle=drive.motor_angle(place.joint_angle),
-            motor_speed=speed,
-            joint_angle=place.joint_angle,
-            joint_speed=place.joint_speed,
-            deflection=place.deflection,
-            deflection_rate=place.deflection_rate,
-            load=place.load,
-            load_at_motor=drive.motor_torque(place.load),
-            joint_stiffness=np.where(rigid, 0.0, drive.joint_stiffness),
-            joint_damping=np.where(rigid, 0.0, drive.joint_damping),
-            friction_sign=friction.bristle_stiffness * bristle / friction.stribeck_level(speed),
-            coulomb=friction.coulomb,
-            static=friction.static,
-            viscous=friction.viscous,
-            stribeck_velocity=friction.stribeck_velocity,
-            feedback_torque=np.zeros_like(command),
-            motor_torque=self.limited(command),
-            peak_torque=drive.peak_torque,
-            temperature=self._temperature(place.time),
-        )
-
-    def limited(self, command: Array) -> Array:
-        """What drives give of a command [N m], motor side."""
-        peak = self.machine.physical.drive.peak_torque
-        return np.minimum(np.maximum(command, -peak), peak)
-
-    def _temperature(self, time: Array) -> Array:
-        """[degC] at times that are the same for all joints, (..., N)."""
-        climate, n = self.machine.climate or AMBIENT, self.machine.robot.n_joints
-        return climate.temperature(time[..., 0].reshape(-1), n).reshape(time.shape)
+def _limited(machine: Machine, command: Array) -> Array:
+    """What drives give of a command [N m], motor side."""
+    peak = machine.physical.drive.peak_torque
+    return np.minimum(np.maximum(command, -peak), peak)
 
 
 ROUNDS = 5
@@ -105,21 +97,20 @@ ROUNDS = 5
 class Motors:
     """Effects that act on the motors alone, of one machine."""
 
-    states: States
-    effects: tuple[TorqueEffect, ...]
+    machine: Machine
 
-    @classmethod
-    def of(cls, states: States) -> "Motors":
-        """Those of a machine."""
-        chosen = [effect for effect in states.machine.torque_effects if effect.side != "link"]
-        return cls(states=states, effects=tuple(sorted(chosen, key=lambda effect: effect.name)))
+    @cached_property
+    def effects(self) -> tuple[TorqueEffect, ...]:
+        """Those of the machine, in a fixed order."""
+        chosen = [effect for effect in self.machine.torque_effects if effect.side != "link"]
+        return tuple(sorted(chosen, key=lambda effect: effect.name))
 
     def rest(self, place: Place) -> tuple[Array, list[Array]]:
         """What effects add to motors at rest [N m], (..., N), and what they remember there."""
         none, added = np.zeros_like(place.load), np.zeros_like(place.load)
         memories: list[Array] = []
         for _ in range(ROUNDS + 1):
-            state = self.states.at(place, bristle=none, command=place.needed - added)
+            state = state_at(self.machine, place, bristle=none, command=place.needed - added)
             memories = [effect.initial_memory(state) for effect in self.effects]
             added = none
             for effect, memory in zip(self.effects, memories, strict=True):
@@ -142,35 +133,28 @@ class Motors:
         added, later = np.zeros_like(needed), list[Array]()
         if not self.effects:
             return added, later
-        states = self.states.at(between, bristle=bristles, command=needed)
+        states = state_at(self.machine, between, bristle=bristles, command=needed)
+        # effects with memory, sub-step by sub-step
         for effect, memory in zip(self.effects, memories, strict=True):
+            after = memory
             if memory.shape[-1]:
-                torque, memory = _stepped(effect, states, memory, dt / len(needed))
-                added = added + torque
-            later.append(memory)
-        return added + self._at_once(states, needed - added, memories), later
-
-    def _at_once(self, states: State, needed: Array, memories: Sequence[Array]) -> Array:
-        """What effects without memory add to a command that gives `needed` with them [N m], (S, ..., N)."""
-        added = np.zeros_like(needed)
+                torques = []
+                for state in samples(states):
+                    torque, after = effect.torques(state, after, dt / len(needed))
+                    torques.append(np.zeros_like(state.load) if torque.motor is None else torque.motor)
+                added = added + np.stack(torques)
+            later.append(after)
+        # the others at once: what they add to a command that gives what is needed with them
+        needed, at_once = needed - added, np.zeros_like(needed)
         for _ in range(ROUNDS):
-            states.motor_torque = self.states.limited(needed - added)
-            before, added = added, np.zeros_like(needed)
+            states.motor_torque = _limited(self.machine, needed - at_once)
+            before, at_once = at_once, np.zeros_like(needed)
             for effect, memory in zip(self.effects, memories, strict=True):
                 if not memory.shape[-1]:
-                    added = _with(added, effect.torques(states, memory, 1.0)[0].motor)
-            if np.array_equal(before, added):  # further rounds change no bit
+                    at_once = _with(at_once, effect.torques(states, memory, 1.0)[0].motor)
+            if np.array_equal(before, at_once):  # further rounds change no bit
                 break
-        return added
-
-
-def _stepped(effect: TorqueEffect, states: State, memory: Array, dt: float) -> tuple[Array, Array]:
-    """What an effect with memory adds at sub-steps (S, ..., N), and what it remembers at their end."""
-    torques = []
-    for state in samples(states):
-        added, memory = effect.torques(state, memory, dt)
-        torques.append(np.zeros_like(state.load) if added.motor is None else added.motor)
-    return np.stack(torques), memory
+        return added + at_once, later
 
 
 def _with(total: Array, more: Array | None) -> Array:
