@@ -23,27 +23,20 @@ sample by sample, which is there for comparison (`scripts.forgetting`). Training
 computes in double precision on one thread, and no joint touches another: Adam treats every weight by itself.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from types import ModuleType
-from typing import TYPE_CHECKING, ClassVar, Self, final
+from typing import ClassVar, Self, final
 
 import numpy as np
 
 from ffgym.agents.declaration import Entry, declare
 from ffgym.agents.lffc import Network, thesis_training
-from ffgym.agents.trials import Lesson, Trial, every_speed
+from ffgym.agents.trials import Lesson, Trial, evenly, every_speed
 from ffgym.control import LawStyle, Window
 from ffgym.control.observation import Scales
 from ffgym.core.errors import FFGymError, check_shape, check_whole
-from ffgym.core.types import Array, BoolArray, IntArray
+from ffgym.core.types import Array
 from ffgym.robot import RigidArm, RobotDescription
-
-if TYPE_CHECKING:
-    from torch import Tensor
-    from torch.optim import Optimizer
-
 
 N_STEPS = 200
 """Full-batch steps of Adam in an update. Chosen: with 50, ten updates leave a tenth more motor error."""
@@ -56,16 +49,6 @@ STEP_SIZE = 0.02
 N_ROWS = 500
 """Samples of a lesson in an update, evenly in time. Chosen: a speed of the motors counts alike in each lesson, and an
 update of six motors on three motions takes about a second."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Examples:
-    """What a network shall say: R rows for each of N joints."""
-
-    inputs: Array
-    """Scaled speed and acceleration, shape (N, R, 2)."""
-    targets: Array
-    """Torque in units of its scale, shape (N, R)."""
 
 
 N_HIDDEN = 16
@@ -112,7 +95,11 @@ class MLP(Network):
         """
         scales = Scales.of(robot)
         shape = (robot.n_joints, check_whole("n_hidden", n_hidden, low=1))
-        slopes = [_drawn(rng, limits, shape) for limits in (SPEED_SLOPES, ACCELERATION_SLOPES)]
+        slopes = []
+        for limits in (SPEED_SLOPES, ACCELERATION_SLOPES):  # of either sign, evenly in the logarithm of their size
+            low, high = np.log(limits)
+            size = np.exp(rng.uniform(low, high, shape))
+            slopes.append(size * rng.choice([-1.0, 1.0], shape))
         return cls(
             hidden=np.stack(slopes, axis=-1),
             bias=rng.normal(size=shape),
@@ -137,13 +124,13 @@ class MLP(Network):
 
     def torque_at(self, motor_dq: Array, motor_ddq: Array) -> Array:
         """Torque [N m] at motor speed [rad/s] and acceleration [rad/s^2], all of shape (..., N)."""
-        v, a = self._inputs(motor_dq, motor_ddq)
+        v, a = motor_dq / self.scales[0], motor_ddq / self.scales[1]
         active = np.tanh(self.hidden[..., 0] * v[..., None] + self.hidden[..., 1] * a[..., None] + self.bias)
         return np.asarray(self.scales[2] * (self.offset + (self.output * active).sum(axis=-1)))
 
     def adapted(self, lessons: Sequence[Lesson], rate: float) -> Self:
         """See base class: fitted to its own torque plus `rate` times the signal, at some samples of each lesson."""
-        rows = [_evenly(lesson.moving) for lesson in lessons]
+        rows = [evenly(lesson.moving, N_ROWS) for lesson in lessons]
         dq, ddq, signal = (
             np.concatenate([getattr(lesson, name)[chosen] for lesson, chosen in zip(lessons, rows, strict=True)])
             for name in ("motor_dq", "motor_ddq", "signal")
@@ -151,8 +138,8 @@ class MLP(Network):
         return self.fitted_to(dq, ddq, self.torque_at(dq, ddq) + rate * signal)
 
     def fitted_to(self, motor_dq: Array, motor_ddq: Array, wanted: Array) -> Self:
-        """After a fit to all samples at once; arguments as for `adapted_in_order`."""
-        return self.with_weights(_fitted(self.weights, self._examples(motor_dq, motor_ddq, wanted)))
+        """After `N_STEPS` steps of Adam towards the least mean square error; arguments as for `adapted_in_order`."""
+        return self._descended(motor_dq, motor_ddq, wanted, None)
 
     def adapted_in_order(self, motor_dq: Array, motor_ddq: Array, wanted: Array, rate: float) -> Self:
         """After samples one by one, each a step of `rate` down the gradient of its own squared error, thesis (3.15).
@@ -163,96 +150,45 @@ class MLP(Network):
             wanted: torque that the network should give there [N m], shape (T, N).
             rate: learning rate for errors in units of the torque scale.
         """
-        examples = self._examples(motor_dq, motor_ddq, wanted)
-        return self.with_weights(_walked(self.weights, examples, rate))
+        return self._descended(motor_dq, motor_ddq, wanted, rate)
 
-    def _inputs(self, motor_dq: Array, motor_ddq: Array) -> tuple[Array, Array]:
-        return motor_dq / self.scales[0], motor_ddq / self.scales[1]
-
-    def _examples(self, motor_dq: Array, motor_ddq: Array, wanted: Array) -> Examples:
-        inputs = np.stack(self._inputs(motor_dq, motor_ddq), axis=-1)
-        return Examples(inputs=inputs.swapaxes(0, 1), targets=(wanted / self.scales[2]).T)
+    def _descended(self, motor_dq: Array, motor_ddq: Array, wanted: Array, rate: float | None) -> Self:
+        """After steps down the gradient: of Adam on all samples, or of `rate` on each sample in the order of time."""
+        try:
+            import torch
+        except ImportError as error:
+            raise FFGymError("Training a multi-layer perceptron needs torch; pip install 'ffgym[rl]'.") from error
+        inputs = np.stack([motor_dq / self.scales[0], motor_ddq / self.scales[1]], axis=-1).swapaxes(0, 1)
+        threads = torch.get_num_threads()
+        torch.set_num_threads(1)  # so that sums do not depend on the machine
+        try:
+            x, y = torch.from_numpy(inputs.copy()), torch.from_numpy((wanted / self.scales[2]).T.copy())
+            weights = {
+                name: torch.tensor(value, dtype=torch.float64, requires_grad=True)
+                for name, value in self.weights.items()
+            }
+            steps: torch.optim.Optimizer
+            if rate is None:
+                steps, share = torch.optim.Adam(weights.values(), lr=STEP_SIZE), 1.0
+                rows = [slice(None)] * N_STEPS
+            else:
+                steps, share = torch.optim.SGD(weights.values(), lr=rate), 0.5
+                rows = [slice(row, row + 1) for row in range(len(wanted))]
+            for chosen in rows:
+                steps.zero_grad()
+                inside = x[:, chosen] @ weights["hidden"].transpose(1, 2) + weights["bias"][:, None]
+                said = (torch.tanh(inside) * weights["output"][:, None]).sum(-1) + weights["offset"][:, None]
+                (share * ((said - y[:, chosen]) ** 2).mean(1).sum()).backward()  # rows are averaged, joints added up
+                steps.step()
+            return self.with_weights({name: tensor.detach().numpy().copy() for name, tensor in weights.items()})
+        finally:
+            torch.set_num_threads(threads)
 
 
 def trained_mlp(arm: RigidArm, trial: Trial, seed: int = 0) -> Network:
     """Member of the catalogue: on the motions of every speed, with rate and iterations of the thesis."""
     first = MLP.untrained(arm.robot, np.random.default_rng(seed))
     return thesis_training(arm.robot.n_joints).learn(first, every_speed(arm), trial).best
-
-
-def _drawn(rng: np.random.Generator, limits: tuple[float, float], shape: tuple[int, int]) -> Array:
-    """Numbers of either sign, evenly in the logarithm of their size between `limits`."""
-    low, high = np.log(limits)
-    size = np.exp(rng.uniform(low, high, shape))
-    return np.asarray(size * rng.choice([-1.0, 1.0], shape))
-
-
-def _fitted(weights: Mapping[str, Array], examples: Examples) -> dict[str, Array]:
-    """Weights after `N_STEPS` steps of Adam towards the least mean square error."""
-    return _descended(weights, examples, lambda torch, tensors: torch.optim.Adam(tensors, lr=STEP_SIZE), 1.0, None)
-
-
-def _walked(weights: Mapping[str, Array], examples: Examples, rate: float) -> dict[str, Array]:
-    """Weights after one gradient step of `rate` on each row, in order: thesis (3.15) for all weights of a network."""
-    rows = [slice(row, row + 1) for row in range(examples.inputs.shape[1])]
-    return _descended(weights, examples, lambda torch, tensors: torch.optim.SGD(tensors, lr=rate), 0.5, rows)
-
-
-def _descended(
-    weights: Mapping[str, Array],
-    examples: Examples,
-    optimiser: Callable[[ModuleType, Sequence["Tensor"]], "Optimizer"],
-    share: float,
-    rows: Sequence[slice] | None,
-) -> dict[str, Array]:
-    """Weights after steps of an optimiser down `share` of the cost, each on some rows; None is `N_STEPS` on all."""
-    torch = _require_torch()
-    with _one_thread(torch):
-        x, y = torch.from_numpy(examples.inputs.copy()), torch.from_numpy(examples.targets.copy())
-        tensors = {
-            name: torch.tensor(value, dtype=torch.float64, requires_grad=True) for name, value in weights.items()
-        }
-        steps = optimiser(torch, list(tensors.values()))
-        for chosen in [slice(None)] * N_STEPS if rows is None else rows:
-            steps.zero_grad()
-            (share * _cost(torch, tensors, x[:, chosen], y[:, chosen])).backward()
-            steps.step()
-        return {name: tensor.detach().numpy().copy() for name, tensor in tensors.items()}
-
-
-def _evenly(moving: BoolArray) -> IntArray:
-    """Indices of at most `N_ROWS` rows, spread evenly over those that move."""
-    rows = np.flatnonzero(moving)
-    if len(rows) <= N_ROWS:
-        return rows
-    return np.asarray(rows[np.linspace(0, len(rows) - 1, N_ROWS).round().astype(np.int64)])
-
-
-def _cost(torch: ModuleType, weights: "dict[str, Tensor]", x: "Tensor", y: "Tensor") -> "Tensor":
-    """Mean square error over rows, summed over joints."""
-    inside = x @ weights["hidden"].transpose(1, 2) + weights["bias"][:, None]
-    said = (torch.tanh(inside) * weights["output"][:, None]).sum(-1) + weights["offset"][:, None]
-    cost: Tensor = ((said - y) ** 2).mean(1).sum()
-    return cost
-
-
-def _require_torch() -> ModuleType:
-    try:
-        import torch
-    except ImportError as error:
-        raise FFGymError("Training a multi-layer perceptron needs torch; pip install 'ffgym[rl]'.") from error
-    return torch
-
-
-@contextmanager
-def _one_thread(torch: ModuleType) -> Iterator[None]:
-    """Compute on one thread, so that sums do not depend on the machine; put the caller's setting back."""
-    threads = torch.get_num_threads()
-    torch.set_num_threads(1)
-    try:
-        yield
-    finally:
-        torch.set_num_threads(threads)
 
 
 declare(

@@ -31,7 +31,7 @@ from typing import Any
 
 import numpy as np
 
-from ffgym.agents.declaration import Entry, declare
+from ffgym.agents.declaration import Entry, Setting, declare
 from ffgym.agents.elastic import elastic_law
 from ffgym.agents.law_files import digest
 from ffgym.agents.lugre import dynamic_lugre
@@ -77,16 +77,6 @@ class Practice:
         first = torque.copy()
         first[0] = 0.0  # no torque is computed before t = 0
         return cls(torque=first, best=first, motion_error=np.zeros(0), circle_error=np.zeros((0, n_circles)))
-
-    def tried(self, motion_error: float, circle_error: Sequence[float], following: Array) -> "Practice":
-        """After a trial of `torque` with these errors; `following` is to be tried next."""
-        is_best = not (motion_error >= self.motion_error).any()
-        return Practice(
-            torque=following,
-            best=self.torque if is_best else self.best,
-            motion_error=np.append(self.motion_error, motion_error),
-            circle_error=np.vstack([self.circle_error, circle_error]),
-        )
 
     @property
     def trials(self) -> int:
@@ -151,6 +141,11 @@ class IterativeLearning:
             check_number("tolerance", self.tolerance, unit="rad or m", low=0.0, open_low=True)
 
     @property
+    def epsilon(self) -> float:
+        """Error that is worth a correction by Coulomb friction [rad], motor side, or [m]."""
+        return TOLERANCES[self.target] if self.tolerance is None else self.tolerance
+
+    @property
     def name(self) -> str:
         """Name of the laws it makes."""
         return f"ilc_{self.target}"
@@ -185,7 +180,10 @@ class IterativeLearning:
         if state is not None:
             settings = self._settings(references, steps, practices)
             file = StateFile(path=Path(state), kind="practice", settings=settings)
-            practices = _unpacked(file.read(), practices)
+            kept = file.read()
+            if kept is not None:
+                names = range(len(practices))
+                practices = [Practice(**{f.name: kept[f"{f.name}_{i}"] for f in fields(Practice)}) for i in names]
         for number in range(practices[0].trials, trials):
             runs = [
                 Run(reference=reference, law=self._law([reference], [practice.torque]))
@@ -197,18 +195,25 @@ class IterativeLearning:
                 for practice, run, recording, step in zip(practices, runs, recordings, steps, strict=True)
             ]
             if file is not None:
-                file.write(_packed(practices))
+                rows = ((f.name, i, practice) for i, practice in enumerate(practices) for f in fields(Practice))
+                file.write({f"{name}_{i}": getattr(practice, name) for name, i, practice in rows})
             if progress is not None:
                 progress(number + 1, trials)
         best = self._law(references, [practice.best for practice in practices])
-        return Learned(law=best, history=_history(references, practices))
+        history = LearningHistory(
+            motions=tuple(reference.name for reference in references),
+            circles=tuple(name for reference in references for name in _circles(reference)),
+            motion_error=np.stack([practice.motion_error for practice in practices], axis=1),
+            circle_error=np.concatenate([practice.circle_error for practice in practices], axis=1),
+            robot_seconds=np.arange(1.0, practices[0].trials + 1) * sum(each.duration for each in references),
+        )
+        return Learned(law=best, history=history)
 
     def _step(self, reference: Reference) -> NormOptimalStep:
         """Correction by the model at the middle of the motion's joint angles."""
         middle = (reference.q.min(axis=0) + reference.q.max(axis=0)) / 2
         response = TorqueResponse.of(self.arm, middle, self.target)
-        tolerance = TOLERANCES[self.target] if self.tolerance is None else self.tolerance
-        return NormOptimalStep.of(response, tolerance, self.arm.robot.friction.coulomb)
+        return NormOptimalStep.of(response, self.epsilon, self.arm.robot.friction.coulomb)
 
     def _settings(
         self, references: Sequence[Reference], steps: Sequence[NormOptimalStep], practices: Sequence[Practice]
@@ -216,7 +221,7 @@ class IterativeLearning:
         """All that learning depends on but the machine."""
         return {
             "target": self.target,
-            "tolerance": TOLERANCES[self.target] if self.tolerance is None else self.tolerance,
+            "tolerance": self.epsilon,
             "motions": [reference.name for reference in references],
             "samples": digest(*(reference.q for reference in references)),
             "first torque": digest(*(practice.torque for practice in practices)),
@@ -235,21 +240,14 @@ class IterativeLearning:
         own = recording.joint_array("feedforward.effort") + recording.joint_array("feedback.effort")
         control = at_samples(own, recording, reference)
         following = np.clip(wanted, -peak - control, peak - control)  # or torque that never comes would pile up
-        return practice.tried(rms(error), list(circle_rms(error, reference).values()), following)
-
-
-def motor_law(arm: RigidArm, references: Sequence[Reference], trial: Trial) -> TaskTorques:
-    """`ilc_motor`: what `TRIALS` trials make of dynamic LuGre; raises as `IterativeLearning.learn`."""
-    base = dynamic_lugre(arm.robot)
-    return IterativeLearning(arm=arm, target="motor", base=base).learn(references, trial).law
-
-
-def tool_law(
-    arm: RigidArm, references: Sequence[Reference], trial: Trial, controller: RigidArm | None = None
-) -> TaskTorques:
-    """`ilc_tcp`: what `TRIALS` trials make of elastic feed-forward; raises as `IterativeLearning.learn`."""
-    base = elastic_law(arm, controller)
-    return IterativeLearning(arm=arm, target="tcp", base=base).learn(references, trial).law
+        motion_error = rms(error)
+        is_best = not (motion_error >= practice.motion_error).any()
+        return Practice(
+            torque=following,
+            best=practice.torque if is_best else practice.best,
+            motion_error=np.append(practice.motion_error, motion_error),
+            circle_error=np.vstack([practice.circle_error, list(circle_rms(error, reference).values())]),
+        )
 
 
 def _check_motions(references: Sequence[Reference], n_joints: int) -> None:
@@ -264,35 +262,15 @@ def _check_motions(references: Sequence[Reference], n_joints: int) -> None:
             raise FFGymError(f"The motion {one.name!r} is among the references twice; give each once.")
 
 
-def _packed(practices: Sequence[Practice]) -> dict[str, Array]:
-    return {f"{f.name}_{i}": getattr(practice, f.name) for i, practice in enumerate(practices) for f in _FIELDS}
-
-
-def _unpacked(arrays: Mapping[str, Array] | None, beginning: Sequence[Practice]) -> list[Practice]:
-    """Practices that were `_packed`, or `beginning` where nothing was."""
-    if arrays is None:
-        return list(beginning)
-    return [Practice(**{f.name: arrays[f"{f.name}_{i}"] for f in _FIELDS}) for i in range(len(beginning))]
-
-
-_FIELDS = fields(Practice)
-
-
 def _circles(reference: Reference) -> tuple[str, ...]:
     """Names of what is logged beside the motion."""
     labels = circle_rms(np.zeros((len(reference.t), 1)), reference)
     return tuple(f"{reference.name}, {label}" for label in labels)
 
 
-def _history(references: Sequence[Reference], practices: Sequence[Practice]) -> LearningHistory:
-    trials = practices[0].trials
-    return LearningHistory(
-        motions=tuple(reference.name for reference in references),
-        circles=tuple(name for reference in references for name in _circles(reference)),
-        motion_error=np.stack([practice.motion_error for practice in practices], axis=1),
-        circle_error=np.concatenate([practice.circle_error for practice in practices], axis=1),
-        robot_seconds=np.arange(1.0, trials + 1) * sum(reference.duration for reference in references),
-    )
+def _practised(setting: Setting, target: Target, base: FeedForwardLaw) -> TaskTorques:
+    """What `TRIALS` trials make of a law."""
+    return IterativeLearning(arm=setting.arm, target=target, base=base).learn(setting.references, setting.trial).law
 
 
 declare(
@@ -304,7 +282,7 @@ declare(
         order=10,
         page="iterative.md",
         style=LawStyle(label="iterative learning, motors", colour="#3B0F70", marker="<", line=":"),
-        make=lambda setting: motor_law(setting.arm, setting.references, setting.trial),
+        make=lambda setting: _practised(setting, "motor", dynamic_lugre(setting.robot)),
     ),
     Entry(
         name="ilc_tcp",
@@ -314,7 +292,7 @@ declare(
         order=11,
         page="iterative.md",
         style=LawStyle(label="iterative learning, tool", colour="#3B0F70", marker=">"),
-        make=lambda setting: tool_law(setting.arm, setting.references, setting.trial, setting.controller),
+        make=lambda setting: _practised(setting, "tcp", elastic_law(setting.arm, setting.controller)),
         needs_arm=True,
     ),
 )

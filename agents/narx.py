@@ -37,7 +37,6 @@ from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
 from ffgym.diagnosis.identification.narx import ARRAYS, NarxModel, Regressors, Samples, Structure, best_simulating
 from ffgym.paths import Reference
-from ffgym.robot import RigidArm
 
 
 @final
@@ -112,11 +111,6 @@ def learn_narx(
     return learn(trial, references, fit, n_trials)
 
 
-def trained_narx(arm: RigidArm, trial: Trial, seed: int = 0) -> NARX:
-    """Member of the catalogue: thesis (6.20), on the motions of every speed."""
-    return learn_narx(trial, every_speed(arm), np.random.default_rng(seed)).law
-
-
 def samples_of(record: MotorRecord) -> Samples:
     """What a trial showed, as the fit takes it: standstill is simulated, but not scored."""
     return Samples(
@@ -137,7 +131,9 @@ declare(
         order=8,
         page="narx.md",
         style=LawStyle(label="NARX network", colour="#56B4E9", marker="*", line="-."),
-        make=lambda setting: trained_narx(setting.arm, setting.trial, setting.seed),
+        make=lambda setting: (
+            learn_narx(setting.trial, every_speed(setting.arm), np.random.default_rng(setting.seed)).law
+        ),
         learns=True,
     )
 )

@@ -42,12 +42,11 @@ import numpy as np
 from ffgym.agents.declaration import Entry, declare
 from ffgym.agents.law_files import StoredLaw
 from ffgym.agents.supervised import MotorRecord, Supervised, learn, least_squares, linear_features
-from ffgym.agents.trials import Trial, every_speed
+from ffgym.agents.trials import Trial, evenly, every_speed
 from ffgym.control import CausalLaw, LawStyle, Window
 from ffgym.core.errors import FFGymError, check_shape, check_whole
-from ffgym.core.types import Array, IntArray
+from ffgym.core.types import Array
 from ffgym.paths import Reference
-from ffgym.robot import RigidArm
 from ffgym.robot.friction import WIDTHS, advance_slip
 
 KNEE = 0.01
@@ -148,18 +147,13 @@ def learn_residual_torque(
     return learn(trial, references, lambda records: fitted(records, n_points), n_trials)
 
 
-def trained_residual_torque(arm: RigidArm, trial: Trial) -> ResidualTorque:
-    """Member of the catalogue: on the motions of every speed."""
-    return learn_residual_torque(trial, every_speed(arm)).law
-
-
 def fitted(records: Sequence[MotorRecord], n_points: int = N_POINTS) -> ResidualTorque:
     """The model of the motors in `records`, with about `n_points` samples of each kept."""
     n_joints = records[0].torque.shape[1]
     top_speed = np.max([np.abs(record.motor_dq).max(axis=0) for record in records], axis=0)
     top_speed = np.where(top_speed > 0, top_speed, 1.0)  # of a motor that stood still nothing is asked
     coefficients, rest = zip(*(_line(records, joint) for joint in range(n_joints)), strict=True)
-    kept = [_evenly(record, n_points // len(records)) for record in records]
+    kept = [evenly(record.moving, n_points // len(records)) for record in records]
     points = np.concatenate(
         [bell_features(r.slip[k], r.motor_dq[k], top_speed) for r, k in zip(records, kept, strict=True)]
     ).swapaxes(0, 1)
@@ -186,12 +180,6 @@ def _line(records: Sequence[MotorRecord], joint: int) -> tuple[Array, list[Array
     target = np.concatenate([r.torque[r.moving, joint] / r.noise[joint] for r in records])
     coefficients = least_squares(matrix, target)
     return coefficients, [r.torque[:, joint] - (x * coefficients).sum(axis=-1) for x, r in pairs]
-
-
-def _evenly(record: MotorRecord, count: int) -> IntArray:
-    """Indices of `count` samples, or all there are, spread evenly over the time in which the record moves."""
-    moving = np.flatnonzero(record.moving)
-    return moving[np.unique(np.linspace(0, len(moving) - 1, count).round().astype(np.int64))]
 
 
 def _process(points: Array, left: Array, noise: Array) -> tuple[Array, float]:
@@ -233,7 +221,7 @@ declare(
         order=9,
         page="residual_torque.md",
         style=LawStyle(label="residual torque model", colour="#8C6BB1", marker="P", line="-."),
-        make=lambda setting: trained_residual_torque(setting.arm, setting.trial),
+        make=lambda setting: learn_residual_torque(setting.trial, every_speed(setting.arm)).law,
         package="scikit-learn",
         learns=True,
     )

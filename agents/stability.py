@@ -37,7 +37,7 @@ from ffgym.agents.trials import Signal, SimulatedTrial
 from ffgym.control import Setpoints
 from ffgym.control.setpoints import torque_at_rows
 from ffgym.core.errors import FFGymError, check_number
-from ffgym.core.types import Array, BoolArray, ComplexArray, IntArray
+from ffgym.core.types import Array, ComplexArray, IntArray
 from ffgym.paths import Reference
 from ffgym.report.learning_plots import LearningCurves
 from ffgym.robot import RigidArm
@@ -126,9 +126,31 @@ class LearningStability:
         Raises:
             FFGymError: if nothing moves, joints do not fit, or `record_dt` does not divide the control step.
         """
-        maps = learning_maps(network, arm, references, signal, record_dt)
-        cure = _cure(signal, has_rows_between=record_dt < 0.99 * arm.robot.servo.control_dt)
-        return cls(joints=arm.robot.joints, maps=maps, cure=cure)
+        for reference in references:
+            network.check_joints(reference)
+        motions = [_Motion.along(reference, record_dt) for reference in references]
+        if not any(motion.learned.size for motion in motions):
+            names = [reference.name for reference in references]
+            raise FFGymError(f"Nothing can be learned from {names}: nothing moves.")
+        # splines of each joint along all motions, those that are met, and what the signal loses to them
+        splines = [
+            scipy.sparse.vstack([motion.splines(network, joint) for motion in motions])
+            for joint in range(network.n_joints)
+        ]
+        met = [np.flatnonzero(part.sum(axis=0)) for part in splines]
+        losses = np.concatenate([motion.losses(network, arm, met, signal) for motion in motions])
+        maps = []
+        for joint, (part, columns) in enumerate(zip(splines, met, strict=True)):
+            own = scipy.sparse.csr_array(part[:, columns])
+            average = scipy.sparse.csr_array(scipy.sparse.diags_array(1 / own.sum(axis=0)) @ own.T)
+            loss = losses[:, joint, : len(columns)].copy()
+            maps.append(LearningMap(average=average, loss=loss, signal=losses[:, joint, -1].copy()))
+        cure = ""
+        if signal == "e_p":  # the angle lags behind the torque, whatever the rows
+            cure = ", learning from u_p may stop it"
+        elif record_dt < 0.99 * arm.robot.servo.control_dt:
+            cure = ", learning from the samples of the reference alone may stop it"
+        return cls(joints=arm.robot.joints, maps=tuple(maps), cure=cure)
 
     @property
     def largest_rate(self) -> Array:
@@ -157,39 +179,6 @@ class LearningStability:
             f"learning rate {rate:g} is above the largest stable one ({', '.join(above)}): on {self.joints[worst]} a "
             f"pattern of weights grows by {growth[worst] - 1:.1%} in each iteration; {remedy}"
         )
-
-
-def _cure(signal: Signal, *, has_rows_between: bool) -> str:
-    if signal == "e_p":  # the angle lags behind the torque, whatever the rows
-        return ", learning from u_p may stop it"
-    return ", learning from the samples of the reference alone may stop it" if has_rows_between else ""
-
-
-def learning_maps(
-    network: BSplineNetwork, arm: RigidArm, references: Sequence[Reference], signal: Signal, record_dt: float
-) -> tuple[LearningMap, ...]:
-    """Maps of all joints for trials that run all references; see `LearningStability.of`.
-
-    Raises:
-        FFGymError: if nothing moves, joints do not fit, or `record_dt` does not divide the control step.
-    """
-    for reference in references:
-        network.check_joints(reference)
-    motions = [_Motion.along(reference, record_dt) for reference in references]
-    if not any(motion.learned.size for motion in motions):
-        raise FFGymError(f"Nothing can be learned from {[reference.name for reference in references]}: nothing moves.")
-    splines = [
-        scipy.sparse.vstack([motion.splines(network, joint) for motion in motions]) for joint in range(network.n_joints)
-    ]
-    met = [np.flatnonzero(part.sum(axis=0)) for part in splines]
-    losses = np.concatenate([motion.losses(network, arm, met, signal) for motion in motions])
-    maps = []
-    for joint, (part, columns) in enumerate(zip(splines, met, strict=True)):
-        own = scipy.sparse.csr_array(part[:, columns])
-        average = scipy.sparse.csr_array(scipy.sparse.diags_array(1 / own.sum(axis=0)) @ own.T)
-        loss = losses[:, joint, : len(columns)].copy()
-        maps.append(LearningMap(average=average, loss=loss, signal=losses[:, joint, -1].copy()))
-    return tuple(maps)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -223,12 +212,16 @@ class _Motion:
         )
         _, motor_dq, motor_ddq = setpoints.at_rows(recorded * stride)
         rows = np.arange(0, motor_dq.shape[1], stride)
+        t, moving = np.arange(len(rows), dtype=np.float64) * record_dt, np.zeros(len(rows), dtype=np.bool_)
+        for phase in reference.phases:  # as lessons say
+            if phase.kind != "standstill":
+                moving |= (t >= phase.start) & (t < phase.end)
         return cls(
             reference=reference,
             rows_per_step=recorded * stride,
             motor_dq=motor_dq[0],
             motor_ddq=motor_ddq[0],
-            learned=rows[_moving(reference, np.arange(len(rows), dtype=np.float64) * record_dt)],
+            learned=rows[moving],
         )
 
     def splines(self, network: BSplineNetwork, joint: int) -> "scipy.sparse.csr_array":
@@ -253,15 +246,6 @@ class _Motion:
         between[:, :, -1] += friction.torque(z, self.motor_dq)
         loop = FeedbackLoop.along(arm, reference.q.mean(axis=0), self.motor_dq, z, dt)
         return loop.loss(between, signal)[self.learned]
-
-
-def _moving(reference: Reference, t: Array) -> BoolArray:
-    """Times [s] at which lessons say that the reference moves; same shape."""
-    moving = np.zeros(len(t), dtype=np.bool_)
-    for phase in reference.phases:
-        if phase.kind != "standstill":
-            moving |= (t >= phase.start) & (t < phase.end)
-    return moving
 
 
 def learning_curves(

@@ -8,7 +8,7 @@ import numpy as np
 
 from ffgym.control.setpoints import torque_at_rows
 from ffgym.core.errors import FFGymError, check_choice
-from ffgym.core.types import Array, BoolArray
+from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.paths import SPEEDS, Reference
 from ffgym.recordings import Recording
 from ffgym.recordings.metrics import motor_error
@@ -146,6 +146,14 @@ class Lesson:
             error=motor_error(recording),
             moving=~recording.mask(kind="standstill") & ~ended,
         )
+
+
+def evenly(moving: BoolArray, count: int) -> IntArray:
+    """Indices of at most `count` rows, spread evenly over those that move."""
+    rows = np.flatnonzero(moving)
+    if len(rows) <= count:
+        return rows
+    return np.asarray(rows[np.linspace(0, len(rows) - 1, count).round().astype(np.int64)])
 
 
 def learning_signal(recording: Recording, servo: Servo, signal: Signal = "u_p") -> Array:
