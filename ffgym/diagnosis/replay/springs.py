@@ -261,7 +261,10 @@ class Springs:
 
 def between(values: Array, every: int) -> Array:
     """Samples (T, ...) and those between them, `every` times as many, on cubics through the four samples around."""
-    padded = np.concatenate([_next(values[:4][::-1])[None], values, _next(values[-4:])[None]])
+    # at either end a further value on the curve through up to four
+    weights = {1: [1.0], 2: [-1.0, 2.0], 3: [1.0, -3.0, 3.0], 4: [-1.0, 4.0, -6.0, 4.0]}[min(len(values), 4)]
+    first, last = (np.tensordot(weights, four, axes=1)[None] for four in (values[:4][::-1], values[-4:]))
+    padded = np.concatenate([first, values, last])
     n = (len(values) - 1) * every + 1
     found = np.empty((n, *values.shape[1:]))
     found[::every] = values
@@ -274,13 +277,6 @@ def between(values: Array, every: int) -> Array:
             - (x + 1) * x * (x - 2) / 2 * right
             + (x + 1) * x * (x - 1) / 6 * after
         )
-    return found
-
-
-def _next(values: Array) -> Array:
-    """The value after the last of up to four, on the curve through them."""
-    weights = {1: [1.0], 2: [-1.0, 2.0], 3: [1.0, -3.0, 3.0], 4: [-1.0, 4.0, -6.0, 4.0]}[len(values)]
-    found: Array = np.tensordot(weights, values, axes=1)
     return found
 
 
