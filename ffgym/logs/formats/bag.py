@@ -1,7 +1,7 @@
 """MCAP files and rosbags (ROS 2 and 1): fields of messages by topic, joints by name, two clocks per topic."""
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import Any
@@ -77,8 +77,13 @@ def _messages(path: Path) -> tuple[dict[str, list[dict[str, Any]]], dict[str, st
         for connection, log_time, raw in reader.messages(connections=known) if known else ():
             message = reader.deserialize(raw, connection.msgtype)
             joints = _joint_names(message)
-            row = {LOG_TIME: np.int64(log_time), **_flat(message, joints)}
-            found[connection.topic][frozenset(joints or ())].append(row)
+            row: dict[str, Any] = {LOG_TIME: np.int64(log_time)}
+            for name, value in _leaves("", message):
+                if joints and isinstance(value, np.ndarray) and value.shape == (len(joints),):
+                    row |= {f"{name}.{joint}": entry for joint, entry in zip(joints, value, strict=True)}
+                else:
+                    row[name] = value
+            found[connection.topic][frozenset(joints)].append(row)
     streams: dict[str, list[dict[str, Any]]] = {}
     for topic, groups in found.items():
         for i, rows in enumerate(groups.values(), start=1):
@@ -86,29 +91,16 @@ def _messages(path: Path) -> tuple[dict[str, list[dict[str, Any]]], dict[str, st
     return streams, skipped
 
 
-def _joint_names(message: Any) -> tuple[str, ...] | None:
-    """Joints that a message names, in its order; None if it names none."""
+def _joint_names(message: Any) -> tuple[str, ...]:
+    """Joints that a message names, in its order."""
     for names in (getattr(message, field, None) for field in _NAMING):
         if isinstance(names, list) and names and all(isinstance(name, str) for name in names):
             return tuple(names)
-    return None
-
-
-def _flat(message: Any, joints: Sequence[str] | None) -> dict[str, Any]:
-    """Numbers of a message by path; arrays with one entry per joint of `joints` are split by joint.
-
-    Text is left out, and so are arrays of bytes, which are pictures and the like.
-    """
-    numbers: dict[str, Any] = {}
-    for path, value in _leaves("", message):
-        if joints is not None and isinstance(value, np.ndarray) and value.shape == (len(joints),):
-            numbers |= {f"{path}.{joint}": entry for joint, entry in zip(joints, value, strict=True)}
-        else:
-            numbers[path] = value
-    return numbers
+    return ()
 
 
 def _leaves(path: str, value: Any) -> Iterator[tuple[str, Any]]:
+    """Numbers of a message by path, without text, and arrays of bytes, which are pictures and the like."""
     if getattr(value, "__msgtype__", "") in _TIMES:
         yield path, np.int64(value.sec * NANOSECONDS + value.nanosec)
     elif is_dataclass(value):

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ffgym.core.errors import FFGymError
-from ffgym.logs.contents import Contents
+from ffgym.logs.contents import NUMBERS, Contents
 from ffgym.logs.log_format import LogFormat
 
 
@@ -21,9 +21,15 @@ class Json(LogFormat):
 
     def decode(self, data: bytes, where: str) -> Contents:
         """See base class."""
-        arrays = {name: _array(value) for name, value in _leaves("", _tree(data))}
-        skipped = {n: "a list of rows of different kinds or lengths" for n, array in arrays.items() if array is None}
-        return Contents(where=where, arrays={n: a for n, a in arrays.items() if a is not None}, skipped=skipped)
+        arrays: dict[str, NDArray[Any]] = {}
+        skipped: dict[str, str] = {}
+        for name, value in _leaves("", _tree(data)):
+            with suppress(ValueError, OverflowError):
+                arrays[name] = np.array(_with_nan(value))
+            if name not in arrays or arrays[name].dtype.kind not in NUMBERS + "U":
+                arrays.pop(name, None)
+                skipped[name] = "a list of rows of different kinds or lengths"
+        return Contents(where=where, arrays=arrays, skipped=skipped)
 
 
 def _tree(data: bytes) -> Any:
@@ -59,17 +65,8 @@ def _leaves(path: str, value: Any) -> Iterator[tuple[str, Any]]:
         yield path or "values", value
 
 
-def _array(value: Any) -> NDArray[Any] | None:
-    """Numbers with NaN for null, or text; None if it is neither, or ragged."""
-    cells = _with_nan(value)
-    try:
-        array = np.array(cells)
-    except (ValueError, OverflowError):
-        return None
-    return array if array.dtype.kind in "biufU" else None
-
-
 def _with_nan(value: Any) -> Any:
+    """Numbers or text with NaN for null."""
     if isinstance(value, list):
         return [_with_nan(entry) for entry in value]
     return np.nan if value is None else value

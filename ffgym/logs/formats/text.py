@@ -64,7 +64,9 @@ class Text(LogFormat):
         names_row = _names_row(lines, layout)
         _check_units_row(lines, names_row or 0, layout)
         first = layout.first_row or max(names_row or 0, layout.units_row or 0) + 1
-        delimiter = layout.delimiter or _delimiter(lines, names_row or first, layout)
+        shown = "".join(lines[(names_row or first) - 1 : names_row or first])  # the line of names, or the first row
+        tried = [delimiter for delimiter in DELIMITERS if delimiter != layout.decimal]
+        delimiter = layout.delimiter or next((one for one in tried if one in shown), _BLANK)
         numbered = enumerate(lines[first - 1 :], start=first)
         kept = [(n, line) for n, line in numbered if line.strip() and not line.startswith(layout.comment)]
         rows = [(number, _split(line, delimiter, number)) for number, line in kept]
@@ -118,12 +120,6 @@ def _first_line(lines: list[str], start: int, layout: TextLayout) -> int | None:
         if line.strip() and not line.startswith(layout.comment):
             return number
     return None
-
-
-def _delimiter(lines: list[str], line: int, layout: TextLayout) -> str:
-    text = lines[line - 1] if line <= len(lines) else ""
-    tried = [delimiter for delimiter in DELIMITERS if delimiter != layout.decimal]
-    return next((delimiter for delimiter in tried if delimiter in text), _BLANK)
 
 
 def _split(line: str, delimiter: str, number: int) -> list[str]:

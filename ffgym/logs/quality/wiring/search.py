@@ -225,7 +225,9 @@ def find_wiring(recordings: Sequence[Recording], robot: RobotDescription) -> Wir
         recordings: of one robot, with columns that mean the same.
         robot: its description; masses and friction may be typical.
     """
-    fitting = [recording for recording in recordings if _fits(recording, robot)]
+    own, ratios = [r for r in recordings if r.header.joints == robot.joints], robot.drive.gear_ratio
+    long = [recording for recording in own if len(recording) >= _ROWS and recording.has(POSITION)]
+    fitting = [recording for recording in long if np.allclose(recording.header.gear_ratio, ratios, rtol=_RATIO)]
     meanings = {(h.gear_ratio, h.position_side, h.torque_semantics, h.coupling) for h in (r.header for r in fitting)}
     if len(meanings) != 1:
         return Wiring()
@@ -235,11 +237,3 @@ def find_wiring(recordings: Sequence[Recording], robot: RobotDescription) -> Wir
     rewiring, found = search(Scorer(samples, regressor_of(robot)))
     ratio = fitting[0].header.gear_ratio
     return Wiring(mistakes=tuple(mistake_of(one, samples, ratio) for one in found), rewiring=rewiring)
-
-
-def _fits(recording: Recording, robot: RobotDescription) -> bool:
-    """Whether a recording can be judged by a description."""
-    header, drive = recording.header, robot.drive
-    if header.joints != robot.joints or len(recording) < _ROWS or not recording.has(POSITION):
-        return False
-    return bool(np.allclose(header.gear_ratio, drive.gear_ratio, rtol=_RATIO))
