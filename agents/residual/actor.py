@@ -8,7 +8,7 @@ An LSTM may stand in front. Arithmetic is float64 on weights that are kept as tr
 row, so that a row's bits do not depend on the others of its batch.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
@@ -39,7 +39,8 @@ class Layer:
 
     def __call__(self, x: Array) -> Array:
         """Of inputs (..., inputs), shape (..., outputs)."""
-        return _product(self.weight, x) + self.bias
+        # products row by row: a matrix product would round by the number of rows
+        return np.asarray((x[..., None, :] * self.weight).sum(axis=-1)) + self.bias
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -172,60 +173,5 @@ def _check_layer(name: str, layer: Layer, inputs: int | None, outputs: int | Non
     check_shape(f"bias of {name}", layer.bias, (weight.shape[0],))
 
 
-def _product(matrix: Array, x: Array) -> Array:
-    """Products with each row (..., inputs); a matrix product would round by the number of rows."""
-    return np.asarray((x[..., None, :] * matrix).sum(axis=-1))
-
-
 def _sigmoid(x: Array) -> Array:
     return np.asarray(0.5 * (1.0 + np.tanh(0.5 * x)))
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class ActorCrew:
-    """Actors of one shape as one, on equal shares of the rows: the first actor's in front."""
-
-    actors: tuple[Actor, ...]
-
-    def __post_init__(self) -> None:
-        if not same_shape(self.actors):
-            raise FFGymError("A crew is of one or more actors of the same shape.")
-
-    @property
-    def n_motors(self) -> int:
-        """N."""
-        return self.actors[0].n_motors
-
-    @property
-    def n_features(self) -> int:
-        """Of all motors together."""
-        return self.actors[0].n_features
-
-    def initial_state(self, shape: tuple[int, ...] = ()) -> Array:
-        """See `Actor.initial_state`."""
-        return self.actors[0].initial_state(shape)
-
-    def act(self, features: Array, state: Array, begins: BoolArray | None = None) -> tuple[Array, Array]:
-        """See `Actor.act`; rows (B, N F) with B a multiple of the number of actors.
-
-        Raises:
-            FFGymError: if rows cannot be shared out equally.
-        """
-        count = len(self.actors)
-        if len(features) % count:
-            raise FFGymError(f"{len(features)} rows cannot be shared out equally among {count} actors.")
-        flags = np.zeros(len(features), dtype=np.bool_) if begins is None else begins
-        shares = zip(*(np.split(rows, count) for rows in (features, state, flags)), strict=True)
-        acted = [actor.act(*share) for actor, share in zip(self.actors, shares, strict=True)]
-        return np.concatenate([residual for residual, _ in acted]), np.concatenate([known for _, known in acted])
-
-
-def _shape_of(actor: Actor) -> tuple[object, ...]:
-    """What actors of one crew have in common."""
-    weights = ((name, weight.shape) for name, weight in actor.arrays().items())
-    return (*actor.settings().items(), *weights)
-
-
-def same_shape(actors: Sequence[Actor]) -> bool:
-    """Whether actors can be one crew; nobody is none."""
-    return len({_shape_of(actor) for actor in actors}) == 1

@@ -5,7 +5,6 @@ motors alike, and nothing has to be normalised by statistics of the data.
 """
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
@@ -58,20 +57,10 @@ class Features:
                 f"preview={AHEAD[-1]} or more, not {self.layout.preview}."
             )
 
-    @classmethod
-    def of(cls, robot: RobotDescription, layout: ObservationLayout, memory: int = 1) -> "Features":
-        """Features for a robot that the controller knows as `robot`."""
-        return cls(layout=layout, stribeck_velocity=robot.friction.stribeck_velocity, memory=memory)
-
-    @property
-    def per_motor(self) -> int:
-        """Numbers F per motor."""
-        return per_motor(self.memory)
-
     @property
     def size(self) -> int:
         """All numbers, N F."""
-        return self.layout.n_joints * self.per_motor
+        return self.layout.n_joints * per_motor(self.memory)
 
     def sample(self, observation: Array, own: tuple[Array, Array], residual: Array) -> Array:
         """What is remembered of observations (..., D), shape (..., 3, N).
@@ -87,36 +76,23 @@ class Features:
             rows.append(np.clip(error / ERROR_UNIT, -LIMIT, LIMIT))
         return np.stack([*rows, residual], axis=-2)
 
-    def begin(self, sample: Array) -> Array:
-        """What is remembered when an episode begins: the first sample (..., 3, N) stands for those before it."""
-        return np.repeat(sample[..., None, :, :], self.memory, axis=-3)
-
-    def remember(self, memory: Array, sample: Array) -> Array:
-        """Memory (..., M, 3, N) with the newest sample in front."""
-        return np.concatenate([sample[..., None, :, :], memory[..., : self.memory - 1, :, :]], axis=-3)
-
     def read(self, memory: Array, observation: Array) -> Array:
         """Features, shape (..., N F): all numbers of the first motor, then those of the next."""
         past = memory.reshape(*memory.shape[:-3], _PER_SAMPLE * self.memory, memory.shape[-1])
         rows = [past]
+        unit = self.layout["reference_velocity"].scale / self.stribeck_velocity  # of speeds, in Stribeck velocities
         for k in AHEAD:
-            speed, acceleration = (self._seen(observation, f"reference_{name}_{k}") for name in _RATES)
-            ahead = np.stack([np.tanh(self._speeds * speed), speed, acceleration], axis=-2)
+            speed, acceleration = (
+                self._seen(observation, f"reference_{name}_{k}") for name in ("velocity", "acceleration")
+            )
+            ahead = np.stack([np.tanh(unit * speed), speed, acceleration], axis=-2)
             rows.append(np.clip(ahead, -LIMIT, LIMIT))
         features = np.swapaxes(np.concatenate(rows, axis=-2), -1, -2)
         return features.reshape(*features.shape[:-2], self.size)
 
-    @cached_property
-    def _speeds(self) -> Array:
-        """Speeds as observed, in Stribeck velocities."""
-        return np.asarray(self.layout["reference_velocity"].scale / self.stribeck_velocity)
-
     def _seen(self, observation: Array, name: str) -> Array:
         """An entry of observations as it stands there, shape (..., N)."""
         return np.asarray(observation[..., self.layout[name].slice])
-
-
-_RATES = ("velocity", "acceleration")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -178,7 +154,7 @@ class Composition:
         dt = robot.servo.control_dt
         return cls(
             base=None if law is None else LawAgent(law=law, layout=layout, control_dt=dt),
-            features=Features.of(robot, layout, memory),
+            features=Features(layout=layout, stribeck_velocity=robot.friction.stribeck_velocity, memory=memory),
             share=bound * robot.friction.static / layout["added_torque"].scale,
         )
 
@@ -189,13 +165,15 @@ class Composition:
         law = np.zeros((len(observation), 0))
         if self.base is not None:
             law = self.base.law.initial_memory(self.base.window(observation))
-        memory = Memory(law=law, own=(still, still), past=self.features.begin(sample))
+        past = np.repeat(sample[:, None], self.features.memory, axis=1)  # the first sample stands for those before it
+        memory = Memory(law=law, own=(still, still), past=past)
         return self._seen(memory, observation)
 
     def follow(self, memory: Memory, observation: Array, residual: Array) -> Seen:
         """What is known after residuals (B, N) in [-1, 1] led to observations (B, D)."""
         sample = self.features.sample(observation, memory.own, residual)
-        return self._seen(replace(memory, past=self.features.remember(memory.past, sample)), observation)
+        past = np.concatenate([sample[:, None], memory.past[:, : self.features.memory - 1]], axis=1)  # newest in front
+        return self._seen(replace(memory, past=past), observation)
 
     def action(self, seen: Seen, residual: Array) -> Array:
         """Actions of both together, shape (B, N), within [-1, 1]."""
@@ -216,9 +194,8 @@ def chosen(where: BoolArray, fresh: Seen, old: Seen) -> Seen:
     def pick(new: Array, kept: Array) -> Array:
         return np.where(where.reshape(-1, *[1] * (kept.ndim - 1)), new, kept)
 
-    def both(new: tuple[Array, Array], kept: tuple[Array, Array]) -> tuple[Array, Array]:
-        return pick(new[0], kept[0]), pick(new[1], kept[1])
-
     a, b = fresh.memory, old.memory
-    memory = Memory(law=pick(a.law, b.law), own=both(a.own, b.own), past=pick(a.past, b.past))
+    memory = Memory(
+        law=pick(a.law, b.law), own=(pick(a.own[0], b.own[0]), pick(a.own[1], b.own[1])), past=pick(a.past, b.past)
+    )
     return Seen(features=pick(fresh.features, old.features), base=pick(fresh.base, old.base), memory=memory)

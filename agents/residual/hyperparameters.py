@@ -117,27 +117,19 @@ def checked(algorithm: str, values: Mapping[str, Any]) -> dict[str, Value]:
     if missing:
         raise FFGymError(f"Hyper-parameters of {algorithm} lack {', '.join(missing)}.")
     found = {name: check(name, values[name]) for name, check in known.items()}
-    _check_fit(algorithm, found)
-    return found
-
-
-def rollout_steps(values: Mapping[str, Value]) -> int:
-    """Steps of all robots together between two updates."""
-    per_robot = values["n_steps"] if "n_steps" in values else values["train_freq"]
-    return int(per_robot) * int(values["n_envs"])  # type: ignore[arg-type]
-
-
-def _check_fit(algorithm: str, values: Mapping[str, Value]) -> None:
-    rollout, segment, batch = rollout_steps(values), values["segment_steps"], values["batch_size"]
+    # steps of all robots together between two updates
+    rollout = int(found["n_steps"] if "n_steps" in found else found["train_freq"]) * int(found["n_envs"])  # type: ignore[arg-type]
+    segment, batch = found["segment_steps"], found["batch_size"]
     if int(segment) % rollout:  # type: ignore[arg-type]
         raise FFGymError(
             f"segment_steps = {segment} of {algorithm} must be a multiple of {rollout}, the steps of all robots "
             f"together between two updates."
         )
-    if "n_steps" in values and rollout % int(batch):  # type: ignore[arg-type]
+    if "n_steps" in found and rollout % int(batch):  # type: ignore[arg-type]
         raise FFGymError(f"batch_size = {batch} of {algorithm} must divide n_steps * n_envs = {rollout}.")
-    if algorithm == "tqc" and int(values["top_quantiles_to_drop"]) >= int(values["n_quantiles"]):  # type: ignore[arg-type]
+    if algorithm == "tqc" and int(found["top_quantiles_to_drop"]) >= int(found["n_quantiles"]):  # type: ignore[arg-type]
         raise FFGymError(
-            f"top_quantiles_to_drop = {values['top_quantiles_to_drop']} must be less than n_quantiles = "
-            f"{values['n_quantiles']}."
+            f"top_quantiles_to_drop = {found['top_quantiles_to_drop']} must be less than n_quantiles = "
+            f"{found['n_quantiles']}."
         )
+    return found

@@ -21,7 +21,7 @@ Logged: the reward per step while training, with exploration, in `meta["learning
 """
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
@@ -31,10 +31,10 @@ import numpy as np
 
 from ffgym.agents.declaration import Entry, declare
 from ffgym.agents.law_files import FORMAT, pack, unpack
-from ffgym.agents.residual.actor import Actor, ActorCrew, same_shape
+from ffgym.agents.residual.actor import Actor
 from ffgym.agents.residual.bases import base_law
 from ffgym.agents.residual.composition import AHEAD, Composition, Memory, chosen
-from ffgym.control import Agent, ObservationLayout, Policy
+from ffgym.control import ObservationLayout
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
 from ffgym.core.files import check_writable, write_bytes
 from ffgym.core.provenance import versions
@@ -55,10 +55,10 @@ class AgentState:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ResidualAgent:
-    """A composition and the network on top of it, or several networks that share its rows."""
+    """A composition and the network on top of it."""
 
     composition: Composition
-    actor: Actor | ActorCrew
+    actor: Actor
 
     def __post_init__(self) -> None:
         features = self.composition.features
@@ -103,7 +103,13 @@ class ResidualAgent:
                     f"The state of {len(state.residual)} robots is not what predict returned for {len(rows)}; give "
                     f"None where a batch begins."
                 )
-            begins = np.zeros(len(rows), dtype=np.bool_) if episode_start is None else _flags(episode_start, len(rows))
+            begins = np.atleast_1d(np.asarray(episode_start, dtype=np.bool_))
+            if episode_start is None:
+                begins = np.zeros(len(rows), dtype=np.bool_)
+            if begins.shape != (len(rows),):
+                raise FFGymError(
+                    f"episode_start has shape {begins.shape}, must be ({len(rows)},): one for each observation."
+                )
             seen, network = self.composition.follow(state.memory, rows, state.residual), state.network
             if begins.any():
                 seen = chosen(begins, self.composition.begin(rows), seen)
@@ -111,13 +117,6 @@ class ResidualAgent:
         action = self.composition.action(seen, residual)
         known = AgentState(memory=seen.memory, residual=residual, network=network)
         return (action[0] if seen_now.ndim == 1 else action), known
-
-
-def _flags(episode_start: Any, count: int) -> Any:
-    flags = np.atleast_1d(np.asarray(episode_start, dtype=np.bool_))
-    if flags.shape != (count,):
-        raise FFGymError(f"episode_start has shape {flags.shape}, must be ({count},): one for each observation.")
-    return flags
 
 
 KIND = "residual_policy"
@@ -160,23 +159,9 @@ class ResidualPolicy:
         Raises:
             FFGymError: if the robot has another number of motors, or too little of the reference is observed.
         """
-        return self._acting(self.actor, robot, layout)
-
-    def batched_with(
-        self, others: Sequence[Policy], robot: RobotDescription, layout: ObservationLayout
-    ) -> Agent | None:
-        """See `ffgym.control.Batchable`: for policies that differ in nothing but weights and origin."""
-        every = [self, *(other for other in others if isinstance(other, ResidualPolicy))]
-        alike = all(getattr(each, name) == getattr(self, name) for each in every for name in _SETTINGS)
-        actors = tuple(each.actor for each in every)
-        if len(every) <= len(others) or not alike or not same_shape(actors):
-            return None
-        return self._acting(ActorCrew(actors=actors), robot, layout)
-
-    def _acting(self, actor: Actor | ActorCrew, robot: RobotDescription, layout: ObservationLayout) -> ResidualAgent:
         law = base_law(self.base, self.machine, robot)
         composition = Composition.over(law, robot, layout, memory=self.memory, bound=self.bound)
-        return ResidualAgent(composition=composition, actor=actor)
+        return ResidualAgent(composition=composition, actor=self.actor)
 
 
 def encode_policy(policy: ResidualPolicy) -> bytes:

@@ -102,7 +102,15 @@ class _BeginsAsNothing:
     def make_actor(self, features_extractor: BaseFeaturesExtractor | None = None) -> Any:
         """See base class."""
         actor = super().make_actor(features_extractor)  # type: ignore[misc]
-        return _begun(actor, self.factored, self.first_std)
+        if self.factored:
+            n, width = actor.action_space.shape[0], actor.net_arch[-1]
+            layers = create_mlp(actor.features_dim // n, -1, actor.net_arch, actor.activation_fn)
+            actor.latent_pi = PerMotor(n, nn.Sequential(*layers))
+            actor.mu, actor.log_std = (PerMotor(n, nn.Linear(width, 1)) for _ in range(2))
+            actor.to(actor.device)
+        _zero(actor.mu)
+        _zero(actor.log_std, math.log(self.first_std))
+        return actor
 
 
 class ResidualSACPolicy(_BeginsAsNothing, SACPolicy):
@@ -111,19 +119,6 @@ class ResidualSACPolicy(_BeginsAsNothing, SACPolicy):
 
 class ResidualTQCPolicy(_BeginsAsNothing, TQCPolicy):
     """Of TQC."""
-
-
-def _begun(actor: Any, factored: bool, first_std: float) -> Any:
-    """The actor with its last layers at zero action and `first_std`, and per motor where it is factored."""
-    if factored:
-        n, width = actor.action_space.shape[0], actor.net_arch[-1]
-        layers = create_mlp(actor.features_dim // n, -1, actor.net_arch, actor.activation_fn)
-        actor.latent_pi = PerMotor(n, nn.Sequential(*layers))
-        actor.mu, actor.log_std = (PerMotor(n, nn.Linear(width, 1)) for _ in range(2))
-        actor.to(actor.device)
-    _zero(actor.mu)
-    _zero(actor.log_std, math.log(first_std))
-    return actor
 
 
 def _zero(head: nn.Module, bias: float = 0.0) -> None:

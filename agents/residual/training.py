@@ -129,7 +129,8 @@ def train(training: Training, out: Path, *, watch: Watch | None = None) -> Train
         FFGymError: if the folder holds another training or a damaged one, another process trains in it, or learning
             diverged.
     """
-    about = _plain({"training": training.document(), "origin": training.origin(), "versions": library_versions()})
+    about = {"training": training.document(), "origin": training.origin(), "versions": library_versions()}
+    about = json.loads(json.dumps(about, allow_nan=False))  # as a file gives it back
     with made_folder(out), claimed(out):
         if not (out / NUMBERS).exists():
             torch.set_num_threads(1)
@@ -148,18 +149,18 @@ def _learned(
     """The algorithm after all segments, and the learning curve."""
     place = out / CHECKPOINT
     standing = read_checkpoint(place, about)
-    curve = Curve(training, () if standing is None else standing.curve, watch)
-    for segment in range(0 if standing is None else standing.segment, training.n_segments):
+    curve = Curve(training, () if standing is None else standing["curve"], watch)
+    for segment in range(0 if standing is None else standing["segment"], training.n_segments):
         model = algorithm_of(training, env, seed=segment_seed(training.seed, segment), segment=segment)
         if standing is not None:
-            standing.restore(model)
+            restore(model, standing)
         _learn(model, training, segment, curve, out / TENSORBOARD)
         write_checkpoint(place, model, segment=segment + 1, curve=curve.points, about=about)
         standing = read_checkpoint(place, about)
     assert standing is not None  # there is one segment at least
     model = algorithm_of(training, env, seed=0, segment=training.n_segments - 1)
-    standing.restore(model)
-    return model, standing.curve
+    restore(model, standing)
+    return model, standing["curve"]
 
 
 def _write(training: Training, model: BaseAlgorithm, points: Points, out: Path, about: Mapping[str, Any]) -> None:
@@ -199,22 +200,20 @@ def _learn(model: BaseAlgorithm, training: Training, segment: int, curve: Curve,
     logger = configure(str(logs), ["tensorboard"]) if installed("tensorboard") else Logger(None, [])
     model.set_logger(logger)
     steps = min(training.integer("segment_steps"), training.total - segment * training.integer("segment_steps"))
+    cause: ValueError | None = None
     try:
         model.learn(steps, callback=curve, reset_num_timesteps=False)
     except ValueError as error:  # torch refuses to draw actions about NaN
-        _check_finite(model, training, error)
-        raise
+        cause = error
     finally:
         logger.close()
-    _check_finite(model, training, None)
-
-
-def _check_finite(model: BaseAlgorithm, training: Training, cause: Exception | None) -> None:
     if not all(bool(torch.isfinite(values).all()) for values in model.policy.state_dict().values()):
         raise FFGymError(
             f"The training diverged after {model.num_timesteps} steps: weights are no longer finite. Lower the "
             f"learning rate, which is {training.hyperparameters['learning_rate']}."
         ) from cause
+    if cause is not None:
+        raise cause
 
 
 def _finished(out: Path, about: Mapping[str, Any]) -> Trained:
@@ -231,32 +230,17 @@ def _finished(out: Path, about: Mapping[str, Any]) -> Trained:
     return Trained(policy=load_policy(out / POLICY), file=out / POLICY, sha256=found)
 
 
-def _plain(values: Mapping[str, Any]) -> dict[str, Any]:
-    """As JSON gives it back, so that what is read compares with what is."""
-    plain: dict[str, Any] = json.loads(json.dumps(values, allow_nan=False))
-    return plain
-
-
-@dataclass(frozen=True, kw_only=True)
-class Checkpoint:
-    """Where a training stands between two segments."""
-
-    segment: int
-    """Number of the segment that is next."""
-    curve: Points
-    state: Mapping[str, Any] = field(repr=False)
-
-    def restore(self, model: BaseAlgorithm) -> None:
-        """Give a new algorithm everything that it had: networks, optimisers, replay buffer, counters."""
-        model.set_parameters(self.state["parameters"], exact_match=True, device="cpu")
-        for name, values in self.state["tensors"].items():
-            getattr(model, name).data.copy_(values)
-        model.num_timesteps, model._n_updates = self.state["num_timesteps"], self.state["n_updates"]
-        buffer = getattr(model, "replay_buffer", None)
-        if isinstance(buffer, ReplayBuffer):
-            for name, values in self.state["replay"].items():
-                getattr(buffer, name)[: len(values)] = values.numpy()
-            buffer.pos, buffer.full = self.state["replay_at"]
+def restore(model: BaseAlgorithm, standing: Mapping[str, Any]) -> None:
+    """Give a new algorithm everything that a checkpoint has: networks, optimisers, replay buffer, counters."""
+    model.set_parameters(standing["parameters"], exact_match=True, device="cpu")
+    for name, values in standing["tensors"].items():
+        getattr(model, name).data.copy_(values)
+    model.num_timesteps, model._n_updates = standing["num_timesteps"], standing["n_updates"]
+    buffer = getattr(model, "replay_buffer", None)
+    if isinstance(buffer, ReplayBuffer):
+        for name, values in standing["replay"].items():
+            getattr(buffer, name)[: len(values)] = values.numpy()
+        buffer.pos, buffer.full = standing["replay_at"]
 
 
 def write_checkpoint(
@@ -295,8 +279,8 @@ def write_checkpoint(
     write_bytes(file, hashlib.sha256(data).digest() + data)
 
 
-def read_checkpoint(file: Path, about: Mapping[str, Any]) -> Checkpoint | None:
-    """Read the checkpoint of a training; None if there is none.
+def read_checkpoint(file: Path, about: Mapping[str, Any]) -> dict[str, Any] | None:
+    """Read where a training stands: the next `segment`, its `curve` and what `restore` needs; None if nowhere.
 
     Args:
         file: of its checkpoints.
@@ -315,9 +299,9 @@ def read_checkpoint(file: Path, about: Mapping[str, Any]) -> Checkpoint | None:
         raise FFGymError(
             f"{file}: the checkpoint is damaged: it is not what was written. Remove it to begin the training anew."
         )
-    state = torch.load(io.BytesIO(data[32:]), weights_only=True)
+    state: dict[str, Any] = torch.load(io.BytesIO(data[32:]), weights_only=True)
     _check_training(json.loads(state["about"]), about, file.parent)
-    return Checkpoint(segment=state["segment"], curve=tuple(state["curve"]), state=state)
+    return state
 
 
 def _check_training(theirs: Mapping[str, Any], ours: Mapping[str, Any], folder: Path) -> None:

@@ -9,7 +9,6 @@ from .lugre_laws import DynamicLuGreExact as DynamicLuGreExact
 from .lugre_laws import StaticLuGre as StaticLuGre
 from .observation import ObservationLayout as ObservationLayout
 from .policy import Agent as Agent
-from .policy import Batchable as Batchable
 from .policy import Policy as Policy
 from .setpoints import ServoTorque as ServoTorque
 from .setpoints import Setpoints as Setpoints

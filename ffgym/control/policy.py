@@ -1,6 +1,5 @@
 """What an agent is, and what chooses the environment that it acts in."""
 
-from collections.abc import Sequence
 from typing import Any, Protocol, runtime_checkable
 
 from ffgym.control.observation import ObservationLayout
@@ -40,22 +39,4 @@ class Policy(Protocol):
         Args:
             robot: what the controller of the machine knows of it.
             layout: of the observations.
-        """
-
-
-@runtime_checkable
-class Batchable(Protocol):
-    """A policy that can decide for others of its kind in one go, which takes less time than one after the other."""
-
-    def batched_with(
-        self, others: Sequence[Policy], robot: RobotDescription, layout: ObservationLayout
-    ) -> Agent | None:
-        """Return one agent for this policy and others, None if they have too little in common.
-
-        Each decides on an equal share of the rows, this policy on the first, with the same bits as alone.
-
-        Args:
-            others: policies, one or more.
-            robot: see `Policy.agent`.
-            layout: likewise.
         """

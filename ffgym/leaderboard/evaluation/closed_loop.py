@@ -10,7 +10,7 @@ import gymnasium as gym
 import numpy as np
 from gymnasium.vector import AutoresetMode
 
-from ffgym.control import Agent, Batchable, ObservationLayout, Policy
+from ffgym.control import Agent, ObservationLayout, Policy
 from ffgym.core.types import Array, BoolArray
 from ffgym.envs import EpisodeRecorder
 from ffgym.envs.core import TrackingCore
@@ -65,12 +65,8 @@ def fly(
     env = environment_for(plant, *view, len(policies) * n, recorder=recorder, n_threads=n_threads)
     core: TrackingCore = env.unwrapped.core
     robot, layout = core.robot, core.observation_layout
-    # Agents decide on equal shares of the rows: one for all policies if they can, one for each otherwise.
-    decide = list(agents or ())
-    if not decide:
-        first, *others = policies
-        every = first.batched_with(others, robot, layout) if others and isinstance(first, Batchable) else None
-        decide = [policy.agent(robot, layout) for policy in policies] if every is None else [every]
+    # Agents decide on equal shares of the rows.
+    decide = agents or [policy.agent(robot, layout) for policy in policies]
     own = [0] * len(policies) if seeds is None else list(seeds)
     each = [{"position": task.position, "speed": task.speed, "radii": task.radii} for task in tasks]
     of_rows = [seed + i for seed in own for i in range(n)]

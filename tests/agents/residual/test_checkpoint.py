@@ -9,7 +9,7 @@ import torch
 from ffgym.agents.residual.environment import environment_of
 from ffgym.agents.residual.hyperparameters import ALGORITHMS
 from ffgym.agents.residual.sb3 import algorithm_of
-from ffgym.agents.residual.training import read_checkpoint, write_checkpoint
+from ffgym.agents.residual.training import read_checkpoint, restore, write_checkpoint
 from tests.agents.residual.residual_samples import tiny
 
 
@@ -45,9 +45,9 @@ def test_an_algorithm_comes_back_with_all_that_it_had(algorithm, tmp_path):
         write_checkpoint(file, model, segment=segment, curve=((24, -0.5),), about={"a": 1})
         assert [*tmp_path.iterdir()] == [file]
         standing = read_checkpoint(file, {"a": 1})
-        assert (standing.segment, standing.curve) == (segment, ((24, -0.5),))
+        assert (standing["segment"], standing["curve"]) == (segment, ((24, -0.5),))
         again = algorithm_of(training, env, seed=2, segment=0)
-        standing.restore(again)
+        restore(again, standing)
         wanted, found = state_of(model), state_of(again)
         assert wanted.keys() == found.keys()
         for name, values in wanted.items():
