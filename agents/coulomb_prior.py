@@ -71,23 +71,19 @@ class CoulombPrior:
         """
         if not lessons:
             raise FFGymError("There is no lesson to estimate friction from; give one or more references.")
-        curves = [_curves(lesson, viscous) for lesson in lessons]
-        targets = [_centred((lesson.signal + lesson.added)[lesson.moving]) for lesson in lessons]
+        curves, targets = [], []
+        for lesson in lessons:
+            speed = lesson.motor_dq[lesson.moving]
+            columns = [np.tanh(STEEPNESS * speed)] + [speed] * viscous
+            curves.append(_centred(np.stack(columns, axis=-1)))  # (T, N, 1 or 2)
+            targets.append(_centred((lesson.signal + lesson.added)[lesson.moving]))
         n_joints = targets[0].shape[1]
         fits = np.zeros((n_joints, 2))
         for joint in range(n_joints):
-            columns = np.concatenate([part[:, joint] for part in curves])
-            fits[joint, : columns.shape[1]], _ = scipy.optimize.nnls(
-                columns, np.concatenate([part[:, joint] for part in targets])
-            )
+            matrix = np.concatenate([part[:, joint] for part in curves])
+            target = np.concatenate([part[:, joint] for part in targets])
+            fits[joint, : matrix.shape[1]], _ = scipy.optimize.nnls(matrix, target)
         return cls(coulomb=fits[:, 0], viscous=fits[:, 1])
-
-
-def _curves(lesson: Lesson, viscous: bool) -> Array:
-    """What each torque of 1 adds along a lesson, without its mean, shape (T, N, 1 or 2)."""
-    speed = lesson.motor_dq[lesson.moving]
-    columns = [np.tanh(STEEPNESS * speed)] + [speed] * viscous
-    return _centred(np.stack(columns, axis=-1))
 
 
 def _centred(rows: Array) -> Array:

@@ -49,10 +49,6 @@ class Setting:
         return self.arm.robot
 
 
-def _stored(path: Path, arm: RigidArm) -> FeedForwardLaw:
-    return load_law(path)
-
-
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Entry:
     """Declaration of one agent. Only `make` or `load` has to do with how it works."""
@@ -73,7 +69,9 @@ class Entry:
     """Makes the law; learning families run their trials here. None is an agent that only its artefacts have."""
     make_from: Callable[[Machine, Setting, str], FeedForwardLaw] | None = field(default=None, repr=False)
     """Makes the law of a machine file that follows the name after a colon, with a name for it; None takes no file."""
-    load: Callable[[Path, RigidArm], FeedForwardLaw | Policy] = field(default=_stored, repr=False)
+    load: Callable[[Path, RigidArm], FeedForwardLaw | Policy] = field(
+        default=lambda path, arm: load_law(path), repr=False
+    )
     """Reads an artefact of agents/trained, for a nominal model of the robot."""
     needs_arm: bool = False
     """Whether it works only on a robot with a tool (TCP)."""

@@ -5,7 +5,7 @@ from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 
-from ffgym.agents.artefacts import Manifest, manifest_of, path_of
+from ffgym.agents.artefacts import Artefact, Manifest, manifest_of, path_of
 from ffgym.agents.catalogue import declared
 from ffgym.agents.declaration import Entry, Setting
 from ffgym.agents.law_agent import LawPolicy
@@ -39,6 +39,16 @@ def _entrant(entry: Entry) -> Entrant | None:
     practises = entry.track == _PRACTISED
     again = f"ffgym leaderboard --agents {entry.name}" if practises else None
     unread = SEEDS if practises or entry.seeded else (0,)
+    ready: Maker
+    if practises:
+        ready = partial(_practised, entry)
+    else:
+        ready = one_by_one(partial(_made, entry) if manifest is None else partial(_read, entry, manifest))
+
+    def sha256_of(plant: str, seed: int) -> str | None:
+        artefact = _artefact(manifest, plant, seed)
+        return None if artefact is None else artefact.sha256
+
     return Entrant(
         name=entry.name,
         title=entry.title,
@@ -50,39 +60,30 @@ def _entrant(entry: Entry) -> Entrant | None:
         command=again if manifest is None else manifest.command,
         ranked=entry.ranked,
         slow=practises,
-        artefact=partial(_sha256, manifest),
+        artefact=sha256_of,
         learning_curve=lambda: () if manifest is None else manifest.learning_curve,
-        ready=_maker(entry, manifest),
+        ready=ready,
     )
-
-
-def _maker(entry: Entry, manifest: Manifest | None) -> Maker:
-    if entry.track == _PRACTISED:
-        return partial(_practised, entry)
-    return one_by_one(partial(_made, entry) if manifest is None else partial(_read, entry, manifest))
-
-
-def _law(entry: Entry, setting: Setting) -> FeedForwardLaw:
-    assert entry.make is not None  # see _entrant
-    return entry.make(setting)
 
 
 def _made(entry: Entry, plant: TestPlant, seed: int, tasks: tuple[Task, ...]) -> Ready | None:
     """A law from the description, from trials, or from the truth; None where that is shut away."""
     if entry.track == "oracle" and plant.truth is None:
         return None
+    assert entry.make is not None  # see _entrant
     trial = CountedTrial(RigTrial(rig=measured(plant.rig), seed=seed))
-    law = _law(entry, Setting(arm=plant.rig.arm, trial=trial, truth=plant.truth, seed=seed))
+    law = entry.make(Setting(arm=plant.rig.arm, trial=trial, truth=plant.truth, seed=seed))
     return Ready(law=law, timed=_timed(law), robot_seconds=trial.robot_seconds)
 
 
 def _practised(entry: Entry, plant: TestPlant, seeds: Sequence[int], tasks: tuple[Task, ...]) -> list[Ready | None]:
     """A law that practised the tasks, seen through the machine's sensors; all seeds learn side by side."""
-    references = references_of(plant.rig.arm, tasks)
+    references, make = references_of(plant.rig.arm, tasks), entry.make
+    assert make is not None  # see _entrant
 
     def learned(seed: int, trial: Trial) -> Ready:
         counted = CountedTrial(trial)
-        law = _law(entry, Setting(arm=plant.rig.arm, trial=counted, references=references, seed=seed))
+        law = make(Setting(arm=plant.rig.arm, trial=counted, references=references, seed=seed))
         return Ready(law=law, robot_seconds=counted.robot_seconds)  # learned beforehand, so that nothing is timed
 
     found = learn_together(measured(plant.rig), {seed: (seed, partial(learned, seed)) for seed in seeds})
@@ -91,7 +92,7 @@ def _practised(entry: Entry, plant: TestPlant, seeds: Sequence[int], tasks: tupl
 
 def _read(entry: Entry, manifest: Manifest, plant: TestPlant, seed: int, tasks: tuple[Task, ...]) -> Ready | None:
     """A trained agent; on drawn plants it is what it was on the nominal one. None if it was not trained for a plant."""
-    artefact = manifest.find(_learned_on(plant.name), seed)
+    artefact = _artefact(manifest, plant.name, seed)
     if artefact is None:
         return None
     loaded = entry.load(path_of(manifest.name, artefact), plant.rig.arm)
@@ -111,15 +112,9 @@ def _timed(law: FeedForwardLaw) -> Policy | None:
     return LawPolicy(make=lambda robot: law, preview=law.preview) if isinstance(law, CausalLaw) else None
 
 
-def _sha256(manifest: Manifest | None, plant: str, seed: int) -> str | None:
-    """What the artefact for a plant is known by."""
-    artefact = None if manifest is None else manifest.find(_learned_on(plant), seed)
-    return None if artefact is None else artefact.sha256
-
-
-def _learned_on(plant: str) -> str:
-    """Plant whose artefact runs on a plant: drawn ones are met with what was learned on the nominal one."""
-    return NOMINAL if plant.startswith(DRAW) else plant
+def _artefact(manifest: Manifest | None, plant: str, seed: int) -> Artefact | None:
+    """Artefact that runs on a plant: drawn ones are met with what was learned on the nominal one."""
+    return None if manifest is None else manifest.find(NOMINAL if plant.startswith(DRAW) else plant, seed)
 
 
 ENTRANTS: Mapping[str, Entrant] = MappingProxyType(

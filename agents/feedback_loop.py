@@ -59,7 +59,13 @@ class FeedbackLoop:
 
     def loss(self, torque: Array, signal: Signal = "u_p") -> Array:
         """What the learning signal loses to added torque [N m]; both motor side, shape (R, N, K) for K torques."""
-        read = _signal_gains(self.servo, signal)[:, None]
+        check_choice("learning signal", signal, SIGNALS)
+        read = np.zeros((len(self.servo.position_gain), 1, _STATES))
+        read[:, 0, _ANGLE] = self.servo.position_gain
+        if signal != "e_p":
+            read[:, 0, _RATE] = self.servo.velocity_gain
+        if signal == "u_c":
+            read[:, 0, _INTEGRAL] = self.servo.integral_gain
         midway = _midway(torque)[:, :, None]
         state = np.zeros((*self.transition.shape[1:3], torque.shape[2]))
         loss = np.zeros_like(torque)
@@ -105,18 +111,6 @@ def _equations(robot: RobotDescription, link_inertia: Array, motor_dq: Array, z:
     system[..., _DEFLECTION_RATE, _DEFLECTION_RATE] -= damping / link
     push[elastic, _DEFLECTION_RATE] = -push[elastic, _RATE]
     return system, push
-
-
-def _signal_gains(servo: Servo, signal: Signal) -> Array:
-    """What the learning signal loses by state, shape (N, 6)."""
-    check_choice("learning signal", signal, SIGNALS)
-    gains = np.zeros((len(servo.position_gain), _STATES))
-    gains[:, _ANGLE] = servo.position_gain
-    if signal != "e_p":
-        gains[:, _RATE] = servo.velocity_gain
-    if signal == "u_c":
-        gains[:, _INTEGRAL] = servo.integral_gain
-    return gains
 
 
 def _midway(rows: Array) -> Array:

@@ -33,9 +33,8 @@ import numpy as np
 
 from ffgym.agents.declaration import Entry, Setting, declare
 from ffgym.agents.elastic import elastic_law
-from ffgym.agents.law_files import digest
+from ffgym.agents.law_files import StateFile, digest
 from ffgym.agents.lugre import dynamic_lugre
-from ffgym.agents.state_file import StateFile
 from ffgym.agents.task_torques import Task, TaskTorques, same_motion
 from ffgym.agents.torque_response import (
     TARGETS,

@@ -1,9 +1,12 @@
-"""Learned laws as files: one NPZ with the arrays and a JSON header that says what they are and where they come from."""
+"""Learned laws, and states of learning, as files: one NPZ with the arrays and a JSON header that says what they are.
+
+Learning that goes on from a file of its state comes to the same bits as if it had never stopped.
+"""
 
 import json
 import os
 from collections.abc import Mapping
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from hashlib import sha256
 from pathlib import Path
 from typing import Any, ClassVar, Self
@@ -67,10 +70,7 @@ def save_law(path: str | os.PathLike[str], law: StoredLaw, meta: Mapping[str, An
     Raises:
         FFGymError: if the file cannot be written, or its name does not end in .npz.
     """
-    target = Path(path)
-    if target.suffix != ".npz":
-        raise FFGymError(f"{path}: the name of a law's file must end in .npz.")
-    check_writable(target)
+    target = npz_target(path, "law")
     settings, arrays = law.parts()
     header = {
         "format": FORMAT,
@@ -80,6 +80,19 @@ def save_law(path: str | os.PathLike[str], law: StoredLaw, meta: Mapping[str, An
         "versions": versions(),
     }
     write_bytes(target, pack(header, arrays))
+    return target
+
+
+def npz_target(path: str | os.PathLike[str], what: str) -> Path:
+    """File to be written.
+
+    Raises:
+        FFGymError: if it cannot be written, or its name does not end in .npz.
+    """
+    target = Path(path)
+    if target.suffix != ".npz":
+        raise FFGymError(f"{path}: the name of a {what}'s file must end in .npz.")
+    check_writable(target)
     return target
 
 
@@ -136,3 +149,81 @@ def digest(*arrays: Array) -> str:
         total.update(repr(array.shape).encode())
         total.update(np.ascontiguousarray(array).tobytes())
     return total.hexdigest()[:16]
+
+
+@dataclass(frozen=True, kw_only=True)
+class StateFile:
+    """Arrays of some learning on disk, written whole or not at all."""
+
+    path: Path
+    kind: str
+    """Kind of the file, beside those of laws."""
+    settings: Mapping[str, Any]
+    """What must be the same for learning to go on; JSON can hold it."""
+
+    def __post_init__(self) -> None:
+        check_writable(self.path)
+
+    def write(self, arrays: Mapping[str, Array]) -> None:
+        """Replace the file.
+
+        Raises:
+            FFGymError: if it cannot be written.
+        """
+        header = {"format": FORMAT, "kind": self.kind, "settings": dict(self.settings), "versions": versions()}
+        write_bytes(self.path, pack(header, arrays))
+
+    def read(self) -> dict[str, Array] | None:
+        """Arrays of the file; None where there is no file yet.
+
+        Raises:
+            FFGymError: if the file is damaged, or of learning with other settings; the message says which.
+        """
+        if not self.path.exists():
+            return None
+        header, arrays = unpack(self.path)
+        if header.get("kind") != self.kind:
+            raise FFGymError(f"{self.path}: is a file of kind {header.get('kind')!r}, not of learning to go on with.")
+        theirs, ours = header.get("settings"), json.loads(json.dumps(dict(self.settings)))  # as a file gives them back
+        way_out = "Go on with the same, or begin anew with another file."
+        check_same(theirs if isinstance(theirs, dict) else {}, ours, self.path, "other learning", way_out)
+        return arrays
+
+
+def check_same(theirs: Mapping[str, Any], ours: Mapping[str, Any], place: Path, what: str, way_out: str) -> None:
+    """Check that a file or folder is of what is asked for, and of nothing else.
+
+    Args:
+        theirs: settings that are kept in it.
+        ours: settings of what is asked for.
+        place: the file or folder.
+        what: it would hold otherwise, e.g. 'another training'.
+        way_out: end of the message.
+
+    Raises:
+        FFGymError: if they differ; the message says in what.
+    """
+
+    def short(value: Any) -> str:
+        text = repr(value)
+        return text if len(text) <= 60 else f"{text[:57]}..."
+
+    flat, own = _flat(theirs), _flat(ours)
+    changes = [
+        f"{name} was {short(flat.get(name))}, now {short(own.get(name))}"
+        for name in sorted(set(flat) | set(own))
+        if flat.get(name) != own.get(name)
+    ]
+    if changes:
+        raise FFGymError(f"{place}: holds {what}: {'; '.join(changes)}. {way_out}")
+
+
+def _flat(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Entries of tables in tables by one name each."""
+    flat: dict[str, Any] = {}
+    for name, value in values.items():
+        if isinstance(value, Mapping):
+            flat |= {f"{name}.{inner}": each for inner, each in _flat(value).items()}
+        else:
+            flat[name] = value
+    return flat

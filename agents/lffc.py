@@ -36,8 +36,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from ffgym.agents.law_files import StoredLaw, digest
-from ffgym.agents.state_file import StateFile
+from ffgym.agents.law_files import StateFile, StoredLaw, digest
 from ffgym.agents.trials import SIGNALS, Lesson, Signal, Trial, performed
 from ffgym.control import CausalLaw
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_shape, check_whole
@@ -64,14 +63,10 @@ class Network(CausalLaw, StoredLaw):
 
     def merged(self, other: Self, joints: BoolArray) -> Self:
         """This network, with the weights of `other` on `joints` (N,)."""
-        theirs = other.weights
-        return self.with_weights(
-            {name: np.where(_over(joints, own), theirs[name], own) for name, own in self.weights.items()}
-        )
-
-
-def _over(joints: BoolArray, weights: Array) -> BoolArray:
-    return joints.reshape(-1, *[1] * (weights.ndim - 1))
+        theirs, mixed = other.weights, {}
+        for name, own in self.weights.items():
+            mixed[name] = np.where(joints.reshape(-1, *[1] * (own.ndim - 1)), theirs[name], own)
+        return self.with_weights(mixed)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -238,7 +233,9 @@ class LFFC:
         file = None if state is None else StateFile(path=state, kind="learning", settings=settings)
         learning = self._begin(network, len(references), file)
         while learning.trials <= self.iterations and not learning.locked.all():
-            lessons = self._try(learning, references, trial)
+            runs = [Run(reference=reference, law=learning.network) for reference in references]
+            pairs = zip(references, performed(trial, runs, learning.trials), strict=True)
+            lessons = [Lesson.of(reference, recording, self.signal) for reference, recording in pairs]
             learning = learning.after(lessons, rate=self.rate, tolerance=self.tolerance, patience=self.patience)
             if file is not None:
                 file.write(_packed(learning))
@@ -263,10 +260,6 @@ class LFFC:
                 f"for; ask for as many or more, or begin anew with another file."
             )
         return learning
-
-    def _try(self, learning: Learning, references: Sequence[Reference], trial: Trial) -> list[Lesson]:
-        recordings = performed(trial, [Run(reference=r, law=learning.network) for r in references], learning.trials)
-        return [Lesson.of(r, recording, self.signal) for r, recording in zip(references, recordings, strict=True)]
 
     def _settings(self, network: Network, references: Sequence[Reference], machine: str) -> dict[str, Any]:
         """What must not change while learning; more iterations may be asked for later."""

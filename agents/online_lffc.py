@@ -84,10 +84,16 @@ class OnlineLFFC:
             deterministic: without effect, nothing is random.
         """
         window = self.agent.window(observation)
-        weights = self._weights(state, window.q.shape[:-2])
+        n, batch, first = self.network.n_joints, window.q.shape[:-2], self.network.coefficients
+        if state is None:
+            weights = np.tile(first.reshape(n, -1), (*batch, 1, 1))
+        else:
+            weights = check_shape("state", state, (*batch, first.size)).reshape(*batch, n, -1).copy()
+        error, error_rate = (self.agent.layout.read(observation, name) for name in ("error", "error_rate"))
+        u_p = servo_torque(self.servo, error, error_rate, np.zeros_like(error)).u_p
         dq, ddq = window.motor_dq, window.motor_ddq
         values, places = self.network.active(dq[..., 0, :], ddq[..., 0, :])
-        missing = np.where(dq[..., 0, :] == 0, 0.0, self._missing(observation))
+        missing = np.where(dq[..., 0, :] == 0, 0.0, u_p)
         learned = np.take_along_axis(weights, places, axis=-1) + self.rate * missing[..., None] * values
         np.put_along_axis(weights, places, learned, axis=-1)
         values, places = self.network.active(dq[..., 1, :], ddq[..., 1, :])
@@ -98,16 +104,3 @@ class OnlineLFFC:
     def network_of(self, state: Array) -> BSplineNetwork:
         """What one sub-environment has learned; `state` is its row, shape (N H S,)."""
         return self.network.with_weights({"coefficients": state.reshape(self.network.coefficients.shape)})
-
-    def _weights(self, state: Any, batch: tuple[int, ...]) -> Array:
-        """A copy of the weights in `state`, or those to begin with, shape (..., N, H S)."""
-        n = self.network.n_joints
-        if state is None:
-            return np.tile(self.network.coefficients.reshape(n, -1), (*batch, 1, 1))
-        own = check_shape("state", state, (*batch, self.network.coefficients.size))
-        return own.reshape(*batch, n, -1).copy()
-
-    def _missing(self, observation: Array) -> Array:
-        """u_p as observed [N m], shape (..., N)."""
-        error, rate = (self.agent.layout.read(observation, name) for name in ("error", "error_rate"))
-        return servo_torque(self.servo, error, rate, np.zeros_like(error)).u_p

@@ -96,14 +96,12 @@ class OracleAgent:
             robot = known_truth(machine.truth)
             rows.setdefault(id(robot), []).append(i)
             if id(robot) not in self._agents:
-                self._agents[id(robot)] = (robot, self._agent(robot))
+                law = oracle_law(robot, self.core.tasks.arm)
+                agent = LawAgent(law=law, layout=self.layout, control_dt=self.control_dt)
+                self._agents[id(robot)] = (robot, agent)
         for key in self._agents.keys() - rows.keys():
             del self._agents[key]
         return [(self._agents[key][1], chosen) for key, chosen in rows.items()]
-
-    def _agent(self, robot: RobotDescription) -> LawAgent:
-        law = oracle_law(robot, self.core.tasks.arm)
-        return LawAgent(law=law, layout=self.layout, control_dt=self.control_dt)
 
 
 declare(

@@ -47,17 +47,15 @@ class SharedRig:
 
         def run(runs: Sequence[Run], number: int) -> list[Recording]:
             own = int(np.random.SeedSequence([seed, number]).generate_state(1)[0])
-            return self._together(_Wish(runs=runs, noise=np.random.default_rng(own).spawn(len(runs))))
+            wish = _Wish(runs=runs, noise=np.random.default_rng(own).spawn(len(runs)))
+            self._wishes.append(wish)
+            self._run_if_complete()
+            self.turn.wait_for(lambda: wish.recordings is not None or self._failure is not None)
+            if wish.recordings is None:
+                raise RuntimeError("the trial of another learner failed") from self._failure
+            return wish.recordings
 
         return run
-
-    def _together(self, wish: _Wish) -> list[Recording]:
-        self._wishes.append(wish)
-        self._run_if_complete()
-        self.turn.wait_for(lambda: wish.recordings is not None or self._failure is not None)
-        if wish.recordings is None:
-            raise RuntimeError("the trial of another learner failed") from self._failure
-        return wish.recordings
 
     def leave(self) -> None:
         """One learner has ended, in its turn."""

@@ -1,6 +1,6 @@
 """Agents of this package as submissions: which file or name is of which kind, and how each is made from it."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +9,7 @@ from ffgym.agents.declaration import Setting
 from ffgym.agents.law_agent import LawPolicy, causal
 from ffgym.agents.law_files import load_law, unpack
 from ffgym.agents.residual.policy import KIND, load_policy
-from ffgym.control import FeedForwardLaw, Policy
+from ffgym.control import Policy
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import read_bytes
 from ffgym.leaderboard.submission.manifest import AgentSource
@@ -59,19 +59,15 @@ def load(source: Mapping[str, Any], folder: Path, robot: RobotDescription) -> Po
     """
     if source["kind"] == "policy":
         return load_policy(folder / str(source["file"]))
-    make = _maker(source, folder)
-    return LawPolicy(make=make, preview=causal(make(robot)).preview)
-
-
-def _maker(source: Mapping[str, Any], folder: Path) -> Callable[[RobotDescription], FeedForwardLaw]:
     file, name = source["file"], source["law"]
     if name is None:
-        law = load_law(folder / str(file))
-        return lambda robot: law
+        law = causal(load_law(folder / str(file)))
+        return LawPolicy(make=lambda robot: law, preview=law.preview)
     if name not in SUBMITTED:
         raise FFGymError(f"law = {name!r} must be one of {', '.join(SUBMITTED)}.")
     full = name if file is None else f"{name}:{folder / str(file)}"
-    return lambda robot: law_named(full, Setting.of(robot))
+    preview = causal(law_named(full, Setting.of(robot))).preview
+    return LawPolicy(make=lambda robot: law_named(full, Setting.of(robot)), preview=preview)
 
 
 SUBMITTED = tuple(

@@ -65,7 +65,14 @@ class MotorRecord:
         motor_dq = np.gradient(position, dt, axis=0)
         slip, moving = slip_along(motor_dq, dt), lesson.moving[rows]
         total = lesson.added[rows] + lesson.signal[rows]
-        offset, noise = _offset_and_noise(linear_features(slip, motor_dq, reference.motor_ddq)[moving], total[moving])
+        # constant part and unexplained spread of the torque of each motor
+        features = linear_features(slip, motor_dq, reference.motor_ddq)[moving]
+        offset, noise = np.empty(total.shape[1]), np.empty(total.shape[1])
+        for joint, target in enumerate(total[moving].T):
+            matrix = np.column_stack([features[:, joint], np.ones(len(target))])
+            solution = least_squares(matrix, target)
+            offset[joint] = solution[-1]
+            noise[joint] = np.std(target - matrix @ solution)
         return cls(
             dt=dt,
             motor_dq=motor_dq,
@@ -133,17 +140,6 @@ def learn(
 def linear_features(slip: Array, motor_dq: Array, motor_ddq: Array) -> Array:
     """What the torque of a motor is (nearly) linear in, shape (..., N, W + 2): slip elements, speed, acceleration."""
     return np.concatenate([slip, motor_dq[..., None], motor_ddq[..., None]], axis=-1)
-
-
-def _offset_and_noise(features: Array, torque: Array) -> tuple[Array, Array]:
-    """Constant part and unexplained spread [N m] of a torque (T, N), shape (N,) each, by least squares."""
-    offset, noise = np.empty(torque.shape[1]), np.empty(torque.shape[1])
-    for joint, target in enumerate(torque.T):
-        matrix = np.column_stack([features[:, joint], np.ones(len(target))])
-        solution = least_squares(matrix, target)
-        offset[joint] = solution[-1]
-        noise[joint] = np.std(target - matrix @ solution)
-    return offset, noise
 
 
 def least_squares(matrix: Array, target: Array) -> Array:

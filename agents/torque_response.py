@@ -65,7 +65,11 @@ class TorqueResponse:
         ramp[states : states + motors, states + motors :] = np.eye(motors)
         step = scipy.linalg.expm(ramp)[:states]
         transition, held, ramped = np.split(step, [states, states + motors], axis=1)
-        observed = _observed(arm, q, target, states)
+        links = _links(arm.robot)
+        rows = (
+            arm.robot.drive.matrix @ np.eye(*links.shape) if target == "motor" else arm.jacobian(q[None])[0, :3] @ links
+        )
+        observed = np.hstack([rows, np.zeros((len(rows), states - links.shape[1]))])
         return cls(
             transition=transition,
             entry=transition @ ramped + (held - ramped),
@@ -107,14 +111,6 @@ def _motion(arm: RigidArm, q: Array) -> tuple[Array, Array]:
     push = np.zeros((2 * n + m, robot.n_joints))
     push[n : 2 * n] = np.linalg.solve(inertia, motors)
     return system, push
-
-
-def _observed(arm: RigidArm, q: Array, target: Target, states: int) -> Array:
-    """Rows that read the target from the state, shape (m, states)."""
-    links = _links(arm.robot)
-    motors = arm.robot.drive.matrix @ np.eye(*links.shape)
-    rows = motors if target == "motor" else arm.jacobian(q[None])[0, :3] @ links
-    return np.hstack([rows, np.zeros((len(rows), states - links.shape[1]))])
 
 
 def _links(robot: RobotDescription) -> Array:

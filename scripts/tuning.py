@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 import tyro
 
+from ffgym.agents.law_files import check_same
 from ffgym.agents.residual.plan import Training
-from ffgym.agents.state_file import check_same
 from ffgym.cli.learning_options import PolicyOptions
 from ffgym.cli.train_policy import need_training
 from ffgym.core.errors import FFGymError, check_number, check_whole

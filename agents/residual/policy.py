@@ -30,13 +30,13 @@ from typing import Any
 import numpy as np
 
 from ffgym.agents.declaration import Entry, declare
-from ffgym.agents.law_files import FORMAT, pack, unpack
+from ffgym.agents.law_files import FORMAT, npz_target, pack, unpack
 from ffgym.agents.residual.actor import Actor
 from ffgym.agents.residual.bases import base_law
 from ffgym.agents.residual.composition import AHEAD, Composition, Memory, chosen
 from ffgym.control import ObservationLayout
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
-from ffgym.core.files import check_writable, write_bytes
+from ffgym.core.files import write_bytes
 from ffgym.core.provenance import versions
 from ffgym.core.types import Array
 from ffgym.robot import RobotDescription
@@ -183,10 +183,7 @@ def save_policy(path: str | os.PathLike[str], policy: ResidualPolicy) -> Path:
     Raises:
         FFGymError: if the file cannot be written, or its name does not end in .npz.
     """
-    target = Path(path)
-    if target.suffix != ".npz":
-        raise FFGymError(f"{path}: the name of a policy's file must end in .npz.")
-    check_writable(target)
+    target = npz_target(path, "policy")
     write_bytes(target, encode_policy(policy))
     return target
 

@@ -22,11 +22,11 @@ from stable_baselines3.common.buffers import ReplayBuffer
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.logger import Logger, configure
 
+from ffgym.agents.law_files import check_same
 from ffgym.agents.residual.environment import ResidualVecEnv, environment_of
 from ffgym.agents.residual.plan import Training
 from ffgym.agents.residual.policy import ResidualPolicy, encode_policy, load_policy
 from ffgym.agents.residual.sb3 import actor_of, algorithm_of
-from ffgym.agents.state_file import check_same
 from ffgym.core.claims import claimed
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import made_folder, read_bytes, read_text, write_bytes, write_json
