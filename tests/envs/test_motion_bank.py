@@ -53,6 +53,15 @@ def test_a_motion_is_stored_once_however_many_follow_it(motions):
     assert len(bank._table) < 3 * len(motions[1].rows(PADDING))
 
 
+def test_what_nobody_follows_is_forgotten_when_room_is_needed(motions, monkeypatch):
+    monkeypatch.setattr(bank_module, "_KEEP_ROWS", 0)
+    bank = MotionBank(1, motions[0].columns, PADDING)
+    for motion in 5 * motions:
+        bank.assign(0, motion)
+    longest = max(len(motion.rows(PADDING)) for motion in motions)
+    assert len(bank._table) < 2 * 1.25 * longest
+
+
 def test_the_last_sample_is_held_beyond_the_end(motions):
     motion = motions[0]
     bank = MotionBank(1, motion.columns, PADDING)
@@ -65,6 +74,7 @@ def test_a_window_is_a_copy(motions):
     bank = MotionBank(1, motions[0].columns, PADDING)
     bank.assign(0, motions[0])
     before = bank.window(np.array([5]), 2)
+    assert not np.shares_memory(before, bank._table)
     bank.window(np.array([5]), 2)[:] = np.nan
     np.testing.assert_array_equal(bank.window(np.array([5]), 2), before)
 
