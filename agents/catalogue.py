@@ -62,9 +62,9 @@ def law_named(name: str, setting: Setting) -> FeedForwardLaw:
     """
     if name.endswith(".npz"):
         return load_law(name)
-    entry, machine = _parts(name)
+    entry, machine, law = _parts(name)
     if machine is not None and entry.make_from is not None:
-        return entry.make_from(machine, setting, _name_of(name))
+        return entry.make_from(machine, setting, law)
     assert entry.make is not None  # see Catalogue
     return entry.make(setting)
 
@@ -75,22 +75,14 @@ def name_of_law(name: str) -> str:
     Raises:
         FFGymError: if there is no such entry, or the file cannot be read.
     """
-    if name.endswith(".npz"):
-        return load_law(name).name
-    _parts(name)
-    return _name_of(name)
+    return load_law(name).name if name.endswith(".npz") else _parts(name)[-1]
 
 
-def _parts(name: str) -> tuple[Entry, Machine | None]:
-    """Entry, and the machine in the file that follows its name."""
+def _parts(name: str) -> tuple[Entry, Machine | None, str]:
+    """Entry, the machine in the file that follows its name, and the name of the law."""
     kind, colon, file = name.partition(":")
     entry = entry_of(kind)
     if colon and not entry.takes_machine:
         takers = [f"{known}:FILE" for known, each in CATALOGUE.items() if each.takes_machine]
         raise FFGymError(f"Agent {kind!r} takes no file, got {name!r}; {', '.join(takers)} does.")
-    return entry, load_machine(file) if colon else None
-
-
-def _name_of(name: str) -> str:
-    kind, colon, file = name.partition(":")
-    return f"{kind}{colon}{Path(file).stem}"
+    return entry, load_machine(file) if colon else None, f"{kind}{colon}{Path(file).stem}"

@@ -191,14 +191,7 @@ class StateFile:
 
 
 def check_same(theirs: Mapping[str, Any], ours: Mapping[str, Any], place: Path, what: str, way_out: str) -> None:
-    """Check that a file or folder is of what is asked for, and of nothing else.
-
-    Args:
-        theirs: settings that are kept in it.
-        ours: settings of what is asked for.
-        place: the file or folder.
-        what: it would hold otherwise, e.g. 'another training'.
-        way_out: end of the message.
+    """Check that settings kept in a file or folder are those asked for; else it holds `what`, e.g. another training.
 
     Raises:
         FFGymError: if they differ; the message says in what.

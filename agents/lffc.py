@@ -152,12 +152,6 @@ _ROWS = ("error", "signal", "best_trial", "stale", "locked")
 _NETWORKS = ("network", "best")
 
 
-def _packed(learning: Learning) -> dict[str, Array]:
-    """Learning as arrays of a file."""
-    weights = {f"{role}.{name}": array for role in _NETWORKS for name, array in getattr(learning, role).weights.items()}
-    return {name: getattr(learning, name) for name in _ROWS} | weights
-
-
 def _unpacked(first: Network, n_motions: int, arrays: Mapping[str, Array]) -> Learning:
     n = first.n_joints
     network, best = (
@@ -238,7 +232,12 @@ class LFFC:
             lessons = [Lesson.of(reference, recording, self.signal) for reference, recording in pairs]
             learning = learning.after(lessons, rate=self.rate, tolerance=self.tolerance, patience=self.patience)
             if file is not None:
-                file.write(_packed(learning))
+                weights = {
+                    f"{role}.{name}": array
+                    for role in _NETWORKS
+                    for name, array in getattr(learning, role).weights.items()
+                }
+                file.write({name: getattr(learning, name) for name in _ROWS} | weights)
             if watch is not None:
                 watch(learning, self.iterations + 1)
         return learning

@@ -9,7 +9,7 @@ import numpy as np
 from ffgym.agents.law_files import StoredLaw
 from ffgym.control import CausalLaw, Window
 from ffgym.core.errors import FFGymError, check_shape
-from ffgym.core.types import Array, BoolArray
+from ffgym.core.types import Array
 from ffgym.paths import Reference
 
 SAME = 1e-6
@@ -93,7 +93,12 @@ class TaskTorques(CausalLaw, StoredLaw):
         samples = np.minimum(now[..., None] + [0, 1], last)
         off_task = np.abs(window.q[..., :2, :] - task.q[samples]).max(axis=(-1, -2)) >= SAME
         if off_task.any():
-            self._refuse(task, now, off_task)
+            row = int(np.flatnonzero(off_task)[0])
+            raise FFGymError(
+                f"{self.name} runs the motion {task.name!r}, and at its sample {now.reshape(-1)[row]} the reference of "
+                f"robot {row} of the batch is elsewhere: another motion, or one that did not begin when episode_start "
+                f"said."
+            )
         return task.torque[samples[..., 1]], memory + 1.0
 
     def parts(self) -> tuple[dict[str, Any], dict[str, Array]]:
@@ -126,13 +131,6 @@ class TaskTorques(CausalLaw, StoredLaw):
                 f"sample by sample, law.task(reference)."
             )
         return self.tasks[0]
-
-    def _refuse(self, task: Task, now: np.ndarray, off_task: BoolArray) -> None:
-        row = int(np.flatnonzero(off_task)[0])
-        raise FFGymError(
-            f"{self.name} runs the motion {task.name!r}, and at its sample {now.reshape(-1)[row]} the reference of "
-            f"robot {row} of the batch is elsewhere: another motion, or one that did not begin when episode_start said."
-        )
 
 
 def _names(tasks: Sequence[Task]) -> str:

@@ -41,13 +41,7 @@ POINTS = 4
 
 
 class Curve(BaseCallback):
-    """Mean reward per step, with exploration, in even parts of every segment.
-
-    Args:
-        training: what is trained.
-        points: of the curve so far.
-        watch: is told steps that are done, and all; None is nobody.
-    """
+    """Mean reward per step, with exploration, in even parts of every segment, after the points so far."""
 
     def __init__(
         self,
@@ -246,14 +240,7 @@ def restore(model: BaseAlgorithm, standing: Mapping[str, Any]) -> None:
 def write_checkpoint(
     file: Path, model: BaseAlgorithm, *, segment: int, curve: Points, about: Mapping[str, Any]
 ) -> None:
-    """Write a checkpoint in place of the one before it: its sha256, then what torch makes of it.
-
-    Args:
-        file: of all checkpoints of a training.
-        model: as the last segment left it.
-        segment: number of the next segment.
-        curve: of learning so far.
-        about: what the training is, see `read_checkpoint`.
+    """Write a checkpoint, `segment` next, in place of the one before it: its sha256, then what torch makes of it.
 
     Raises:
         FFGymError: if it cannot be written.
@@ -281,10 +268,6 @@ def write_checkpoint(
 
 def read_checkpoint(file: Path, about: Mapping[str, Any]) -> dict[str, Any] | None:
     """Read where a training stands: the next `segment`, its `curve` and what `restore` needs; None if nowhere.
-
-    Args:
-        file: of its checkpoints.
-        about: what the training is, as JSON has it.
 
     Raises:
         FFGymError: if it is of another training, or damaged.
