@@ -37,7 +37,6 @@ from numpy.lib.stride_tricks import sliding_window_view
 from ffgym.agents.declaration import Entry, declare
 from ffgym.agents.flexible_joints import (
     Lead,
-    error_of,
     friction_along,
     given_torque,
     lead_between,
@@ -199,7 +198,8 @@ class ElasticLaw(CausalLaw):
     def own_error(self, memory: Array) -> tuple[Array, Array]:
         """See base class; motors lead their reference."""
         rows = memory.reshape(*memory.shape[:-1], -1, self.n_joints)
-        return error_of(rows[..., -6, :], rows[..., -5, :], self.model.robot.drive)  # in the order of `_remembered`
+        drive = self.model.robot.drive
+        return -drive.motor_angle(rows[..., -6, :]), -drive.motor_angle(rows[..., -5, :])  # as in `_remembered`
 
     # Parts of the equation in the head of this file, shape (..., N)
 

@@ -14,7 +14,6 @@ import numpy as np
 from ffgym.control import DynamicLuGreExact, Window
 from ffgym.core.types import Array
 from ffgym.robot import RigidArm
-from ffgym.robot.drive import Drive
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -55,11 +54,6 @@ def lead_between(bend: Array, relaxation: Array, dt: float) -> Lead:
         lead = derivative / dt**order - relaxation * lead
         found.append(lead)
     return Lead(angle=found[-1], speed=found[-2], acceleration=found[-3])
-
-
-def error_of(angle: Array, speed: Array, drive: Drive) -> tuple[Array, Array]:
-    """Errors [rad], [rad/s], reference - motor, motor side, of motors that lead by an angle and a speed, link side."""
-    return -drive.motor_angle(angle), -drive.motor_angle(speed)
 
 
 @cache

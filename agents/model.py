@@ -37,7 +37,7 @@ import numpy as np
 
 from ffgym.agents.declaration import Entry, declare
 from ffgym.agents.elastic import ElasticLaw, elastic_law
-from ffgym.agents.flexible_joints import Lead, bristles_within, error_of, given_torque, in_parts, motion_at, wound_up
+from ffgym.agents.flexible_joints import Lead, bristles_within, given_torque, in_parts, motion_at, wound_up
 from ffgym.agents.model_springs import Carried, Past, Springs, Start, unpacked
 from ffgym.agents.model_states import Motors, Place
 from ffgym.control import CausalLaw, DynamicLuGreExact, LawStyle, Window
@@ -194,8 +194,8 @@ class ModelLaw(CausalLaw):
 
     def own_error(self, memory: Array) -> tuple[Array, Array]:
         """See base class; motors lead their reference, and resolvers read what they read."""
-        past = self._past(memory)
-        return error_of(past.lead.angle, past.lead.speed, self._drive)
+        lead = self._past(memory).lead
+        return -self._drive.motor_angle(lead.angle), -self._drive.motor_angle(lead.speed)
 
     def _past(self, memory: Array) -> Past:
         springs, motors = self._lengths

@@ -103,9 +103,8 @@ class ResidualAgent:
                     f"The state of {len(state.residual)} robots is not what predict returned for {len(rows)}; give "
                     f"None where a batch begins."
                 )
-            begins = np.atleast_1d(np.asarray(episode_start, dtype=np.bool_))
-            if episode_start is None:
-                begins = np.zeros(len(rows), dtype=np.bool_)
+            flags = np.zeros(len(rows)) if episode_start is None else episode_start
+            begins = np.atleast_1d(np.asarray(flags, dtype=np.bool_))
             if begins.shape != (len(rows),):
                 raise FFGymError(
                     f"episode_start has shape {begins.shape}, must be ({len(rows)},): one for each observation."
