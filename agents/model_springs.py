@@ -19,8 +19,8 @@ from ffgym.agents.flexible_joints import Lead
 from ffgym.agents.model_states import Place, state_at
 from ffgym.core.types import Array
 from ffgym.effects import TorqueEffect, Torques
-from ffgym.effects.elasticity import Backlash
 from ffgym.effects.leads import Leads
+from ffgym.effects.transmission.backlash import Backlash
 from ffgym.simulation.plant import Machine
 
 REACH = 1e-3

@@ -13,8 +13,8 @@ import tyro
 
 from ffgym.core.files import write_bytes
 from ffgym.diagnosis.nominal import EXAMPLE_ROBOT
-from ffgym.effects.drive import TorqueOffset
-from ffgym.effects.frames import ToolFrame
+from ffgym.effects.drive.offset import TorqueOffset
+from ffgym.effects.measurement.tool_frame import ToolFrame
 from ffgym.recordings import Recording
 from ffgym.recordings.npz import HEADER_KEY
 from ffgym.robot import RigidArm, load_robot

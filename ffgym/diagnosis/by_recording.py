@@ -22,7 +22,8 @@ from ffgym.diagnosis.measured import counting_rows
 from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.result import Drift
-from ffgym.effects.friction_levels import CoulombLevel, ViscousLevel
+from ffgym.effects.friction.coulomb import CoulombLevel
+from ffgym.effects.friction.viscous import ViscousLevel
 from ffgym.recordings import Recording
 
 FEWEST = 4

@@ -21,15 +21,19 @@ from ffgym.diagnosis.push import Parts
 from ffgym.diagnosis.replay import Replay, servo_feedback
 from ffgym.diagnosis.residual import Channel
 from ffgym.effects import ClockEffect, Effect, NativeEffect
-from ffgym.effects.clocks import TorqueClock
-from ffgym.effects.drive import TorqueConstant, TorqueOffset
+from ffgym.effects.drive.delay import TorqueDelay
+from ffgym.effects.drive.offset import TorqueOffset
+from ffgym.effects.drive.torque_constant import TorqueConstant
 from ffgym.effects.effect import Side
-from ffgym.effects.elasticity import JointStiffness
-from ffgym.effects.frames import ToolFrame
-from ffgym.effects.friction_levels import CoulombLevel, PreslidingStiffness, StribeckPeak, ViscousLevel
-from ffgym.effects.load import RotorInertia
+from ffgym.effects.friction.coulomb import CoulombLevel
+from ffgym.effects.friction.presliding import PreslidingStiffness
+from ffgym.effects.friction.stribeck import StribeckPeak
+from ffgym.effects.friction.viscous import ViscousLevel
+from ffgym.effects.load.rotor_inertia import RotorInertia
+from ffgym.effects.measurement.tool_frame import ToolFrame
+from ffgym.effects.measurement.torque_clock import TorqueClock
 from ffgym.effects.parameters import parameter
-from ffgym.effects.torque_delay import TorqueDelay
+from ffgym.effects.transmission.stiffness import JointStiffness
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
 

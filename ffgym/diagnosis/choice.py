@@ -17,7 +17,7 @@ from ffgym.diagnosis.residual import Channel, components
 from ffgym.diagnosis.search.candidates import Candidates
 from ffgym.diagnosis.variant import Cycles
 from ffgym.effects import Effect
-from ffgym.effects.elasticity import JointStiffness
+from ffgym.effects.transmission.stiffness import JointStiffness
 
 _LOOKED_FOR: tuple[tuple[Amplitude, int], ...] = (("constant", 2), ("torque", 1))
 """Peaks of a joint's torque that are tried as the frequency of a periodic effect, of what has one amplitude and of what

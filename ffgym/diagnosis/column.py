@@ -24,7 +24,7 @@ from ffgym.diagnosis.push import (
 from ffgym.diagnosis.replay import Replay, servo_feedback, tracked
 from ffgym.diagnosis.variant import Cycles, Variant, variants, with_effect
 from ffgym.effects import ClockEffect, Effect, ModelEffect, NativeEffect, ResolverEffect, TrackerEffect
-from ffgym.effects.elasticity import JointStiffness
+from ffgym.effects.transmission.stiffness import JointStiffness
 
 _TOGETHER = 24
 """Pushes on the springs that are solved for at once; chosen: more gain little, and each array of them takes 50 MB for

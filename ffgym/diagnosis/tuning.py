@@ -34,12 +34,14 @@ from ffgym.diagnosis.sampling import CUTOFF
 from ffgym.diagnosis.solving import bounded
 from ffgym.diagnosis.variant import STEP
 from ffgym.effects import Effect, NativeEffect
-from ffgym.effects.drive import TorqueOffset
+from ffgym.effects.drive.offset import TorqueOffset
 from ffgym.effects.effect import Side
-from ffgym.effects.elasticity import JointStiffness
-from ffgym.effects.friction_levels import CoulombLevel, PreslidingStiffness, ViscousLevel
-from ffgym.effects.load import RotorInertia
+from ffgym.effects.friction.coulomb import CoulombLevel
+from ffgym.effects.friction.presliding import PreslidingStiffness
+from ffgym.effects.friction.viscous import ViscousLevel
+from ffgym.effects.load.rotor_inertia import RotorInertia
 from ffgym.effects.parameters import parameter
+from ffgym.effects.transmission.stiffness import JointStiffness
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
 from ffgym.simulation.plant import Machine

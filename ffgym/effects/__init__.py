@@ -1,4 +1,4 @@
-"""Physical effects that a machine may have and its nominal model may lack, a file for each part that they act on.
+"""Physical effects that a machine may have and its nominal model may lack, one file each.
 
 Plain LuGre friction stands in `ffgym.robot.friction`, their use in a plant in `ffgym.simulation`.
 """

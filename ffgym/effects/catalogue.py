@@ -45,7 +45,7 @@ class Catalogue(Mapping[str, type[Effect]]):
     @cached_property
     def _members(self) -> dict[str, type[Effect]]:
         found: dict[str, type[Effect]] = {}
-        for room in pkgutil.iter_modules(ffgym.effects.__path__, "ffgym.effects."):
+        for room in pkgutil.walk_packages(ffgym.effects.__path__, "ffgym.effects."):
             for kind in vars(import_module(room.name)).values():
                 if isinstance(kind, type) and issubclass(kind, Effect) and kind.__module__ == room.name and kind.code:
                     found[kind.name] = kind

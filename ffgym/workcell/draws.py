@@ -8,7 +8,7 @@ import numpy as np
 from ffgym.core.errors import check_whole
 from ffgym.core.types import Array
 from ffgym.effects import Effect
-from ffgym.effects.frames import TrackerFrame
+from ffgym.effects.measurement.tracker_frame import TrackerFrame
 from ffgym.robot import RobotDescription
 from ffgym.simulation.plant import Climate, LogUniform, PlantDistribution, Uniform
 from ffgym.workcell.cell import SealedMachine, Workcell

@@ -11,7 +11,7 @@ from ffgym.core.errors import check_choice, check_whole
 from ffgym.core.types import Array
 from ffgym.effects import EFFECTS
 from ffgym.effects.effect import Effect
-from ffgym.effects.frames import ToolFrame
+from ffgym.effects.measurement.tool_frame import ToolFrame
 from ffgym.robot import RigidArm, RobotDescription, load_robot
 from ffgym.simulation.plant import Climate, Machine
 from scripts.exam.bench import Bench, usual_protocol

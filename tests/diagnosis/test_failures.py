@@ -11,7 +11,7 @@ from ffgym.diagnosis import exact as exact_module
 from ffgym.diagnosis.fit import fit as module
 from ffgym.diagnosis.held_out import closed_loop_gain
 from ffgym.effects import EFFECTS
-from ffgym.effects.friction_levels import ViscousLevel
+from ffgym.effects.friction.viscous import ViscousLevel
 from ffgym.simulation.plant import Machine
 from tests.diagnosis import test_same_bytes
 from tests.diagnosis.test_continuous_time import left

@@ -10,7 +10,7 @@ from ffgym.diagnosis.log import log_of
 from ffgym.diagnosis.push import replayed_parts
 from ffgym.diagnosis.replay import replay
 from ffgym.diagnosis.variant import with_effect
-from ffgym.effects.elasticity import JointStiffness
+from ffgym.effects.transmission.stiffness import JointStiffness
 from tests.diagnosis.replay.replay_samples import nominal, recorded
 
 

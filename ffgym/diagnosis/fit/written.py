@@ -22,7 +22,7 @@ from ffgym.diagnosis.replay import predicted
 from ffgym.diagnosis.replay.channels import in_step
 from ffgym.diagnosis.solving import bounded
 from ffgym.effects import ClockEffect, Effect, NativeEffect
-from ffgym.effects.friction_levels import StribeckPeak
+from ffgym.effects.friction.stribeck import StribeckPeak
 from ffgym.recordings import Recording
 from ffgym.simulation.plant import Machine
 

@@ -27,7 +27,7 @@ from ffgym.core.types import Array, IntArray
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.replay.recursions import along, places_of
 from ffgym.diagnosis.replay.springs import Bending, Springs
-from ffgym.effects.flexibility import BaseFlexibility
+from ffgym.effects.transmission.base_flexibility import BaseFlexibility
 from ffgym.robot import RigidArm, RobotDescription
 from ffgym.robot.dynamics.arm import RIGID
 from ffgym.simulation.plant import Machine

@@ -41,7 +41,7 @@ from ffgym.diagnosis.replay.states import (
 from ffgym.diagnosis.sampling import derivatives_of_motions
 from ffgym.effects import State
 from ffgym.effects.along import torques_along
-from ffgym.effects.flexibility import BaseFlexibility
+from ffgym.effects.transmission.base_flexibility import BaseFlexibility
 from ffgym.robot import RigidArm, RobotDescription
 from ffgym.simulation.plant import Machine
 

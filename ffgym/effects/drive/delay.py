@@ -1,4 +1,4 @@
-"""A motor torque that comes later than commanded (M5)."""
+"""M5: a motor torque that comes later than commanded."""
 
 from dataclasses import dataclass
 from typing import final

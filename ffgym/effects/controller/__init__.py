@@ -1,0 +1,1 @@
+"""What the machine's controller does otherwise than documented."""

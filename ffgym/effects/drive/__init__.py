@@ -1,0 +1,1 @@
+"""Motor and current loop: what becomes of the torque that the servo commands."""

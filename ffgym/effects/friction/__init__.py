@@ -1,0 +1,1 @@
+"""Friction of motor and gearbox, motor side."""

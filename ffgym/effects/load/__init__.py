@@ -1,0 +1,1 @@
+"""What the arm carries: masses, springs, cables."""

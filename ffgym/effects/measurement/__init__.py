@@ -1,0 +1,1 @@
+"""What is between the truth and its measurement."""
