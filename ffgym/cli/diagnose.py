@@ -16,7 +16,7 @@ from ffgym.diagnosis import Calibration, Diagnosis, Examined, examine
 from ffgym.diagnosis.document import write_diagnosis
 from ffgym.diagnosis.extended import save_extended
 from ffgym.diagnosis.held_out import LoopLevel, check_comparable, closed_loop_gain, held_out_levels, is_better
-from ffgym.diagnosis.search.search import MOST
+from ffgym.diagnosis.settings import settings
 from ffgym.diagnosis.thinning import note_of
 from ffgym.logs import write_corrected
 from ffgym.logs.quality import accepted, judged
@@ -104,7 +104,7 @@ def _check(config: Diagnose) -> None:
         raise FFGymError(f"{given[0]} has no effect on the example logs. Leave it out, or name logs.")
     accepted(config.accept)
     check_whole("--seed", config.seed, low=0)
-    check_whole("--most-causes", config.most_causes, low=1, high=MOST)
+    check_whole("--most-causes", config.most_causes, low=1, high=settings().search.most_causes)
     if config.calibration is not None:
         check_number("--calibration", config.calibration, low=0.0, high=1.0, open_low=True)
     check_outputs({"--json": config.json}, inputs=_read_by(config))

@@ -6,7 +6,7 @@ from ffgym.cli.progress import progress_bar
 from ffgym.core.errors import check_whole
 from ffgym.core.files import write_json, write_text
 from ffgym.diagnosis import diagnose
-from ffgym.diagnosis.search.search import MOST
+from ffgym.diagnosis.settings import settings
 from ffgym.effects import Origin
 from ffgym.envs.circle_path import CONTROLLER
 from ffgym.envs.machines import is_workcell, rig_of
@@ -28,7 +28,7 @@ def run(config: Improve) -> None:
     """Check, run, write, print."""
     need_extra("ffgym improve", "matplotlib", "jinja2")
     folder = given_folder(config.out, "recordings, diagnoses and models go")
-    check_whole("--most-causes", config.most_causes, low=1, high=MOST)
+    check_whole("--most-causes", config.most_causes, low=1, high=settings().search.most_causes)
     for name in config.protocols:
         load_protocols(name)
     check_outputs({"--json": config.json}, inputs=(config.rig, config.robot, *config.protocols))

@@ -16,19 +16,9 @@ from ffgym.diagnosis.identification import LowPass
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.replay import Replay, replay, servo_feedback
 from ffgym.diagnosis.replay.states import Bristles, along_speed
-from ffgym.diagnosis.sampling import CUTOFF, without_trembling
+from ffgym.diagnosis.sampling import without_trembling
+from ffgym.diagnosis.settings import settings
 from ffgym.recordings import Recording
-
-_STEP = 2.5e-4
-"""Longest step of the fine replay [s]; chosen: that of the engine for the fastest friction of the built-in robots."""
-
-_LINKS = 5e-4
-"""Longest step of what is not friction in the fine replay [s]; chosen: a quarter of what swings are followed with else;
-what it leaves of torque is a hundredth of the noise, that of arms that swing fast and are tracked well included."""
-
-_SHARPER = 2
-"""Steps of the iteration that undoes the low-pass of the motion; chosen: lags of friction are gone after two, and the
-noise of the angles grows to three times itself at the edge of the band at most."""
 
 _TOGETHER = 1_000_000
 """Most fine steps of all motions together that are replayed at once; chosen: some 2 GB for six axes that bend."""
@@ -40,12 +30,17 @@ def as_moved(log: Log, run: Replay, *, smooth: bool = False) -> list[Recording]:
     A `smooth` motion has nothing above the usual band of what is compared: noise and vibration at the edge of a wide
     band would be bias. Else the low-pass of the motion is undone.
     """
-    parts = max(1, int(np.ceil(log.dt / _STEP - 1e-9)))
+    limits = settings().replay
+    parts = max(1, int(np.ceil(log.dt / limits.friction_step - 1e-9)))
     n_motions = len(log.recordings)
     if n_motions > 1 and parts * len(log.q) * n_motions > _TOGETHER:
         return [one for i in range(n_motions) for one in as_moved(log.motion(i), run, smooth=smooth)]
     # steps in a sample that are short enough for links and springs, of which each has some of all `parts`
-    few = min(n for n in range(1, parts + 1) if parts % n == 0 and (n == parts or log.dt / n <= _LINKS * (1 + 1e-09)))
+    few = min(
+        n
+        for n in range(1, parts + 1)
+        if parts % n == 0 and (n == parts or log.dt / n <= limits.link_step * (1 + 1e-09))
+    )
     if few == parts or run.machine.resolver_effects:  # friction slips as motors truly move, which replays tell
         fine, few = replay(_finer(log, parts, smooth), run.machine, exact=True), parts
     else:
@@ -64,12 +59,12 @@ def _finer(log: Log, every: int, smooth: bool) -> Log:
     for i, n in enumerate(log.lengths):
         measured = still[:n, i]
         if smooth:
-            found = LowPass(cutoff=min(low_pass.cutoff, CUTOFF))(measured, dt)
+            found = LowPass(cutoff=min(low_pass.cutoff, settings().sampling.cutoff))(measured, dt)
         else:
             # angles that the low-pass would make into these (van Cittert 1931, Z. Phys. 69): a motion that was smoothed
             # twice turns back later than the measured one, and bias where friction turns would be told too small
             found = measured
-            for _ in range(_SHARPER):
+            for _ in range(settings().replay.sharpenings):
                 found = found + measured - low_pass(found, dt)
         q[:, i] = np.pad(found, ((0, len(log.q) - n), (0, 0)), mode="edge")
     t: Array = dt / every * np.arange((len(q) - 1) * every + 1, dtype=np.float64)

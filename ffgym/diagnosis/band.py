@@ -18,26 +18,8 @@ from ffgym.diagnosis.patterns.rows import TO_HALF, rows_of
 from ffgym.diagnosis.patterns.significance import tried
 from ffgym.diagnosis.replay import Replay, predicted, replay
 from ffgym.diagnosis.sampling import white_noise
+from ffgym.diagnosis.settings import settings
 from ffgym.simulation.plant import Machine
-
-HARMONICS = 8.0
-"""Cut-off over the bandwidth of the motion: friction that turns round with a slow motion has its seventh harmonic
-below."""
-
-LEAST = 5.0
-"""Lowest cut-off that is chosen [Hz]; that of rigid-body identification (`identification.rigid_body.Filtering`)."""
-
-NARROWER = 2.0
-"""Factor by which a band must be narrower than the usual one to be chosen."""
-
-_MOTION = 0.99
-"""Share of the power of a joint's speed below the bandwidth of its motion."""
-
-_SEGMENT = 20.0
-"""Length [s] of the segments of which spectra are the mean: a resolution of 0.05 Hz."""
-
-_ABOVE_NOISE = 1.5
-"""RMS of what is above the narrow band, over that of noise, from which on something else than noise is there."""
 
 _SURE, _RIPPLES = 1e-3, 0.1
 """Probability by chance below which, and share of what is above the narrow band from which on, it is ripple."""
@@ -45,11 +27,12 @@ _SURE, _RIPPLES = 1e-3, 0.1
 
 def comparison_cutoff(log: Log, machine: Machine) -> float:
     """Cut-off [Hz] of what is compared: the usual one, or a lower one above which a rigid model knows nothing."""
+    limits = settings().sampling
     usual = log.sampling.cutoff
     if not machine.physical.drive.is_rigid.all():
         return usual
-    narrow = max(LEAST, HARMONICS * motion_bandwidth(log))
-    if NARROWER * narrow > usual:
+    narrow = max(limits.lowest_cutoff, limits.harmonics * motion_bandwidth(log))
+    if limits.narrower * narrow > usual:
         return usual
     run = replay(log.torque_alone, machine)
     # what the model leaves of the torque above the narrow band, rows (R, M, N)
@@ -61,14 +44,15 @@ def comparison_cutoff(log: Log, machine: Machine) -> float:
     for j in range(above.shape[2]):
         over = (above[..., j] / floor[:, j])[counting["torque", j]]
         ratio.append(rms(over) if over.size else 0.0)
-    return usual if max(ratio) < _ABOVE_NOISE or _is_ripple(run, above) else narrow
+    return usual if max(ratio) < limits.above_noise or _is_ripple(run, above) else narrow
 
 
 def motion_bandwidth(log: Log) -> float:
     """Frequency [Hz] below which nearly all power of the speed of every joint lies, noise of the reading taken off."""
+    limits = settings().sampling
     total, frequency = 0.0, np.zeros(1)
     longest = max(log.lengths)
-    width = min(round(_SEGMENT / log.dt), longest)
+    width = min(round(limits.spectrum_segment / log.dt), longest)
     for i, n in enumerate(log.lengths):
         q = log.q[:n, i]
         if n < width // 4:
@@ -82,7 +66,7 @@ def motion_bandwidth(log: Log) -> float:
     if not speed.size:
         return 0.0
     share = np.cumsum(speed, axis=0) / speed.sum(axis=0)
-    return float(frequency[np.argmax(share > _MOTION, axis=0)].max())
+    return float(frequency[np.argmax(share > limits.motion_power, axis=0)].max())
 
 
 def _is_ripple(run: Replay, above: Array) -> bool:

@@ -22,26 +22,10 @@ from ffgym.diagnosis.measured import counting_rows
 from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.result import Drift
+from ffgym.diagnosis.settings import settings
 from ffgym.effects.friction.coulomb import CoulombLevel
 from ffgym.effects.friction.viscous import ViscousLevel
 from ffgym.recordings import Recording
-
-FEWEST = 4
-"""Recordings below which a change with the days is not told from chance."""
-
-_SURE = 0.01
-"""Probability by chance below which a level changes with the days; a joint has two, and robots have few joints."""
-
-_LARGE = 0.05
-"""Least change of a level from the first to the last day, relative; chosen: friction of robots that nobody touched
-repeats to some per cent."""
-
-_SPAN = 14.0
-"""Days that recordings must span; chosen: what differs within some days is temperature and motion, not running in or
-wear."""
-
-_FEWEST_BLOCKS = 8
-"""Blocks of a recording below which errors are not known."""
 
 _DATE = re.compile(r"(?<!\d)(\d{4}|\d{2})[-_.]?(0[1-9]|1[0-2])[-_.]?(0[1-9]|[12]\d|3[01])(?!\d)")
 """A date in the name of a recording: year, month and day in that order."""
@@ -58,8 +42,9 @@ def drifts(log: Log, run: Replay, rest: Mapping[Channel, Array], blocks: Blocks)
         rest: what it leaves, (R, M, C) by channel.
         blocks: of rows, whose sums are what errors are known from.
     """
+    limits = settings().verdict
     days = days_of(log.recordings)
-    if len(log.recordings) < FEWEST or days is None or np.ptp(days) < _SPAN:
+    if len(log.recordings) < limits.drift_recordings or days is None or np.ptp(days) < limits.drift_days:
         return ()
     counting = counting_rows(log)
     columns = {(c.effect.name, c.joint): c.parts for c in columns_of(run, _LEVELS, {})}
@@ -78,10 +63,10 @@ def drifts(log: Log, run: Replay, rest: Mapping[Channel, Array], blocks: Blocks)
         values, errors, _ = levels[name]
         known = np.isfinite(values) & (errors > 0)
         v, e, day = values[known], errors[known], days[known]
-        if len(v) < FEWEST or len(np.unique(day)) < 2:
+        if len(v) < limits.drift_recordings or len(np.unique(day)) < 2:
             continue
         rate, error, chance = _line(v, e, day)
-        if chance > _SURE or abs(rate) * np.ptp(day) < _LARGE or not _holds(v, e, day):
+        if chance > limits.drift_level or abs(rate) * np.ptp(day) < limits.drift_size or not _holds(v, e, day):
             continue
         found.append(
             Drift(
@@ -128,7 +113,7 @@ def _levels(column: Array, rest: Array, counting: BoolArray, blocks: Blocks) -> 
         rows = counting[:, m] & (blocks.of_row[:, m] >= 0)
         x = np.stack([column[rows, m], np.ones(np.count_nonzero(rows))], axis=1)
         y, block = rest[rows, m], blocks.of_row[rows, m]
-        if len(np.unique(block)) < _FEWEST_BLOCKS or np.linalg.matrix_rank(x) < x.shape[1]:
+        if len(np.unique(block)) < settings().verdict.drift_blocks or np.linalg.matrix_rank(x) < x.shape[1]:
             continue
         inverse = np.linalg.inv(x.T @ x)
         size = inverse @ x.T @ y
@@ -139,9 +124,6 @@ def _levels(column: Array, rest: Array, counting: BoolArray, blocks: Blocks) -> 
         left += float(np.sum((y - x @ size) ** 2))
     return values, errors, left
 
-
-_HOLDS = 0.2
-"""The same without any one of the days: what one odd day makes is no change with the days."""
 
 _ROUNDS = 5
 """Times that a line is fitted, and what levels scatter about it beyond their errors (method of moments)."""
@@ -166,12 +148,13 @@ def _line(values: Array, errors: Array, day: Array) -> tuple[float, float, float
 
 def _holds(values: Array, errors: Array, day: Array) -> bool:
     """Whether a change goes the same way without any one of three or more days; else that day is an odd one."""
+    limits = settings().verdict
     rate = _line(values, errors, day)[0]
     for one in np.unique(day):
         rest = day != one
-        if len(np.unique(day[rest])) < 2 or rest.sum() < FEWEST:
+        if len(np.unique(day[rest])) < 2 or rest.sum() < limits.drift_recordings:
             continue
         other, _, chance = _line(values[rest], errors[rest], day[rest])
-        if other * rate < 0 or chance > _HOLDS:
+        if other * rate < 0 or chance > limits.drift_holds:
             return False
     return True

@@ -20,6 +20,7 @@ from ffgym.diagnosis.identification.rigid_body.terms import BODIES, ROTOR_INERTI
 from ffgym.diagnosis.push import Parts
 from ffgym.diagnosis.replay import Replay, servo_feedback
 from ffgym.diagnosis.residual import Channel
+from ffgym.diagnosis.settings import settings
 from ffgym.effects import ClockEffect, Effect, NativeEffect
 from ffgym.effects.drive.delay import TorqueDelay
 from ffgym.effects.drive.offset import TorqueOffset
@@ -38,19 +39,6 @@ from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
 
 _TERMS = (BODIES, ROTOR_INERTIA)
-
-
-OF_ROW = 0.05
-"""Standard deviation of the time between torque and position of a row, in rows; chosen: columns that are said to be of
-one instant are read within a fifth of a row."""
-
-OF_CYCLE = 0.25
-"""Standard deviation of the times by which a servo's torque and the speeds that it knows are late, in its cycles;
-chosen: up to a cycle of either is usual."""
-
-OF_FRICTION = 2e-4
-"""Standard deviation of the time by which friction lags behind the speed beyond what bristles say [s]; chosen: lags
-that were measured are of some milliseconds in thick films, and of none in thin ones."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -80,25 +68,8 @@ def is_row_offset(kind: type[Effect], n_joints: int) -> bool:
     return kind is TorqueClock or (kind is TorqueDelay and n_joints == 1)
 
 
-BOUND = 4.0
-"""Standard deviations beyond which a calibration error is none: without a bound calibration swallows effects. Of the
-sixty numbers of a robot one lies beyond 3 in every seventh robot, beyond 4 in one of 260.
-"""
-
-SHARE = 0.005
-"""Default standard deviation of nominal numbers, relative: of robots that are calibrated one by one."""
-
-_OFFSET = 2.0
-"""Torque offset over `share` times the Coulomb torque, standard deviation: 1 % of it for the default share; chosen."""
-
-_OPEN = 0.3
-"""Standard deviation from which on a level of friction is as open as its plausible change is large, 30 %."""
-
 _MASS_STEP = 0.03
 """Relative step of masses; their effect is linear."""
-
-_TOOL = 20e-6
-"""Standard deviation of the tool offset, each axis [m]: that of a laser tracker (thesis 2.2.4)."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -155,16 +126,16 @@ Refit = Callable[[Sequence[Recording]], RobotDescription]
 class Calibration:
     """Standard deviations of what is known of the nominal model."""
 
-    share: float = SHARE
+    share: float = settings().prior.share
     """Of masses, rotors, stiffness, damping and friction, relative."""
     levels: float | None = None
     """Of Coulomb and viscous friction, relative, where they are known less well than the rest; None is `share`."""
     torque_constant: float = 0.0
     """Of torque per current, relative, where the torque of a log is a current times a number that nobody measured; 0
     where torque is known."""
-    offset: float = _OFFSET * SHARE
+    offset: float = settings().prior.offset * settings().prior.share
     """Of torque offsets, as a share of the Coulomb torque."""
-    tool: float = _TOOL
+    tool: float = settings().prior.tool_offset
     """Of the tool's place, each axis [m]."""
     base: float = 0.0
     """Of each base parameter of the rigid arm, as a share of the torque that motors take: for masses and inertias that
@@ -185,7 +156,7 @@ class Calibration:
     @classmethod
     def of_share(cls, share: float) -> "Calibration":
         """Calibration with relative errors of standard deviation `share`."""
-        return cls(share=share, offset=_OFFSET * share)
+        return cls(share=share, offset=settings().prior.offset * share)
 
     @property
     def of_levels(self) -> float:
@@ -196,7 +167,7 @@ class Calibration:
     def open_numbers(self) -> frozenset[type[Effect]]:
         """Effects that are numbers of the model as little known as the effects are large: none of them is a cause."""
         found: set[type[Effect]] = set()
-        if self.of_levels >= _OPEN:
+        if self.of_levels >= settings().prior.open_friction:
             found |= {CoulombLevel, ViscousLevel}
         if self.torque_constant > 0:
             found.add(TorqueConstant)
@@ -223,9 +194,10 @@ class Doubt:
     @property
     def limits(self) -> tuple[float, float]:
         """Lowest and highest value, in standard deviations: as far as errors go, and as a machine can be so."""
+        limits = settings().prior
         known = self.column.effect.parameters()[self.column.parameter]
         low, high = ((end - known.neutral) / self.sigma for end in (known.minimum, known.maximum))
-        return max(-BOUND - self.at, low), min(BOUND - self.at, high)
+        return max(-limits.bound - self.at, low), min(limits.bound - self.at, high)
 
 
 def doubts_of(run: Replay, calibration: Calibration) -> list[Doubt]:
@@ -271,15 +243,16 @@ def _late_doubts(run: Replay) -> list[Doubt]:
     Reference:
         Hess, Soom (1990), ASME Journal of Tribology 112(1), 147-152: friction at oscillating sliding velocities.
     """
+    limits = settings().prior
     log, drive, servo = run.log, run.robot.drive, run.robot.servo
     signals: list[tuple[type[Lateness], Channel, Array, float]] = [
-        (RowOffset, "torque", -np.gradient(run.torque, log.dt, axis=0), OF_ROW * log.dt),
-        (Lateness, "torque", -np.gradient(run.bristles.torque, log.dt, axis=0), OF_FRICTION),
+        (RowOffset, "torque", -np.gradient(run.torque, log.dt, axis=0), limits.late_rows * log.dt),
+        (Lateness, "torque", -np.gradient(run.bristles.torque, log.dt, axis=0), limits.friction_lag),
     ]
     if log.shows_servo:
         computed = -np.gradient(servo_feedback(run.read, run.robot), log.dt, axis=0)
         known = servo.velocity_gain * drive.motor_angle(run.read.ddq)
-        signals += [(Lateness, "servo", rate, OF_CYCLE * servo.control_dt) for rate in (computed, known)]
+        signals += [(Lateness, "servo", rate, limits.late_cycles * servo.control_dt) for rate in (computed, known)]
     found = []
     for effect, channel, rate, sigma in signals:
         rows = log.sampling(rate)

@@ -6,23 +6,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ffgym.core.types import Array, BoolArray
+from ffgym.diagnosis.settings import settings
 from ffgym.logs.quality.signals import stretches
 from ffgym.recordings.stretch import Source
 
 POSITION = "motor.position"
 """Family that says how joints move; other families follow it."""
-
-PERIOD = 0.02
-"""Time [s] of which a coarse row is the median; chosen: short beside planned motion, long beside noise of encoders."""
-
-RESTING = 0.02
-"""Share of the top speed of a joint below which it rests, as the checks of quality have it."""
-
-_TOP = 0.999
-"""Share of the rows that the top of a speed or an acceleration bounds: of an hour 4 s may be glitches."""
-
-_SLOW = 0.1
-"""Share of its top speed at which friction at low speed is half gone; chosen: a Stribeck speed is near it."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -44,7 +33,7 @@ class Coarse:
 def coarse(source: Source) -> Coarse:
     """Take medians of the positions of a recording, which single bad rows leave; without positions, it stands still."""
     t = source.t
-    every = min(max(1, round(PERIOD / float(np.median(np.diff(t))))), len(t) // 2)
+    every = min(max(1, round(settings().blocks.coarse_period / float(np.median(np.diff(t))))), len(t) // 2)
     names = [f"{POSITION}.{joint}" for joint in source.header.joints]
     there = all(name in source.columns for name in names)
     at = _medians(t, every)
@@ -85,10 +74,15 @@ class MotionRegressor:
     def of(cls, log: Sequence[Coarse]) -> "MotionRegressor":
         """Scale it to all recordings of a log."""
         # sizes that hardly any row exceeds; inf where all are 0
+        limits = settings().blocks
         rates = [np.concatenate([getattr(one, name) for one in log]) for name in ("dq", "ddq")]
-        tops = [np.quantile(np.abs(values), _TOP, axis=0) for values in rates]
+        tops = [np.quantile(np.abs(values), limits.top_speed, axis=0) for values in rates]
         speed, acceleration = (np.where(top > 0, top, np.inf) for top in tops)
-        low, high = np.quantile(np.concatenate([one.q for one in log]), [1 - _TOP, _TOP], axis=0)
+        low, high = np.quantile(
+            np.concatenate([one.q for one in log]),
+            [1 - limits.top_speed, limits.top_speed],
+            axis=0,
+        )
         reach = np.where(high > low, high - low, np.inf)
         rough = cls(speed=speed, acceleration=acceleration, low=low, reach=reach, scale=np.ones(1))
         energy = sum(np.sum(rough.rows(one) ** 2, axis=0) for one in log)
@@ -97,30 +91,25 @@ class MotionRegressor:
 
     def rests(self, motion: Coarse) -> BoolArray:
         """Rows in which no joint moves, shape (S,)."""
-        return np.asarray((np.abs(motion.dq) <= RESTING * self.speed).all(axis=1))
+        return np.asarray((np.abs(motion.dq) <= settings().blocks.resting * self.speed).all(axis=1))
 
     def rows(self, motion: Coarse) -> Array:
         """Rows of a recording, shape (S, K)."""
+        limits = settings().blocks
         u, a = np.clip(motion.dq / self.speed, -1, 1), np.clip(motion.ddq / self.acceleration, -1, 1)
         x = np.clip((motion.q - self.low) / self.reach, 0, 1)
-        sign = np.tanh(u / RESTING)
+        sign = np.tanh(u / limits.resting)
         place = np.cos(np.pi * x), np.sin(np.pi * x)
-        columns = (sign, u, u * np.abs(u), sign * np.exp(-((u / _SLOW) ** 2)), a, *place, *(sign * p for p in place))
+        columns = (
+            sign,
+            u,
+            u * np.abs(u),
+            sign * np.exp(-((u / limits.low_speed) ** 2)),
+            a,
+            *place,
+            *(sign * p for p in place),
+        )
         return np.asarray(np.concatenate([np.ones((len(u), 1)), *columns], axis=1) / self.scale)
-
-
-CELL = 1.0
-"""Length of a cell [s]; chosen: a block of the evidence."""
-
-_REST = 0.1
-"""Time [s] for which all joints rest where a cell is cut at rest; chosen: longer than joints that turn together are
-slow."""
-
-_PAUSE = 3.0
-"""Interval of the clock [s] as which longer ones count: a cell lies in it, and a night takes no more memory."""
-
-_THERE = 0.5
-"""Share of its rows that a cell has at least; one with fewer lies in a pause of the clock."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -145,22 +134,23 @@ class Cells:
 def cells_of(motion: Coarse, regressor: MotionRegressor) -> Cells:
     """Cut a recording into cells, at rest where there is one within half a cell."""
     # times with pauses of the clock shortened
-    period, pauses = motion.period, np.cumsum(np.maximum(np.diff(motion.t) - _PAUSE, 0.0))
+    limits = settings().blocks
+    period, pauses = motion.period, np.cumsum(np.maximum(np.diff(motion.t) - limits.longest_pause, 0.0))
     t = motion.t - np.concatenate([[0.0], pauses])
     first, last = float(t[0] - period / 2), float(t[-1] + period / 2)
-    count = max(1, int((last - first) / CELL))
+    count = max(1, int((last - first) / limits.cell))
     rests = regressor.rests(motion)
     edges, at_rest = np.linspace(first, last, count + 1), np.ones(count + 1, dtype=np.bool_)
     for k in range(1, count):
-        near = slice(*np.searchsorted(t, (edges[k] - CELL / 2, edges[k] + CELL / 2)).tolist())
-        runs = stretches(rests[near], max(1, round(_REST / period)))
+        near = slice(*np.searchsorted(t, (edges[k] - limits.cell / 2, edges[k] + limits.cell / 2)).tolist())
+        runs = stretches(rests[near], max(1, round(limits.rest / period)))
         at_rest[k] = bool(runs)
         if runs:
             longest = max(runs, key=lambda rows: rows.stop - rows.start)
             edges[k] = t[near][(longest.start + longest.stop) // 2]
     rows, ends = regressor.rows(motion), np.searchsorted(t, edges)
     own = [slice(a, b) for a, b in zip(ends[:-1].tolist(), ends[1:].tolist(), strict=True)]
-    there = period * np.array([cell.stop - cell.start for cell in own]) >= _THERE * np.diff(edges)
+    there = period * np.array([cell.stop - cell.start for cell in own]) >= limits.cell_rows * np.diff(edges)
     edges[-1] += period  # the last rows may be too few for a coarse one
     return Cells(
         edges=edges + np.interp(edges, t, motion.t - t),

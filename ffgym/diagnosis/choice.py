@@ -15,6 +15,7 @@ from ffgym.diagnosis.patterns.periodic import Amplitude, Spectrum, cycles_per_tu
 from ffgym.diagnosis.prepare import Memory, Prepared, candidates_for, repeats
 from ffgym.diagnosis.residual import Channel, components
 from ffgym.diagnosis.search.candidates import Candidates
+from ffgym.diagnosis.settings import settings
 from ffgym.diagnosis.variant import Cycles
 from ffgym.effects import Effect
 from ffgym.effects.transmission.stiffness import JointStiffness
@@ -27,13 +28,6 @@ _SHAFT = (1.0, 2.0)
 """Cycles per turn that are tried beside them on joints whose torque is loud: a shaft that runs out, and an oval or
 windings that differ. An angle that is wrong makes torques that grow with the square of the speed and turn their phase
 at each resonance; they may be loud without a peak."""
-
-_LOUD = 1.1
-"""Energy over that of sensors' noise from which on something may have a period in it: with quiet sensors, a wave stands
-out long before it comes to what the floor allows a model to be wrong by."""
-
-_FAR = 3.0
-"""Energy over that of noise from which on a joint's spring may be so wrong that slopes do not tell; chosen."""
 
 _APART, _SHAFT_APART = 0.2, 0.02
 """Cycles per turn by which two such peaks differ at least, and a shaft's frequency from any: the peak of a torque that
@@ -58,7 +52,7 @@ class Choice:
         if JointStiffness in self._kinds:
             # other springs on elastic joints whose torque is far from what it should be
             elastic = [j for j in self._ready.run.springs.elastic.tolist() if j not in self._sprung]
-            if far := [j for j in elastic if loud.get(("torque", j), 0.0) > _FAR]:
+            if far := [j for j in elastic if loud.get(("torque", j), 0.0) > settings().screening.spring_from]:
                 made = made.beside(stiffness_columns(self._ready.run, far))
                 self._sprung.update(far)
         if new := _not_among(self._cycles(fit, rest, loud), self._tried):
@@ -72,7 +66,11 @@ class Choice:
         """Frequencies per motor turn of each joint that what is left has, the strongest first."""
         setting = self._ready.setting
         share = self._ready.faultless.sensor_share
-        loud = {key for key, energy in energies.items() if energy > _LOUD * share(key, self._ready.floor)}
+        loud = {
+            key
+            for key, energy in energies.items()
+            if energy > settings().screening.periodic_from * share(key, self._ready.floor)
+        }
         residual = residual_of(setting.log, fit.run, rest, self._ready.floor)
         found: dict[str, list[float]] = {}
         for j, joint in enumerate(residual.robot.joints):

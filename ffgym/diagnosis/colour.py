@@ -20,56 +20,14 @@ import scipy
 from ffgym.core.types import Array
 from ffgym.diagnosis.identification import LowPass
 from ffgym.diagnosis.sampling import taken, white_noise
-
-_BLOCK = 0.5
-"""Length of the parts that are looked at [s]: with a window, frequencies from 4 Hz on are told apart."""
-
-_LOWEST = 2
-"""Lowest frequency that a part shows, in periods of its length: the window spreads slower ones."""
-
-_FEWEST = 6
-"""Parts below which nothing is said: of fewer, none is known to be quiet."""
-
-_QUIET = 0.25
-"""Share of the parts that show noise alone."""
-
-_GROUP = 4
-"""Neighbouring frequencies whose energy is taken together; chosen: it is then known to a third in each part."""
-
-_FREEDOM = 6
-"""Degrees of freedom of a group: a window makes neighbouring frequencies alike."""
-
-_GROUPS = 6
-"""Groups of frequencies above the band that tell a part that falls from one that does not, at least."""
-
-_RARE = 0.2
-"""Lowest frequency above the band, as a share of the sample rate, from which on noise of any colour is flat there."""
+from ffgym.diagnosis.settings import settings
 
 _ABOVE, _BELOW = 1.2, 0.48
 """Frequencies that are looked at above the band of motions: from this multiple of the low-pass on, which is not sharp,
 up to this share of the sample rate."""
 
-_STEADY = 2.0
-"""Energy above the band over that of the quietest stretch up to which it is noise that is always there; chosen."""
-
-_FALLS = 1.0
-"""Energy of the falling part at the lowest of those over that of the white one, from which on noise is coloured."""
-
-_LEAST = 1e-5
-"""Share of a signal below which nothing of it is noise, but rounding; chosen: no sensor has so many steps."""
-
 _CORNERS = np.geomspace(0.5, 100.0, 60)
 """Frequencies below which noise falls no more, that are tried [Hz]."""
-
-_BEYOND = 1.3
-"""Energy over that of noise that falls without end from which on what is left in the band is more than noise."""
-
-_MORE = 1.1
-"""The same over that of white noise from which on rare samples are tried for noise that goes on, falling, from above
-the band; chosen: what chance gives a dozen groups."""
-
-_USUAL = 0.3
-"""Corner that is assumed then, as a share of the band; chosen: filters of drives."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -125,6 +83,7 @@ def colour_of(
         level: standard deviation (N,) that white noise would have with as much above the band; None is looked for here.
         alike: whether components are axes of one sensor, whose noise has one memory.
     """
+    limits = settings().noise
     n = signal[0].shape[1]
     none = Colour(fresh=np.zeros(n), stays=np.zeros(n), white=np.zeros(n))
     fast = [values - low_pass(values, dt) for values in signal]
@@ -133,7 +92,9 @@ def colour_of(
         return none
     # middles of the groups [Hz]
     groups = np.arange(above.shape[1], dtype=np.float64)
-    frequency: Array = (_LOWEST + (groups + 0.5) * _GROUP - 0.5) / (round(_BLOCK / dt) * dt)
+    frequency: Array = (limits.lowest_periods + (groups + 0.5) * limits.frequencies_per_group - 0.5) / (
+        round(limits.part / dt) * dt
+    )
     high = (frequency > _ABOVE * low_pass.cutoff) & (frequency < _BELOW / dt)
     low = frequency < cutoff
     if not high.any() or not low.any():
@@ -142,10 +103,10 @@ def colour_of(
     heard = np.asarray(_quiet(above[:, high]) / (1 - taken(low_pass, frequency[high], dt)) ** 2, dtype=np.float64)
     of_band = frequency[low], _quiet(inside[:, low]), _quiet(known[:, low])
     found = np.zeros((3, n))
-    if high.sum() < _GROUPS or frequency[high][0] * dt > _RARE:
+    if high.sum() < limits.fewest_groups or frequency[high][0] * dt > limits.flat_from:
         if level is not None:  # known better than from so few frequencies
             heard = np.maximum(heard, 2 * dt * level[:, None] ** 2)
-        is_steady = heard.mean(axis=1) < _STEADY * _quiet(known[:, high]).mean(axis=1)
+        is_steady = heard.mean(axis=1) < limits.steady * _quiet(known[:, high]).mean(axis=1)
         for one in [np.arange(n)] if alike else list(np.arange(n)[:, None]):
             if is_steady[one].all():
                 fresh, stays = _going_on(frequency[high], heard[one], of_band[0], of_band[1][one], of_band[2][one], dt)
@@ -153,10 +114,10 @@ def colour_of(
     else:
         # energy in the quietest short stretches: a step or a blow lies between them, noise does not
         shortest = np.mean([white_noise(values, low_pass, dt) ** 2 for values in signal], axis=0)
-        for j in np.flatnonzero(heard.mean(axis=1) < _STEADY * 2 * dt * shortest):
+        for j in np.flatnonzero(heard.mean(axis=1) < limits.steady * 2 * dt * shortest):
             fresh_j, flat = _falling(frequency[high], heard[j], dt)
             found[:, j] = fresh_j, _staying(of_band[0], of_band[1][j], of_band[2][j], fresh_j, flat, dt), flat
-    rounding = _LEAST * np.max([values.std(axis=0) for values in signal], axis=0)
+    rounding = limits.rounding_share * np.max([values.std(axis=0) for values in signal], axis=0)
     found[:, found[0] < rounding] = 0.0
     return Colour(fresh=found[0], stays=found[1], white=found[2])
 
@@ -169,8 +130,9 @@ def _going_on(
     It is then what goes on from above the band, energies (J, H), into it, (J, L), in the parts of the band that are
     quiet; noise is white if nothing of the kind explains these.
     """
+    limits = settings().noise
     fast, white = inside > 0.5 * inside[-1], np.zeros(len(energy))
-    if np.median(left / known) < _MORE:
+    if np.median(left / known) < limits.beyond_white:
         return white, 0.0
     shares = np.exp(-2 * np.pi * _CORNERS * dt)
     fresh = np.array([np.sqrt(np.mean(energy / _shape(share, frequency, dt), axis=1)) for share in shares])
@@ -179,7 +141,9 @@ def _going_on(
         [left / (angles + s[:, None] ** 2 * _shape(share, inside, dt)) for s, share in zip(fresh, shares, strict=True)]
     )
     best = int(np.argmin(np.abs(np.median(np.log(over), axis=(1, 2)))))
-    if over[best][:, fast].mean() > _BEYOND:  # more than noise of that kind can be: what is left is a fault
+    if (
+        over[best][:, fast].mean() > limits.beyond_falling
+    ):  # more than noise of that kind can be: what is left is a fault
         return white, 0.0
     return fresh[best], float(shares[best])
 
@@ -189,21 +153,24 @@ def _falling(frequency: Array, energy: Array, dt: float) -> tuple[float, float]:
     shapes = np.stack([np.full_like(frequency, 2 * dt), _shape(1.0, frequency, dt)], axis=1)
     largest = shapes.max(axis=0)
     sizes = scipy.optimize.nnls(shapes / largest / energy[:, None], np.ones(len(frequency)))[0] / largest
-    if sizes[1] * shapes[0, 1] < _FALLS * sizes[0] * shapes[0, 0]:
+    if sizes[1] * shapes[0, 1] < settings().noise.coloured_from * sizes[0] * shapes[0, 0]:
         return 0.0, 0.0
     return float(np.sqrt(sizes[1])), float(np.sqrt(sizes[0]))
 
 
 def _staying(frequency: Array, left: Array, known: Array, fresh: float, flat: float, dt: float) -> float:
     """Share of noise that stays, by what is left in the band beyond what the model leaves of itself."""
+    limits = settings().noise
     if fresh == 0:
         return 0.0
     shares = np.exp(-2 * np.pi * _CORNERS * dt)
     beside = np.maximum(known, 2 * dt * flat**2)
     over = np.stack([left / (beside + fresh**2 * _shape(share, frequency, dt)) for share in shares])
     fast = frequency > 0.5 * frequency[-1]
-    if np.mean(over[0, fast]) > _BEYOND:  # than all of such noise: what is left is a fault, and says nothing of noise
-        return float(np.exp(-2 * np.pi * _USUAL * frequency[-1] * dt))
+    if (
+        np.mean(over[0, fast]) > limits.beyond_falling
+    ):  # than all of such noise: what is left is a fault, and says nothing of noise
+        return float(np.exp(-2 * np.pi * limits.usual_corner * frequency[-1] * dt))
     return float(shares[int(np.argmin(np.abs(np.log(over.mean(axis=1)))))])
 
 
@@ -215,25 +182,31 @@ def _shape(stays: float, frequency: Array, dt: float) -> Array:
 
 def _energies(rows: Sequence[Array], dt: float) -> Array | None:
     """One-sided energy per Hz (B, G, N) of all parts of motions, in groups of frequencies; None of too few parts."""
-    width, spectra = round(_BLOCK / dt), []
+    limits = settings().noise
+    width, spectra = round(limits.part / dt), []
     window = scipy.signal.windows.hann(width, sym=False)[:, None]
     time: Array = np.linspace(-1.0, 1.0, width, dtype=np.float64)[:, None]
-    for values in rows if width > 4 * _GROUP else ():
+    for values in rows if width > 4 * limits.frequencies_per_group else ():
         n = len(values) // width
         for part in values[: n * width].reshape(n, width, values.shape[1]):
             about = part - part.mean(axis=0)
             about = about - time * np.sum(about * time, axis=0) / np.sum(time**2)  # its straight line
             spectra.append(2 * dt / float(np.sum(window**2)) * np.abs(np.fft.rfft(about * window, axis=0)) ** 2)
-    if len(spectra) < _FEWEST:
+    if len(spectra) < limits.fewest_parts:
         return None
-    energy: Array = np.stack(spectra)[:, _LOWEST:]
-    n_groups = energy.shape[1] // _GROUP
-    groups: Array = energy[:, : n_groups * _GROUP].reshape(len(energy), n_groups, _GROUP, -1).mean(axis=2)
+    energy: Array = np.stack(spectra)[:, limits.lowest_periods :]
+    n_groups = energy.shape[1] // limits.frequencies_per_group
+    groups: Array = (
+        energy[:, : n_groups * limits.frequencies_per_group]
+        .reshape(len(energy), n_groups, limits.frequencies_per_group, -1)
+        .mean(axis=2)
+    )
     return groups
 
 
 def _quiet(energy: Array) -> Array:
     """Energy of noise (N, F) at each frequency, by that of the quiet parts (B, F, N); chance makes some quiet."""
-    by_chance = float(scipy.stats.chi2.ppf(_QUIET, _FREEDOM)) / _FREEDOM
-    found: Array = np.maximum(np.quantile(energy, _QUIET, axis=0) / by_chance, np.finfo(np.float64).tiny)
+    limits = settings().noise
+    by_chance = float(scipy.stats.chi2.ppf(limits.quiet_share, limits.degrees_of_freedom)) / limits.degrees_of_freedom
+    found: Array = np.maximum(np.quantile(energy, limits.quiet_share, axis=0) / by_chance, np.finfo(np.float64).tiny)
     return found.T

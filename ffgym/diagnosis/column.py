@@ -22,6 +22,7 @@ from ffgym.diagnosis.push import (
     replayed_parts,
 )
 from ffgym.diagnosis.replay import Replay, servo_feedback, tracked
+from ffgym.diagnosis.settings import settings
 from ffgym.diagnosis.variant import Cycles, Variant, variants, with_effect
 from ffgym.effects import ClockEffect, Effect, ModelEffect, NativeEffect, ResolverEffect, TrackerEffect
 from ffgym.effects.transmission.stiffness import JointStiffness
@@ -29,9 +30,6 @@ from ffgym.effects.transmission.stiffness import JointStiffness
 _TOGETHER = 24
 """Pushes on the springs that are solved for at once; chosen: more gain little, and each array of them takes 50 MB for
 84 s of six axes."""
-
-_SMALL = 0.3
-"""Share of a practical step by which what swings is perturbed; chosen: a base of 30 Hz, faster than machines move."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -81,6 +79,7 @@ def columns_of(run: Replay, kinds: Iterable[type[Effect]], cycles: Cycles) -> li
 
 def _at_once(run: Replay, variant: Variant) -> list[tuple[str, Parts]] | None:
     """Change by a variant that bends no springs of the arm, by joint; None if it bends them."""
+    limits = settings().screening
     effect, log, joints = variant.effect, run.log, run.robot.joints
     if isinstance(effect, TrackerEffect):
         return _tracked_parts(run, variant) if log.tool is not None else []
@@ -90,9 +89,9 @@ def _at_once(run: Replay, variant: Variant) -> list[tuple[str, Parts]] | None:
     # joints of its own swing: a small effect is more like one of any size
     if isinstance(effect, ModelEffect):
         values = effect.values()
-        small = type(effect)(**values | {variant.parameter: _SMALL * values[variant.parameter]})
+        small = type(effect)(**values | {variant.parameter: limits.small_step * values[variant.parameter]})
         parts = replayed_parts(run, with_effect(run.machine, small))
-        return [("", {key: rows / _SMALL for key, rows in parts.items()})]
+        return [("", {key: rows / limits.small_step for key, rows in parts.items()})]
     if effect.side == "controller":
         if not log.shows_servo or not isinstance(effect, NativeEffect):
             return []

@@ -9,16 +9,7 @@ import numpy as np
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.diagnosis.push import Parts
 from ffgym.diagnosis.residual import Channel
-
-BLOCK = 1.0
-"""Length of a block [s], the unit of resampling and of what is left out; long against the low-pass, 50 ms, and against
-the swing of an arm, 0.3 s."""
-
-_MOST = 240
-"""Blocks at most, about: resamples of more say the same, and a session of an hour at 1 Hz has no block of a second."""
-
-_FEW = 0.25
-"""Share of a block's rows that must be there for it to be one of its own; else it joins the block before."""
+from ffgym.diagnosis.settings import settings
 
 Values = Mapping[tuple[Channel, int], Array]
 """By channel and component: (R, M) or (R, M, K)."""
@@ -67,13 +58,14 @@ class Blocks:
 
 def blocks_of(valid: BoolArray, row_dt: float) -> Blocks:
     """Blocks of `valid` rows (R, M), `row_dt` [s] apart."""
+    limits = settings().blocks
     of_row = np.full(valid.shape, -1, dtype=np.intp)
     motions, halves, guards, count = [], [], [], 0
     for m in range(valid.shape[1]):
         rows = np.flatnonzero(valid[:, m])
         if not len(rows):
             continue
-        per_block = max(1, round(BLOCK / row_dt), round(np.count_nonzero(valid) / _MOST))
+        per_block = max(1, round(limits.length / row_dt), round(np.count_nonzero(valid) / limits.most))
         n = max(2 if len(rows) > 1 else 1, round(len(rows) / per_block))
         place = np.minimum(np.arange(len(rows)) * n // len(rows), n - 1)
         of_row[rows, m] = count + place

@@ -20,16 +20,13 @@ from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.log_columns import motor_side, reference_of, roomy
 from ffgym.diagnosis.measured import valid_rows
 from ffgym.diagnosis.replay import Replay, servo_feedback
+from ffgym.diagnosis.settings import settings
 from ffgym.recordings import Recording
 from ffgym.robot import ModelOptions, RobotDescription
 from ffgym.simulation import Run, simulate
 
 _NUMBERS = ("servo.position_gain", "servo.velocity_gain", "servo.integral_gain", "servo.control_dt")
 """Entries of a description without which its servo is a stand-in."""
-
-_FORETOLD = 0.5
-"""Share of the feedback torque's energy that the documented servo on the measured error foretells, by some factor, of
-the machine that has it; chosen: gains that are wrong leave most, set-points that lead by a row or two hardly any."""
 
 UNKNOWN = "the description does not say what the servo is ([servo])"
 
@@ -56,7 +53,7 @@ def is_foreign(log: Log) -> bool:
     pairs = (measured, foretold), (measured, measured), (foretold, foretold)
     both, one, other = (np.einsum("sn,sn->n", a, b) for a, b in pairs)
     share = np.divide(both**2, one * other, out=np.ones_like(both), where=one * other > 0)
-    return bool(np.median(np.where(both > 0, share, 0.0)) < _FORETOLD)
+    return bool(np.median(np.where(both > 0, share, 0.0)) < settings().replay.servo_explains)
 
 
 _SAME_TIME = 1e-4
@@ -123,12 +120,6 @@ def _like(exact: Recording, like: Recording) -> Recording:
     return Recording(columns=columns | {"timestamp": since[:n]}, header=replace(exact.header, phases=()))
 
 
-_SAME_MOTION = 0.03
-"""RMS angle of a motor [rad] by which a simulated motion may miss the measured one. Under the documented servo, faults
-of joints, drives and loads make it miss by a third of that at most; another servo by twice that or more, and reversals
-are some milliseconds off then."""
-
-
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Exact:
     """Recordings of the nominal machine, one for each motion of a log."""
@@ -165,6 +156,6 @@ def is_same_motion(log: Log, exact: Sequence[Recording]) -> bool:
         n = min(len(recording), log.lengths[i])
         angle = motor_side(log.robot, recording)[:n]
         missed = (angle - drive.motor_angle(log.q[:n, i]))[log.recordings[i].valid[:n].any(axis=1)]
-        if rms(missed, 0).max() > _SAME_MOTION:
+        if rms(missed, 0).max() > settings().replay.same_motion:
             return False
     return True

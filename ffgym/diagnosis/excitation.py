@@ -19,6 +19,7 @@ from ffgym.diagnosis.replay import predicted, replay
 from ffgym.diagnosis.result import Cause, Pattern, Rival, Unjudged
 from ffgym.diagnosis.search.candidates import candidates_of
 from ffgym.diagnosis.search.found import Found
+from ffgym.diagnosis.settings import settings
 from ffgym.diagnosis.solving import screen
 from ffgym.effects import EFFECTS, ClockEffect, Effect, ModelEffect, ResolverEffect, TrackerEffect
 from ffgym.simulation.plant import Machine
@@ -148,11 +149,6 @@ def _reason(
     return lost[0].reason if lost else _QUIET
 
 
-STANDS_OUT = 0.5
-"""Share of the torque's residual above noise that an effect must explain to be spoken of: what explains less than half
-is imitated by something else as often."""
-
-
 @dataclass(frozen=True, kw_only=True)
 class FirstLook:
     """The effect that would explain most, if one stands out."""
@@ -195,7 +191,7 @@ def first_look(log: Log, nominal: Machine, calibration: Calibration) -> FirstLoo
     best = int(np.argmax(gain[:, 0]))
     above = float(left[0] - evidence.rows.sum())
     share = float(gain[best, 0]) / above if above > 0 else 0.0
-    if share < STANDS_OUT:
+    if share < settings().verdict.stands_out:
         return FirstLook(effect=None, joint="", share=max(share, 0.0))
     first = candidates.first(candidates.groups[best])
     return FirstLook(effect=first.effect, joint=first.joint, share=min(share, 1.0))

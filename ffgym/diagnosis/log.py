@@ -13,6 +13,7 @@ from ffgym.diagnosis.identification import LowPass
 from ffgym.diagnosis.identification.signals import acting_torque, check_fits, joint_motion
 from ffgym.diagnosis.log_columns import feedback_columns, padded, reference_columns, temperature_columns, tool_columns
 from ffgym.diagnosis.sampling import Sampling, derivatives, white_noise, without_trembling
+from ffgym.diagnosis.settings import settings
 from ffgym.recordings import Recording
 from ffgym.recordings.stretch import started
 from ffgym.robot import RobotDescription
@@ -28,16 +29,6 @@ def by_content(recordings: Sequence[Recording]) -> tuple[Recording, ...]:
         return found.digest()
 
     return tuple(sorted(recordings, key=lambda recording: (recording.header.segment, digest(recording))))
-
-
-_SAME_PERIOD = 0.01
-"""Relative difference of sample periods up to which recordings count as sampled alike."""
-
-_TREMBLING = 3.0
-"""Half the band in which a reading may move while the motor stands, in standard deviations of its noise."""
-
-_PER_OCTAVE = 2
-"""Widths of that band in an octave: so coarse that it is mostly the same in all logs of one machine."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -80,7 +71,7 @@ class Log:
     @property
     def reading_noise(self) -> Array:
         """White noise of the motors' readings that has such a band, standard deviation (N,), link side [rad]."""
-        return self.trembling / (_TREMBLING * _passed(self.sampling.motion_filter, self.dt))
+        return self.trembling / (settings().sampling.trembling * _passed(self.sampling.motion_filter, self.dt))
 
     @property
     def dt(self) -> float:
@@ -192,14 +183,15 @@ def _trembling(robot: RobotDescription, recordings: Sequence[Recording], low_pas
 
     A resolver has one noise: that in the middle of all motions, of which some shake in the band of the noise.
     """
+    limits = settings().sampling
     noise = []
     for recording in recordings:
         raw = recording.joint_array("motor.position")
         angle = raw if recording.header.position_side == "link" else robot.drive.joint_angle(raw)
         noise.append(_passed(low_pass, recording.dt) * white_noise(angle, low_pass, recording.dt))
-    width = _TREMBLING * np.median(noise, axis=0)
-    steps = np.round(_PER_OCTAVE * np.log2(np.maximum(width, np.finfo(np.float64).tiny)))
-    rounded: Array = np.where(width > 0, 2.0 ** (steps / _PER_OCTAVE), 0.0)
+    width = limits.trembling * np.median(noise, axis=0)
+    steps = np.round(limits.trembling_per_octave * np.log2(np.maximum(width, np.finfo(np.float64).tiny)))
+    rounded: Array = np.where(width > 0, 2.0 ** (steps / limits.trembling_per_octave), 0.0)
     return rounded
 
 
@@ -217,7 +209,7 @@ def _check(robot: RobotDescription, recordings: Sequence[Recording]) -> None:
     if twice := sorted({name for name in names if names.count(name) > 1}):
         raise FFGymError(f"Several recordings are of a motion named {twice[0]!r}; names of motions must differ.")
     periods = [recording.dt for recording in recordings]
-    if np.ptp(periods) > _SAME_PERIOD * max(periods):
+    if np.ptp(periods) > settings().sampling.same_period * max(periods):
         raise FFGymError(
             f"Recordings are sampled every {min(periods):g} to {max(periods):g} s; diagnose those of one sample period."
         )

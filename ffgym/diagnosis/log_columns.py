@@ -9,12 +9,10 @@ import scipy
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
 from ffgym.diagnosis.identification.signals import motor_effort
+from ffgym.diagnosis.settings import settings
 from ffgym.paths import Reference
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
-
-_GAP = 5
-"""Sample periods of the tracker over which its position is interpolated; chosen: a lost sample or some."""
 
 
 def padded(arrays: Sequence[Array], n: int, hold: bool) -> Array:
@@ -43,7 +41,7 @@ def tool_columns(recording: Recording) -> Array:
     before = np.maximum(np.where(seen[after] == np.arange(len(t)), after, after - 1), 0)
     gap = seen[after] - seen[before]
     outside = (np.arange(len(t)) < seen[0]) | (np.arange(len(t)) > seen[-1])
-    between[(gap > _GAP * np.median(np.diff(seen))) | outside] = np.nan
+    between[(gap > settings().sampling.tracker_gap * np.median(np.diff(seen))) | outside] = np.nan
     return between
 
 
@@ -89,9 +87,6 @@ def reference_columns(robot: RobotDescription, recordings: Sequence[Recording], 
 _FEWEST = 4
 """Set-points that a smooth curve takes."""
 
-_MARGIN = 0.05
-"""Share of its reach by which a joint that went beyond its range has room; chosen: a servo overshoots."""
-
 
 def reference_of(robot: RobotDescription, recording: Recording) -> Reference:
     """Set-points of a recording at the control step, from 0 s on, without phases; they are smooth in between.
@@ -120,10 +115,10 @@ def roomy(robot: RobotDescription, recordings: Sequence[Recording]) -> RobotDesc
     """
     low, high, fast = _reach(robot, recordings)
     kinematics = robot.kinematics
-    margin = _MARGIN * (high - low)
+    margin = settings().sampling.range_margin * (high - low)
     beyond = (low < kinematics.range[:, 0]) | (high > kinematics.range[:, 1])
     ends = np.minimum(low - margin, kinematics.range[:, 0]), np.maximum(high + margin, kinematics.range[:, 1])
-    speed = np.where(fast > kinematics.max_speed, (1 + _MARGIN) * fast, kinematics.max_speed)
+    speed = np.where(fast > kinematics.max_speed, (1 + settings().sampling.range_margin) * fast, kinematics.max_speed)
     if not beyond.any() and np.array_equal(speed, kinematics.max_speed):
         return robot
     limits = np.where(beyond[:, None], np.stack(ends, axis=1), kinematics.range)

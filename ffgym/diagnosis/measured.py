@@ -9,24 +9,17 @@ import scipy
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.diagnosis.log import Log
-from ffgym.diagnosis.regimes import DWELL, REST
 from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.residual import Channel, MotionResidual, Residual
+from ffgym.diagnosis.settings import settings
 from ffgym.effects import State
 from ffgym.robot import RobotDescription
-
-SLOW = 0.01
-"""Share of a joint's largest speed below which bristles decide the torque. On recorded robots of 300 kg, 0.02 rad/s:
-there Coulomb and viscous friction miss the torque by five to ten times as much as above it."""
-
-_PEAK = 1e-6
-"""Relative difference of breakaway and Coulomb torque from which on a description has a peak at low speed."""
 
 
 def knows_low_speed(robot: RobotDescription) -> BoolArray:
     """Joints whose description has more than Coulomb and viscous friction: a breakaway peak, shape (N,)."""
     friction = robot.friction
-    knows: BoolArray = friction.static > (1 + _PEAK) * friction.coulomb
+    knows: BoolArray = friction.static > (1 + settings().replay.stribeck_peak) * friction.coulomb
     return knows
 
 
@@ -39,14 +32,10 @@ def judged_rows(log: Log) -> BoolArray:
     sampling, robot = log.sampling, log.robot
     # speed of the motor alone, behind the gearbox: what other joints turn it by counts too
     speed = robot.drive.motor_angle(log.dq) / robot.drive.gear_ratio
-    slow = np.abs(speed) < SLOW * robot.kinematics.max_speed
+    slow = np.abs(speed) < settings().replay.low_speed * robot.kinematics.max_speed
     near = scipy.ndimage.maximum_filter1d(slow.astype(np.int8), 2 * sampling.half_length + 1, axis=0)[sampling.at] > 0
     judged: BoolArray = knows_low_speed(robot) | ~near
     return judged
-
-
-LEAST = 2.0
-"""Time [s] that all motions together must last: a block of a second to fit to, and another to judge by."""
 
 
 def measured_rows(log: Log) -> dict[Channel, Array]:
@@ -64,11 +53,12 @@ def measured_rows(log: Log) -> dict[Channel, Array]:
 
 def check_length(log: Log) -> None:
     """Check that there is something to fit to, and something else to judge by."""
+    limits = settings().replay
     lasts = float(np.count_nonzero(valid_rows(log))) * log.sampling.row_dt
-    if lasts < LEAST:
+    if lasts < limits.shortest_log:
         raise FFGymError(
             f"The recordings are too short: without the ends, which low-passes take, {lasts:.2g} s are left in which "
-            f"all is known, must be {LEAST:g} s at least."
+            f"all is known, must be {limits.shortest_log:g} s at least."
         )
 
 
@@ -147,7 +137,8 @@ def since_move(angle: Array, speed: Array, dt: float) -> tuple[Array, Array]:
         speed: of motors [rad/s], shape (T, ...).
         dt: time from one sample to the next [s].
     """
-    moving = np.abs(speed) >= REST
+    limits = settings().patterns
+    moving = np.abs(speed) >= limits.rest
     direction = np.sign(np.where(moving, speed, 0.0))
     samples = np.arange(len(angle)).reshape(-1, *[1] * (angle.ndim - 1))
     # the sample in which the motor last moved, before this one; -1 if it did not
@@ -155,7 +146,7 @@ def since_move(angle: Array, speed: Array, dt: float) -> tuple[Array, Array]:
     before: IntArray = np.concatenate([np.full_like(upto[:1], -1), upto[:-1]])
     standing = dt * (samples - 1 - before)
     came = np.where(before < 0, 0.0, np.take_along_axis(direction, np.maximum(before, 0), axis=0))
-    rested = standing >= DWELL
+    rested = standing >= limits.dwell
     begins = moving & (rested | (direction != came))
     began: IntArray = np.maximum.accumulate(np.where(begins, samples, 0), axis=0)
     stood = np.where(begins & rested, standing, 0.0)

@@ -19,6 +19,7 @@ from ffgym.diagnosis.measured import measured_rows, residual_rows, valid_rows
 from ffgym.diagnosis.replay import Replay, predicted, replay, servo_feedback, tracked
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.sampling import white_noise
+from ffgym.diagnosis.settings import settings
 from ffgym.recordings import Recording
 
 _ROUNDING = 1e-12
@@ -32,18 +33,7 @@ _QUIETEST, _QUIETEST_SERVO = 0.3, 1.0
 shows none, until it stands at the edge of a step; and the servo, which acts on what it reads, is wrong by as much all
 the time."""
 
-_FORETOLD = 2e-3
-"""What is added to the noise of torques, as a share of the RMS of their changes: no model foretells torque better than
-to some per mille, however quiet the sensors; chosen."""
-
 _TORQUES: frozenset[Channel] = frozenset({"torque", "servo"})
-
-DRAWS = 2
-"""Draws of the noise; an RMS over thousands of rows is known to some per cent from two."""
-
-
-_LEAST_TORQUE = 1e-3
-"""Least noise of a torque as a share of its RMS: no model foretells torque better than to a per mille; chosen."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -206,6 +196,7 @@ def faultless_residuals(
     log: Log, own: Replay, bias: Mapping[Channel, Array], like: Replay, rng: np.random.Generator
 ) -> Faultless:
     """Residuals of the nominal model over its own recordings, with the noise of a log; `bias` is taken off."""
+    limits = settings().noise
     noise = noise_of(like)
 
     def drawn() -> Replay:
@@ -216,7 +207,7 @@ def faultless_residuals(
     noise = _with_colours(noise, log, like, runs[0])
     if noise.colours:
         runs.clear()
-    runs += [drawn() for _ in range(DRAWS - len(runs))]
+    runs += [drawn() for _ in range(limits.draws - len(runs))]
     draws: dict[Channel, list[Array]] = {}
     for run in runs:
         for channel, rows in residual_rows(run.read, predicted(run)).items():
@@ -226,7 +217,9 @@ def faultless_residuals(
     for channel in draws.keys() & _TORQUES:
         rows = measured_rows(log)[channel]
         about = rows - np.einsum("rmc,rm->mc", rows, weight) / np.maximum(weight.sum(axis=0), 1.0)[:, None]
-        least[channel] = _FORETOLD * np.sqrt(np.einsum("rmc,rm->c", about**2, weight) / max(weight.sum(), 1.0))
+        least[channel] = limits.torque_change_floor * np.sqrt(
+            np.einsum("rmc,rm->c", about**2, weight) / max(weight.sum(), 1.0)
+        )
     return Faultless(draws={channel: np.stack(each, axis=-1) for channel, each in draws.items()}, least=least)
 
 
@@ -239,6 +232,6 @@ def torque_noise(run: Replay) -> Array:
     noise, fc, dt = noise_of(run), run.log.sampling.cutoff, run.log.dt
     torque = noise.torque * np.sqrt(2 * fc * dt)
     acceleration = (2 * np.pi) ** 2 * noise.angle * np.sqrt(2 * fc**5 * dt / 5)
-    floor = _LEAST_TORQUE * rms(run.torque, 0)
+    floor = settings().noise.torque_floor * rms(run.torque, 0)
     known: Array = np.hypot(torque, run.robot.drive.rotor_inertia * acceleration)
     return np.maximum(known, np.maximum(floor, np.finfo(np.float64).tiny))

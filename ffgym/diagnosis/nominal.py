@@ -17,33 +17,12 @@ from ffgym.diagnosis.identification.rigid_body import (
     starting_robot,
 )
 from ffgym.diagnosis.sampling import Sampling
+from ffgym.diagnosis.settings import settings
 from ffgym.recordings import Recording
 from ffgym.recordings.npz import decode
 from ffgym.robot import RobotDescription, RobotDraft
 from ffgym.robot.template.proposals import PRESLIDING
 from ffgym.simulation.plant import Machine
-
-LEAST_SHARE = 0.1
-"""Least standard deviation of fitted numbers, relative. An effect that is not in the model hides in its neighbours
-while they are fitted (load friction in a torque constant: 24 %, parameter files of Rhoban BAM), and must be let out
-again."""
-
-RESAMPLES = 20
-"""Bootstrap resamples of the fit: its standard deviations to some 15 %, which is enough where they are small."""
-
-_LEVELS = 0.5
-"""Standard deviation of friction levels that were fitted to the very logs, relative: a loss that grows with load, or a
-viscous friction that bends, hides in them, and they must give way."""
-
-_TORQUE_CONSTANT = 0.1
-"""Standard deviation of torque per current, relative: tolerance of magnets and current sensors. Masses that were fitted
-to the torque cannot tell it."""
-
-_OFFSET = 0.5
-"""Standard deviation of torque offsets in Coulomb torques; as good as free, as in the fit."""
-
-_JOINT_PRESLIDING = 1e-4
-"""Coulomb torque over bristle stiffness behind the gearbox [rad]: presliding of robots is 20 to 200 microrad there."""
 
 _NORMAL = 2.0 * 1.645
 """Width of a 90 % interval in standard deviations."""
@@ -71,7 +50,9 @@ def fitted_nominal(
         raise FFGymError("There is nothing to fit a nominal model to: no recordings.")
     filtering = filtering_for(robot, recordings)
     known = starting_robot(robot, recordings, filtering) if isinstance(robot, RobotDraft) else robot
-    fit = identify_rigid_body(known, recordings, RigidBodyOptions(filtering=filtering, resamples=RESAMPLES))
+    fit = identify_rigid_body(
+        known, recordings, RigidBodyOptions(filtering=filtering, resamples=settings().prior.fit_resamples)
+    )
     quick = RigidBodyOptions(filtering=filtering, resamples=2, spread=fit.trade_off.chosen)
 
     def refit(left: Sequence[Recording]) -> RobotDescription:
@@ -85,7 +66,7 @@ def _completed(robot: RobotDescription | RobotDraft, found: RobotDescription) ->
     if not isinstance(robot, RobotDraft) or "friction.bristle_stiffness" in robot.quantities:
         return found
     # gear ratios that are written as 1, as torque and angles are those of the joints, make no motor of it
-    travel = np.minimum(PRESLIDING, _JOINT_PRESLIDING * np.abs(found.drive.gear_ratio))
+    travel = np.minimum(PRESLIDING, settings().prior.joint_presliding * np.abs(found.drive.gear_ratio))
     stiffness, damping = found.friction.coulomb / travel, np.zeros_like(travel)
     return replace(found, friction=replace(found.friction, bristle_stiffness=stiffness, bristle_damping=damping))
 
@@ -104,14 +85,21 @@ def filtering_for(robot: RobotDescription | RobotDraft, recordings: Sequence[Rec
 
 def _calibration(fit: RigidBodyFit) -> Calibration:
     """Standard deviation of the fitted friction, over all joints; bodies and rotors are as sure as that at least."""
+    limits = settings().prior
     widths, estimates = fit.intervals.high - fit.intervals.low, np.maximum(np.abs(fit.estimate), 1e-12)
     shares = [
         float(width) / _NORMAL / float(size)
         for label, fitted, width, size in zip(fit.labels, fit.fitted, widths, estimates, strict=True)
         if fitted and label.startswith(("coulomb.", "viscous."))
     ]
-    share = min(1.0, max(LEAST_SHARE, float(np.median(shares)) if shares else LEAST_SHARE))
-    return Calibration(share=share, levels=_LEVELS, torque_constant=_TORQUE_CONSTANT, offset=_OFFSET, base=share)
+    share = min(1.0, max(limits.fitted_share, float(np.median(shares)) if shares else limits.fitted_share))
+    return Calibration(
+        share=share,
+        levels=limits.fitted_friction,
+        torque_constant=limits.torque_constant,
+        offset=limits.fitted_offset,
+        base=share,
+    )
 
 
 EXAMPLE_ROBOT = "irb4600_60_205"

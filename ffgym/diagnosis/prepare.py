@@ -22,27 +22,13 @@ from ffgym.diagnosis.noise import Faultless, encoder_steps, faultless_residuals
 from ffgym.diagnosis.replay import Replay, predicted, replay
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.search.candidates import Candidates, candidates_of
+from ffgym.diagnosis.settings import settings
 from ffgym.diagnosis.variant import variants
 from ffgym.diagnosis.weights import bound_outliers, doubt_rows, first_swing, misread_friction, unknown_torque
 from ffgym.effects import Effect, State, TorqueEffect, Torques
 from ffgym.recordings import Recording
 from ffgym.robot import ModelOptions
 from ffgym.simulation.plant import Machine
-
-_WARMER = 10.0
-"""Change of temperature with which it is tried whether an effect depends on it [K]."""
-
-
-_NOISY = 1.05
-"""Energy of torque that is left beside a bias, over that without one, from which on the bias is of noise in the motion
-that was made up; chosen: real bias lessens it. Two laps of the ball screw come to 1.02, the KR300 of 2020 to 1.4."""
-
-_CENTRES = 3
-"""Times that bias and noise are taken anew about other numbers; chosen."""
-
-_CENTRED = 0.1
-"""Largest change of a number from which on bias and noise are taken anew [standard deviations]; chosen: a smaller one
-changes neither."""
 
 _QUIET, _GONE = 0.25, 0.15
 """Energy above that of noise, as a share of it and of what stood out, that is left where numbers are why; chosen."""
@@ -157,12 +143,13 @@ def within_calibration(
         causes: beside which numbers are fitted; they are not in what is returned.
         thoroughly: whether numbers count that explain a little only.
     """
+    limits = settings().prior
     if calibration.base > 0:
         return None
     first, at = ready, np.zeros(len(ready.setting.doubts))
-    for _ in range(_CENTRES):
+    for _ in range(limits.centres):
         found = calibrate(ready.setting, calibration, causes, thoroughly=thoroughly)
-        if found is None or np.max(np.abs(found.sizes)) < _CENTRED:
+        if found is None or np.max(np.abs(found.sizes)) < limits.centred:
             break
         at = at + found.sizes
         again = prepared(first.setting.log, found.trial.numbers, calibration, rng, at=at)
@@ -196,7 +183,7 @@ def _known(log: Log, like: Replay, calibration: Calibration, memory: Memory | No
         )
     known = _along(exact_recordings(log, like), log, like)
     plain, left = _torque_left(log, like, 0.0), _torque_left(log, like, known.bias["torque"])
-    most = plain if known.simulated else _NOISY * plain
+    most = plain if known.simulated else settings().prior.noisy_bias * plain
     if left > most:  # its motion is not the measured one where that matters, as at reversals, or has noise in it
         for smooth in (False, True) if known.simulated else (True,):
             motion = Exact(recordings=tuple(as_moved(log, like, smooth=smooth)), simulated=False)
@@ -272,6 +259,9 @@ def reads_temperature(effect: Effect, run: Replay) -> bool:
         return False
     shape = run.state.motor_angle.shape
     middle = State(**{f.name: np.broadcast_to(getattr(run.state, f.name), shape)[shape[0] // 2] for f in fields(State)})
-    warm, memory = replace(middle, temperature=middle.temperature + _WARMER), effect.initial_memory(middle)
+    warm, memory = (
+        replace(middle, temperature=middle.temperature + settings().prior.warmer),
+        effect.initial_memory(middle),
+    )
     here, warmer = (effect.torques(state, memory, run.log.dt)[0] for state in (middle, warm))
     return not all(np.array_equal(getattr(here, f.name), getattr(warmer, f.name)) for f in fields(Torques))

@@ -28,22 +28,19 @@ from ffgym.diagnosis.residual import Residual
 from ffgym.diagnosis.result import Diagnosis, Miswiring
 from ffgym.diagnosis.search.candidates import surrogates
 from ffgym.diagnosis.search.found import Found
-from ffgym.diagnosis.search.search import MOST, Report, search
+from ffgym.diagnosis.search.search import Report, search
 from ffgym.diagnosis.search.worth import is_known
 from ffgym.diagnosis.separation import next_motion
+from ffgym.diagnosis.settings import settings
 from ffgym.diagnosis.sizes import causes_of, held_out_gain, is_there, levels
 from ffgym.diagnosis.thinning import note_of, thin
-from ffgym.diagnosis.verdict import LOUD, beside_blind, blind_rivals, judged, sentence_of, told
+from ffgym.diagnosis.verdict import beside_blind, blind_rivals, judged, sentence_of, told
 from ffgym.logs.quality import conditioned_alike
 from ffgym.logs.quality import judged as judged_logs
 from ffgym.logs.quality.wiring import Wiring, find_wiring
 from ffgym.recordings import Recording, Rewiring
 from ffgym.robot import RobotDescription
 from ffgym.simulation.plant import Machine
-
-LOOSE = 0.02
-"""Standard deviation of nominal numbers, relative, from which on they are fitted to a log before anything is looked
-for in it; chosen: slopes about described numbers hold over four of 0.5 %, not over one of 5 %."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -70,7 +67,7 @@ def diagnose(
     seed: int = 0,
     report: Report = lambda what, share: None,
     memory: Memory | None = None,
-    most: int = MOST,
+    most: int = settings().search.most_causes,
     accept: Sequence[str] = (),
 ) -> Diagnosis:
     """Diagnose logs of a machine.
@@ -105,16 +102,17 @@ def examine(
     report: Report = lambda what, share: None,
     first: Callable[[FirstLook], None] | None = None,
     memory: Memory | None = None,
-    most: int = MOST,
+    most: int = settings().search.most_causes,
     accept: Sequence[str] = (),
 ) -> Examined:
     """Diagnose logs of a machine, as `diagnose` does, and keep what that was made from.
 
     `first` is told what stands out, soon and before anything is sure; None saves that time.
     """
+    limits = settings().prior
     given = tuple(thin(recordings))
     machine = Machine.of(nominal)
-    check_whole("most causes", most, low=1, high=MOST)
+    check_whole("most causes", most, low=1, high=settings().search.most_causes)
     rng = np.random.default_rng(check_whole("seed", seed, low=0))
     recordings = conditioned_alike(by_content(given))
     quality = judged_logs(recordings, machine.physical, ("diagnosis",), accept)
@@ -145,14 +143,14 @@ def examine(
     ready = prepared(log, machine, known, rng, memory)
     # loosely known numbers are fitted first, alone, and then together with the causes that are found about them
     look = partial(_Look, machine=machine, calibration=known, rng=rng, report=report, most=most, said=said)
-    about = within_calibration(ready, known, rng) if known.share >= LOOSE else None
+    about = within_calibration(ready, known, rng) if known.share >= limits.loose else None
     found, causes = look(ready).search(memory) if about is None else look(about).search()
     if about is not None and causes:
         report("fitting numbers beside the causes", 0.0)
         again = within_calibration(ready, known, rng, about.setting.as_described(causes))
         found, _ = look(ready if again is None else again).search()
     # numbers that are known well are the reason only if they explain all
-    if found.diagnosis.verdict != "none" and known.share < LOOSE:
+    if found.diagnosis.verdict != "none" and known.share < limits.loose:
         about = within_calibration(ready, known, rng, thoroughly=False)
         if about is not None and explains_all(ready, about):
             report("diagnosing about numbers within their calibration", 0.0)
@@ -207,7 +205,7 @@ class _Look:
         left = after
         if found.unsure:
             left = residual_of(log, found.whole.fit.run, without_calibration(setting, found.whole.fit), ready.floor)
-        is_left = verdict.verdict in ("unknown", "partly") or max(loud.values()) > LOUD
+        is_left = verdict.verdict in ("unknown", "partly") or max(loud.values()) > settings().significance.quiet
         patterns = find_patterns(left, self.rng) if is_left else ()
         final = found.final.fit
         gain = held_out_gain(setting, found.nominal.fit, final, calibration) if model is not None else None

@@ -7,8 +7,8 @@ from types import MappingProxyType
 import numpy as np
 
 from ffgym.core.types import Array, BoolArray
-from ffgym.diagnosis.evidence import BLOCK
-from ffgym.diagnosis.regimes import FEW, REST, LogRows
+from ffgym.diagnosis.regimes import LogRows
+from ffgym.diagnosis.settings import settings
 
 BINS = 24
 """Bins of a profile; chosen: as many as a small picture can show."""
@@ -74,10 +74,11 @@ class Profile:
 
 def profiles(rows: LogRows, component: int, joint: int, variable: Variable) -> dict[str, Profile]:
     """Mean of a residual over a variable of a joint: 'both', or 'forwards' and 'back', as the variable wants it."""
+    limits = settings().patterns
     speed = rows.speed[:, joint]
     directions: dict[str, BoolArray] = {"both": np.ones(len(speed), dtype=np.bool_)}
     if variable.by_direction:
-        directions = {"forwards": speed > REST, "back": speed < -REST}
+        directions = {"forwards": speed > limits.rest, "back": speed < -limits.rest}
     values = variable.of(rows)[:, joint]
     usable = np.isfinite(rows.residual[:, component]) & np.isfinite(values)
     if variable.logarithmic:
@@ -95,9 +96,9 @@ def _profile(rows: LogRows, component: int, values: Array, usable: BoolArray, ed
     value, residual = values[usable], rows.residual[usable, component]
     bins = np.clip(np.searchsorted(edges, value, side="right") - 1, 0, len(edges) - 2)
     # number of the block of each row, none of which reaches from one motion into the next
-    place = np.stack([rows.motion, np.floor(rows.time / BLOCK).astype(np.intp)], axis=1)
+    place = np.stack([rows.motion, np.floor(rows.time / settings().blocks.length).astype(np.intp)], axis=1)
     block = np.unique(place, axis=0, return_inverse=True)[1].ravel()[usable]
-    kept = [bins == b for b in range(len(edges) - 1) if np.count_nonzero(bins == b) >= FEW]
+    kept = [bins == b for b in range(len(edges) - 1) if np.count_nonzero(bins == b) >= settings().patterns.few]
     means = [(value[own].mean(), residual[own].mean()) for own in kept]
     centre, mean = np.array(means).reshape(-1, 2).T
     # standard errors of the means; each block is one observation

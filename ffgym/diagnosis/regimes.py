@@ -9,6 +9,7 @@ import numpy as np
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.diagnosis.residual import Channel, MotionResidual, Residual, components
+from ffgym.diagnosis.settings import settings
 from ffgym.robot.friction import LuGreParameters
 
 
@@ -70,35 +71,17 @@ def log_rows(residual: Residual, channel: Channel) -> LogRows:
     )
 
 
-REST = 0.05
-"""Motor speed below which a motor stands [rad/s]; chosen: above what noise of a resolver makes of standstill, and a
-sixth of the slowest motion of the protocols."""
-
-BRISTLES = 3.0
-"""Travel within which bristles bend after a motor turned, in units of f_s / sigma_0: from -1 to 1, their deflection is
-then within 2 e^-3 = 10 % of where it goes."""
-
-REVERSAL = 30.0
-"""Travel up to which a motor counts as just turned, in the same unit; chosen: ten times presliding."""
-
-DWELL = 0.25
-"""Time from which a motor had stood before its move [s]; shorter stops are turns. Chosen: below the shortest rest of
-the protocols, 0.3 s, and above what slow sines take to turn."""
-
-SLOW = 2.0
-"""Motor speed up to which motion is slow, in Stribeck velocities: e^-4 = 2 % of the Stribeck peak is left there."""
-
-FEW = 20
-"""Rows below which nothing is said about a regime; chosen: their RMS is off by a sixth at least (1 / sqrt(2 n))."""
+_LIMITS = settings().patterns
 
 REGIMES: Mapping[str, Mapping[str, str]] = MappingProxyType(
     {
         "motion": {
-            "rest": f"motor slower than {REST:g} rad/s",
-            "presliding": f"within {BRISTLES:g} f_s / sigma_0 of travel after the motor turned",
-            "reversal": f"after that, within {REVERSAL:g} f_s / sigma_0",
-            "restart": f"within {REVERSAL:g} f_s / sigma_0 of travel after the motor had stood for {DWELL:g} s",
-            "slow": f"up to {SLOW:g} Stribeck velocities",
+            "rest": f"motor slower than {_LIMITS.rest:g} rad/s",
+            "presliding": f"within {_LIMITS.bristles:g} f_s / sigma_0 of travel after the motor turned",
+            "reversal": f"after that, within {_LIMITS.reversal:g} f_s / sigma_0",
+            "restart": f"within {_LIMITS.reversal:g} f_s / sigma_0 of travel after the motor had stood for "
+            f"{_LIMITS.dwell:g} s",
+            "slow": f"up to {_LIMITS.slow_motion:g} Stribeck velocities",
             "mid": "between slow and fast",
             "fast": "from where viscous friction is as large as Coulomb friction",
         },
@@ -168,7 +151,7 @@ def _sorted_into(
     """The map of rows that are `chosen` (P, R, C) for each place."""
     chosen = chosen & np.isfinite(rows.residual)
     count = chosen.sum(axis=1)
-    enough = np.where(count >= FEW, count, np.nan)
+    enough = np.where(count >= settings().patterns.few, count, np.nan)
     values = np.nan_to_num(rows.residual)
     over = np.divide(values, rows.floor, out=np.full_like(values, np.nan), where=rows.floor > 0)
     return ResidualMap(
@@ -196,15 +179,16 @@ def _regimes(rows: LogRows, residual: Residual, j: int) -> dict[str, BoolArray]:
 
 def _motion_regimes(rows: LogRows, friction: LuGreParameters, j: int) -> dict[str, BoolArray]:
     """Each row in exactly one regime of motion."""
-    speed, travel, stood = np.abs(rows.speed[:, j]), rows.travel[:, j], rows.stood[:, j] >= DWELL
+    limits = settings().patterns
+    speed, travel, stood = np.abs(rows.speed[:, j]), rows.travel[:, j], rows.stood[:, j] >= limits.dwell
     bristle = friction.static[j] / friction.bristle_stiffness[j]
     fast = friction.coulomb[j] / friction.viscous[j] if friction.viscous[j] > 0 else np.inf
     in_order = {
-        "rest": speed < REST,
-        "restart": stood & (travel < REVERSAL * bristle),
-        "presliding": travel < BRISTLES * bristle,
-        "reversal": travel < REVERSAL * bristle,
-        "slow": speed < SLOW * friction.stribeck_velocity[j],
+        "rest": speed < limits.rest,
+        "restart": stood & (travel < limits.reversal * bristle),
+        "presliding": travel < limits.bristles * bristle,
+        "reversal": travel < limits.reversal * bristle,
+        "slow": speed < limits.slow_motion * friction.stribeck_velocity[j],
         "fast": speed >= fast,
         "mid": np.ones_like(stood),
     }

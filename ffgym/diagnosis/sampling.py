@@ -9,6 +9,7 @@ import scipy
 
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.diagnosis.identification import LowPass
+from ffgym.diagnosis.settings import settings
 
 
 def derivatives(angle: Array, dt: float) -> tuple[Array, Array]:
@@ -41,27 +42,8 @@ def derivatives_of_motions(angle: Array, lengths: Sequence[int], dt: float) -> t
     return first, second
 
 
-_LEAST = 0.05
-"""Share of the band that is taken to be seen at least, however high the low-pass."""
-
 _FREQUENCIES = 500
 """Frequencies that a share of the band is summed over; chosen: a low-pass is smooth."""
-
-_KNOWN = 20
-"""Independent values in a block, from which its noise is known to a sixth; fewer in one that would last too long."""
-
-_FEWEST = 6
-"""Independent values in a block at least."""
-
-_LONGEST = 0.1
-"""Time [s] that a block should last at most; chosen: most of those between two reversals show none of them."""
-
-_QUIET = 0.25
-"""Share of the blocks that show noise alone; what a machine does above its band, as resolvers that err in fast motion,
-is no noise."""
-
-_FEW = 8
-"""Blocks below which quiet ones are not told from others."""
 
 
 def white_noise(values: Array, low_pass: LowPass, dt: float) -> Array:
@@ -69,18 +51,23 @@ def white_noise(values: Array, low_pass: LowPass, dt: float) -> Array:
 
     Only blocks in which a signal moves count, if it does: a reading in steps that stands has no noise.
     """
+    limits = settings().sampling
     known = np.nan_to_num(values)
     slow = low_pass(known, dt)
     # share of the energy of white noise that is in what the low-pass takes from it
     frequency: Array = (np.arange(_FREQUENCIES, dtype=np.float64) + 0.5) / (2 * _FREQUENCIES * dt)
-    share = max(_LEAST, float(np.mean((1 - taken(low_pass, frequency, dt)) ** 2)))
+    share = max(limits.seen_band, float(np.mean((1 - taken(low_pass, frequency, dt)) ** 2)))
     ends = low_pass.end_rows(dt)
     inner = slice(ends, len(known) - ends) if len(known) > 4 * ends else slice(None)
-    values_in_block = np.clip(share * _LONGEST / dt, _FEWEST, _KNOWN)
+    values_in_block = np.clip(
+        share * limits.longest_block / dt,
+        limits.fewest_values_per_block,
+        limits.values_per_block,
+    )
     width = round(values_in_block / share)
     local = np.mean(_in_blocks((known - slow)[inner], width) ** 2, axis=1)
     moves = np.ptp(_in_blocks(slow[inner], width), axis=1) > np.sqrt(local)
-    moves = moves | (moves.sum(axis=0) < _FEW)
+    moves = moves | (moves.sum(axis=0) < limits.fewest_blocks)
     energy = [_quiet(local[rows, c], share * width) for c, rows in enumerate(moves.T)]
     noise: Array = np.sqrt(np.array(energy) / share)
     return noise
@@ -105,10 +92,11 @@ def _quiet(energy: Array, known: float) -> float:
 
     Chance makes some quiet, which is reckoned with.
     """
-    if len(energy) < _FEW:
+    limits = settings().noise
+    if len(energy) < settings().sampling.fewest_blocks:
         return float(np.mean(energy))
-    by_chance = float(scipy.stats.chi2.ppf(_QUIET, known)) / known
-    return float(np.quantile(energy, _QUIET)) / by_chance
+    by_chance = float(scipy.stats.chi2.ppf(limits.quiet_share, known)) / known
+    return float(np.quantile(energy, limits.quiet_share)) / by_chance
 
 
 def without_trembling(angle: Array, width: Array) -> Array:
@@ -128,32 +116,9 @@ def without_trembling(angle: Array, width: Array) -> Array:
     return followed
 
 
-MOTION_CUTOFF = 100.0
-"""Low-pass of the motor angle before it is differentiated [Hz]; that of `ffgym.diagnosis.identification`: reversals
-take 7 ms."""
-
-CUTOFF = 40.0
-"""Low-pass of what is compared [Hz]: above the resonances of industrial robots, 5 to 30 Hz, and thesis 6.1.2."""
-
 _OF_SAMPLE_RATE = (0.25, 0.2)
 """Largest cut-offs as shares of the sample rate, of motion and comparison; slow logs are compared below those. A
 narrower band leaves hardly a row of them that is far enough from all reversals: at 10 Hz and 1 Hz 13 % of rows."""
-
-_MOTION_OVER = 2.5
-"""Cut-off of the motion over that of what is compared, at most; what is above shows in neither."""
-
-_ROWS = 3000
-"""Rows that all motions together shall have; chosen: 40 s at 25 Hz. A shorter log has them from a wider band, where
-what repeats with the motor's turns is seen best."""
-
-_WIDEST = 0.38
-"""Largest cut-off of a short log, as a share of the sample rate: below half of it, where filters still have room."""
-
-_LENGTH = 2.0
-"""Half the length of the low-pass of what is compared, in periods of its cut-off; chosen: 50 ms at 40 Hz."""
-
-_ROWS_PER_PERIOD = 3
-"""Rows kept per period of the cut-off; chosen: hardly more than what is needed to know the signal."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -170,23 +135,29 @@ class Sampling:
     @classmethod
     def of(cls, dt: float, lengths: Sequence[int], cutoff: float | None = None) -> "Sampling":
         """For motions of so many samples each: a given band [Hz], else the usual one or, if they are short, a wider."""
+        limits = settings().sampling
         if cutoff is not None:
             return cls(dt=dt, n_samples=max(lengths), cutoff=cutoff)
-        usual = min(CUTOFF, _OF_SAMPLE_RATE[1] / dt)
-        needed = _ROWS / (_ROWS_PER_PERIOD * sum(lengths) * dt)
-        widest = min(MOTION_CUTOFF, _WIDEST / dt)
+        usual = min(limits.cutoff, _OF_SAMPLE_RATE[1] / dt)
+        needed = limits.rows_of_short_log / (limits.rows_per_period * sum(lengths) * dt)
+        widest = min(limits.motion_cutoff, limits.widest_cutoff / dt)
         return cls(dt=dt, n_samples=max(lengths), cutoff=max(usual, min(needed, widest)))
 
     @property
     def motion_filter(self) -> LowPass:
         """Low-pass of the measured motor angle."""
-        usual = min(MOTION_CUTOFF, _OF_SAMPLE_RATE[0] / self.dt, _MOTION_OVER * self.cutoff)
+        limits = settings().sampling
+        usual = min(
+            limits.motion_cutoff,
+            _OF_SAMPLE_RATE[0] / self.dt,
+            limits.motion_over_cutoff * self.cutoff,
+        )
         return LowPass(cutoff=max(usual, self.cutoff))
 
     @property
     def stride(self) -> int:
         """Samples from one row to the next."""
-        return max(1, int(1 / (_ROWS_PER_PERIOD * self.cutoff * self.dt)))
+        return max(1, int(1 / (settings().sampling.rows_per_period * self.cutoff * self.dt)))
 
     @property
     def row_dt(self) -> float:
@@ -205,7 +176,7 @@ class Sampling:
     @property
     def half_length(self) -> int:
         """Samples on either side of a row that it depends on."""
-        return round(_LENGTH / (self.cutoff * self.dt))
+        return round(settings().sampling.filter_half_length / (self.cutoff * self.dt))
 
     @cached_property
     def at(self) -> IntArray:

@@ -19,7 +19,7 @@ import numpy as np
 from ffgym.core.errors import FFGymError
 from ffgym.core.measures import rms
 from ffgym.core.types import Array
-from ffgym.diagnosis.calibration import BOUND, Calibration, doubts_of
+from ffgym.diagnosis.calibration import Calibration, doubts_of
 from ffgym.diagnosis.computing import FAILED
 from ffgym.diagnosis.evidence import blocks_of, stack_of
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
@@ -32,18 +32,12 @@ from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.result import SeparatingMotion
 from ffgym.diagnosis.search.found import Found
 from ffgym.diagnosis.sessions import Proposal, proposals
+from ffgym.diagnosis.settings import settings
 from ffgym.diagnosis.solving import bounded
 from ffgym.robot import RigidArm
 from ffgym.simulation import SimulatedRig
 from ffgym.simulation.plant import Climate, Machine
 from ffgym.simulation.protocols import SessionMotion, plan_session, record
-
-_SAMPLE_DT = 0.004
-"""Sample time of what is foreseen [s]; chosen: up to 25 Hz is enough to choose a motion by."""
-
-_FREE = 1.0
-"""Standard deviation of a cause's own numbers, in practical steps (a third of what is plausible for a size); chosen:
-the logs that led to the causes know them better than that, but not in every regime."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -67,7 +61,7 @@ class Foreseen:
         sigma = self.sigma[free - self.n_causes]
         scaled = gram[np.ix_(free, free)] * np.outer(sigma, sigma)
         pull = sigma * (gram @ apart)[free]
-        bound = np.full(len(free), BOUND)
+        bound = np.full(len(free), settings().prior.bound)
         x = bounded(scaled, pull, np.ones(len(free)), -bound, bound)
         return float(0.5 * (apart @ gram @ apart - 2 * x @ pull + x @ scaled @ x + x @ x))
 
@@ -102,17 +96,10 @@ def foresee(
     return Foreseen(
         gram=np.stack(by_motion),
         n_causes=len(causes),
-        sigma=np.array([*(doubt.sigma for doubt in doubts), *(_FREE for _ in own)]),
+        sigma=np.array([*(doubt.sigma for doubt in doubts), *(settings().rivals.foreseen_width for _ in own)]),
         owner=np.array([*(-1 for _ in doubts), *(i for i, _ in own)]),
     )
 
-
-SURE = 20.0
-"""Log-likelihood ratio that a session should give; chosen: three times the logarithm of the number of effects and
-joints, so that half of the session still decides."""
-
-LONGEST = 90.0
-"""Longest motions of a session together [s]: those of the first recording of a machine."""
 
 WARMING = Climate(rise=np.array([15.0]))
 """Assumed of a machine whose climate nobody knows, to see what warming up would show: 15 K (Bittencourt 2010: 20 to 40
@@ -167,7 +154,10 @@ def _planned(arm: RigidArm, some: Sequence[Proposal]) -> list[tuple[Proposal, li
             motions = plan_session(arm, proposal.protocols())
         except FFGymError:
             continue  # its ranges, speeds or torques do not allow this one; there are others
-        if len(motions) > 1 and sum(motion.reference.duration for motion in motions) <= LONGEST:
+        if (
+            len(motions) > 1
+            and sum(motion.reference.duration for motion in motions) <= settings().rivals.longest_session
+        ):
             found.append((proposal, motions))
     return found
 
@@ -182,6 +172,7 @@ def _best(
 ) -> SeparatingMotion | None:
     """The fastest of the sessions that are sure; None if none is."""
     # names of motions must differ from those of other sessions
+    limits = settings().rivals
     motions = [
         replace(motion, reference=replace(motion.reference, name=f"{proposal.name}.{motion.reference.name}"))
         for proposal, own in planned
@@ -189,7 +180,7 @@ def _best(
     ]
     try:
         rig = SimulatedRig(arm=arm, machine=nominal)
-        log = log_of(arm.robot, list(record(motions, rig, record_dt=_SAMPLE_DT)))
+        log = log_of(arm.robot, list(record(motions, rig, record_dt=limits.foreseen_dt)))
         unseen: dict[str, Any] = {
             name: None
             for channel, name in (("tool", "tool"), ("link", "link"), ("servo", "feedback"))
@@ -207,7 +198,7 @@ def _best(
             (min(foreseen.ratio(own, a, b), foreseen.ratio(own, b, a)), (a, b))
             for a, b in combinations(range(len(causes)), 2)
         )
-        if ratio >= SURE:
+        if ratio >= limits.log_ratio:
             lasts = float(session[-1].end - session[0].start)  # from the first start to the last end
             sure.append((ratio / lasts, proposal, pair))
     if not sure:

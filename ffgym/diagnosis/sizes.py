@@ -7,7 +7,7 @@ import numpy as np
 
 from ffgym.core.measures import rms
 from ffgym.core.types import Array, BoolArray
-from ffgym.diagnosis.calibration import OF_ROW, Calibration, is_row_offset
+from ffgym.diagnosis.calibration import Calibration, is_row_offset
 from ffgym.diagnosis.computing import trim_heap
 from ffgym.diagnosis.evidence import Fold, half_folds
 from ffgym.diagnosis.fit.fit import Fit
@@ -17,6 +17,7 @@ from ffgym.diagnosis.fit.written import written
 from ffgym.diagnosis.measured import counting_rows, measured_rows
 from ffgym.diagnosis.residual import UNITS, Channel, components
 from ffgym.diagnosis.result import Cause, Level, Size
+from ffgym.diagnosis.settings import settings
 from ffgym.diagnosis.solving import bounded
 from ffgym.effects import EFFECTS
 from ffgym.robot import RobotDescription
@@ -53,10 +54,6 @@ def _mean_square(rows: Array, valid: BoolArray) -> float:
     return rms(np.broadcast_to(rows, valid.shape)[valid])
 
 
-FOLDS = 3
-"""Groups of motions that are left out in turn; each takes a fit, and a replay of all motions."""
-
-
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Gain:
     """Residuals (R, M, C) by channel, on motions that were not used."""
@@ -75,7 +72,7 @@ def held_out_gain(setting: Setting, nominal: Fit, found: Fit, calibration: Calib
     blocks, motions = setting.blocks, np.unique(setting.blocks.motion)
     folds = half_folds(blocks)
     if len(motions) > 1:
-        group = np.searchsorted(motions, blocks.motion) % min(FOLDS, len(motions))
+        group = np.searchsorted(motions, blocks.motion) % min(settings().intervals.folds, len(motions))
         folds = [Fold(train=group != k, test=group == k) for k in range(int(group.max()) + 1)]
     for fold in folds:
         trim_heap()
@@ -100,23 +97,10 @@ def _energy(setting: Setting, residual: Mapping[Channel, Array]) -> float:
     )
 
 
-RESAMPLES = 200
-"""Resamples of blocks; quantiles of 5 and 95 % are then known to a per cent or two."""
-
 COVERED = (0.05, 0.95)
 """Quantiles of the interval."""
 
 _DOWN_UP = np.array([-1.0, 1.0])
-
-WIDENED = 1.5
-"""Quantiles of resamples are this much further from a size: what neither rows nor calibration vary (equations that are
-not straight, few blocks) counts too."""
-
-INEXACT = 0.02
-"""Share of a size that is open whatever the rows say, as the model around it is inexact: numbers of the nominal model
-are off by half a per cent each, and a fit stops when it would gain nothing. Of 90 sizes of development exams 74 % lay
-in what rows alone give, a fifth wider; 88 % lie in intervals with both constants.
-"""
 
 
 def causes_of(
@@ -127,6 +111,7 @@ def causes_of(
     A size that is a share of a nominal number is no better known than that number, and a time by which torque is late
     no better than the instant of the torque within its row.
     """
+    limits = settings().intervals
     draws = _resampled(fit, rng)
     found, at = [], 0
     for hypothesis, gain in zip(fit.hypotheses, gains, strict=True):
@@ -140,10 +125,10 @@ def causes_of(
             if p.role == "size" and p.unit == "1":
                 values = values * (1 + calibration.share * rng.normal(size=len(values)))
             if p.unit == "s" and is_row_offset(hypothesis.kind, fit.run.robot.n_joints):
-                values = values + OF_ROW * fit.run.log.dt * rng.normal(size=len(values))
+                values = values + settings().prior.late_rows * fit.run.log.dt * rng.normal(size=len(values))
             if p.role == "size" or p.role == "cycles":
-                reach = WIDENED * (np.quantile(values, COVERED) - free.value)
-                inexact = INEXACT * free.value if p.role == "size" else 0.0
+                reach = limits.widened * (np.quantile(values, COVERED) - free.value)
+                inexact = limits.inexact * free.value if p.role == "size" else 0.0
                 low, high = np.clip(free.value + _DOWN_UP * np.hypot(reach, inexact), free.low, free.high)
                 interval = (float(low), float(high))
                 sizes.append(
@@ -193,7 +178,7 @@ def _resampled(fit: Fit, rng: np.random.Generator) -> Array:
     n, doubts = len(gram), fit.n_calibration
     stays = bounded(gram.sum(axis=0), moment.sum(axis=0), priors.precision, priors.low, priors.high)[doubts:]
     found = []
-    for _ in range(RESAMPLES):
+    for _ in range(settings().intervals.resamples):
         counts = np.bincount(rng.integers(n, size=n), minlength=n).astype(np.float64)
         drawn = np.concatenate([rng.normal(size=doubts), np.zeros(len(priors.low) - doubts)])
         pull = counts @ moment + priors.precision * drawn

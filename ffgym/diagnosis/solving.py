@@ -20,6 +20,7 @@ import scipy
 
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.diagnosis.evidence import Evidence, Fold
+from ffgym.diagnosis.settings import settings
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -101,10 +102,6 @@ def fitted(
     gram, pull = evidence.gram[chosen].sum(axis=0), evidence.moment[chosen].sum(axis=0)[:, residual]
     known = (of[columns] for of in (priors.precision, priors.low, priors.high))
     return bounded(gram[np.ix_(columns, columns)], pull[columns], *known)
-
-
-WIDE = 10.0
-"""Standard deviation of a number in its practical steps: as good as free, but not without end."""
 
 
 _NEAR = 1e-6
@@ -236,7 +233,7 @@ def _gains(
         inner = own - v_c @ train.calibration[:, at].transpose(1, 0, 2)
         cross = v_c @ test.calibration[:, at].transpose(1, 0, 2)
         size = own_test - cross - cross.transpose(0, 2, 1) + v_c @ through[:, at].transpose(1, 0, 2)
-        x_c = np.linalg.solve(inner + WIDE**-2 * np.eye(at.shape[1]), pull[at])
+        x_c = np.linalg.solve(inner + settings().screening.width ** -2 * np.eye(at.shape[1]), pull[at])
         x_c[group.one_sided] = np.maximum(x_c[group.one_sided], 0.0)
         found.append(np.sum(x_c * (2 * held_out[at] - size @ x_c), axis=1))
     return left, found

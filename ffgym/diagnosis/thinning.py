@@ -19,26 +19,13 @@ from typing import Any
 import numpy as np
 
 from ffgym.core.types import Array, BoolArray, IntArray
-from ffgym.diagnosis.cells import CELL, Cells, MotionRegressor, cells_of, coarse
+from ffgym.diagnosis.cells import Cells, MotionRegressor, cells_of, coarse
 from ffgym.diagnosis.computing import on_one_thread
 from ffgym.diagnosis.sampling import Sampling
+from ffgym.diagnosis.settings import settings
 from ffgym.recordings import Recording
 from ffgym.recordings.io import Stored
 from ffgym.recordings.stretch import Span, started, stretches_of
-
-LENGTH = 10
-"""Cells of a stretch: 10 s, as the motions of the protocol `diagnosis` last. Of longer ones there would be fewer, and
-fewer could be left out in turn; of shorter ones filters and settling take too much."""
-
-_WHOLE = 1.5
-"""Lengths of a stretch up to which a recording is taken whole; what is left of it would be none."""
-
-_SPREAD = 0.5
-"""Share of the stretches that are spread evenly over the log, one in each part of it; the others lie where most is
-told. Chosen: what changes in an hour is seen at some ten times."""
-
-_MOVING = 0.25
-"""Share of a stretch in which a joint moves, at least."""
 
 
 def choose(log: Sequence[Cells], seconds: float) -> list[tuple[int, int, int]]:
@@ -55,10 +42,11 @@ def choose(log: Sequence[Cells], seconds: float) -> list[tuple[int, int, int]]:
     Returns:
         Number of the recording, its first cell and the cell after the last one, in the order of the log.
     """
+    limits = settings().blocks
     windows = _Windows.of(log)
     left, free = seconds, windows.usable.copy()
     chosen_at, used = np.zeros_like(free), np.zeros(windows.n_cells, dtype=np.bool_)
-    parts = max(1, round(_SPREAD * seconds / (CELL * LENGTH)))
+    parts = max(1, round(limits.spread_share * seconds / (limits.cell * limits.stretch)))
     part_of = (2 * windows.begin + windows.length) * parts // (2 * windows.n_cells)
     served = np.zeros(parts, dtype=np.bool_)
     known = np.eye(windows.information.shape[1])
@@ -115,16 +103,17 @@ class _Windows:
     @classmethod
     def of(cls, log: Sequence[Cells]) -> "_Windows":
         """All windows of a log."""
+        limits = settings().blocks
         whole, flags = list[list[int]](), list[Any]()
         lasting, information, before = list[float](), list[Array](), 0
         for i, cells in enumerate(log):
-            n = len(cells) if len(cells) <= _WHOLE * LENGTH else LENGTH
+            n = len(cells) if len(cells) <= limits.whole_stretches * limits.stretch else limits.stretch
             total = np.cumsum(np.concatenate([np.zeros_like(cells.information[:1]), cells.information]), axis=0)
             for k in range(len(cells) - n + 1):
                 rests, inside = int(cells.at_rest[k]) + int(cells.at_rest[k + n]), slice(k, k + n)
                 whole.append([i, before + k, k, n, rests])
                 lasting.append(cells.edges[k + n] - cells.edges[k])
-                flags.append([cells.there[inside].all(), cells.moving[inside].mean() >= _MOVING])
+                flags.append([cells.there[inside].all(), cells.moving[inside].mean() >= limits.moving_share])
             information.append(total[n:] - total[:-n])
             before += len(cells)
         recording, begin, first, length, rest_ends = np.array(whole, dtype=np.intp).T
@@ -142,17 +131,10 @@ class _Windows:
         )
 
 
-SAMPLES = 540_000
-"""Samples of all joints and recordings together: 90 s of six axes at 1 kHz, with which a diagnosis stays below 3 GB."""
-
-ROWS = 270_000
-"""Rows that are compared, of all joints together: 360 s of six axes at 250 Hz, 450 s at 100 Hz. It is the one that
-counts for slow logs, of which each sample is a row."""
-
-
 def affordable(dt: float, n_joints: int) -> float:
     """Time [s] that all recordings of a log may last together before it is thinned."""
-    samples, rows = SAMPLES / n_joints, ROWS / n_joints
+    limits = settings().blocks
+    samples, rows = limits.samples / n_joints, limits.rows / n_joints
     stride = Sampling.of(dt, [round(samples)]).stride
     return min(samples, rows * stride) * dt
 

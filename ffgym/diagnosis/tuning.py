@@ -22,7 +22,7 @@ import numpy as np
 from ffgym.core.types import Array
 from ffgym.diagnosis.calibration import LinkMass
 from ffgym.diagnosis.column import columns_of
-from ffgym.diagnosis.evidence import BLOCK, blocks_of
+from ffgym.diagnosis.evidence import blocks_of
 from ffgym.diagnosis.fit.fit import evaluated, left_by
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, moved
 from ffgym.diagnosis.fit.setting import Setting
@@ -30,9 +30,8 @@ from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.measured import counting_rows, valid_rows
 from ffgym.diagnosis.push import Parts
 from ffgym.diagnosis.replay import replay
-from ffgym.diagnosis.sampling import CUTOFF
+from ffgym.diagnosis.settings import settings
 from ffgym.diagnosis.solving import bounded
-from ffgym.diagnosis.variant import STEP
 from ffgym.effects import Effect, NativeEffect
 from ffgym.effects.drive.offset import TorqueOffset
 from ffgym.effects.effect import Side
@@ -89,7 +88,7 @@ NUMBERS: tuple[type[Effect], ...] = (
 recordings tell it only at resonance."""
 
 
-PRECISION = (STEP / SPREAD) ** 2
+PRECISION = (settings().screening.step / SPREAD) ** 2
 """Of the distance of all numbers from the description, in practical steps, before any recording."""
 
 
@@ -111,7 +110,7 @@ def _with_numbers(robot: RobotDescription, numbers: Iterable[Hypothesis]) -> Rob
     return robot
 
 
-CUTOFFS = (5.0, CUTOFF)
+CUTOFFS = (5.0, settings().sampling.cutoff)
 """Low-passes of what is compared, one after the other [Hz]: below the resonances of industrial robots, as for rigid
 bodies (`ffgym.diagnosis.identification.rigid_body`), then as in a diagnosis."""
 
@@ -216,7 +215,7 @@ def _weighed(setting: Setting, numbers: Sequence[Hypothesis]) -> Setting:
     """
     machine = replace(setting.nominal, robot=_with_numbers(setting.nominal.robot, numbers))
     residual = evaluated(replace(setting, nominal=machine), ()).residual
-    counting, alike = counting_rows(setting.log), BLOCK / setting.log.sampling.row_dt
+    counting, alike = counting_rows(setting.log), settings().blocks.length / setting.log.sampling.row_dt
     weights = {}
     for (channel, c), rows in counting.items():
         rest, count = residual[channel][:, :, c], np.maximum(rows.sum(axis=0), 1)

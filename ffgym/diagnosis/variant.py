@@ -8,13 +8,11 @@ from typing import Any
 import numpy as np
 
 from ffgym.core.types import Array
+from ffgym.diagnosis.settings import settings
 from ffgym.effects import Effect
 from ffgym.effects.parameters import Parameter
 from ffgym.robot import RobotDescription
 from ffgym.simulation.plant import Machine
-
-STEP = 0.3
-"""Step as a share of what is plausible; chosen: large against rounding, small against where effects bend."""
 
 Cycles = Mapping[str, Sequence[float]]
 """By joint: how often something periodic may repeat per motor turn, the most likely first."""
@@ -45,7 +43,7 @@ def step_of(known: Parameter) -> float:
     """Practical step of a size parameter away from its null value."""
     null = known.neutral
     towards = known.high if abs(known.high - null) >= abs(known.low - null) else known.low
-    return STEP * (towards - null)
+    return settings().screening.step * (towards - null)
 
 
 def variants(kind: type[Effect], robot: RobotDescription, cycles: Cycles) -> Iterator[Variant]:

@@ -10,19 +10,10 @@ from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.result import Cause, Pattern, Rival, Unjudged, Verdict
 from ffgym.diagnosis.search.found import Found, found_in
 from ffgym.diagnosis.search.rivals import tied_among
-from ffgym.diagnosis.search.worth import QUIET, removed_by, stretched
+from ffgym.diagnosis.search.worth import removed_by, stretched
+from ffgym.diagnosis.settings import settings
 from ffgym.effects import EFFECTS
 from ffgym.robot import RobotDescription
-
-NAMED = 0.9
-"""Share of the energy above the noise that causes must remove in each component to be named without reserve, or leave
-no more than QUIET."""
-
-HALF = 0.5
-"""Share of what was left, where it acts, that each cause must remove to be named without reserve."""
-
-LOUD = 1.5
-"""Energy from which on a component has something in it that noise does not explain."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -57,10 +48,14 @@ def judged(setting: Setting, found: Found, loud_before: Loudness, loud_after: Lo
     stretched = stretched_shapes(setting, found.final.fit)
     verdict: Verdict
     if not found.final.fit.hypotheses:
-        verdict = "unknown" if worst > LOUD else "none"
+        verdict = "unknown" if worst > settings().significance.quiet else "none"
     elif tied_among(found.final.fit.hypotheses, found.rivals):
         verdict = "ambiguous"
-    elif _is_explained(loud_before, loud_after) and min(gains) >= HALF and not (stretched or found.unsure):
+    elif (
+        _is_explained(loud_before, loud_after)
+        and min(gains) >= settings().verdict.each
+        and not (stretched or found.unsure)
+    ):
         verdict = "named"
     else:
         verdict = "partly"
@@ -69,7 +64,11 @@ def judged(setting: Setting, found: Found, loud_before: Loudness, loud_after: Lo
 
 def _is_explained(before: Loudness, after: Loudness) -> bool:
     """Whether no component is left with something that no cause explains."""
-    return all(after[key] <= QUIET or before[key] - after[key] >= NAMED * (before[key] - 1.0) for key in after)
+    return all(
+        after[key] <= settings().significance.quiet
+        or before[key] - after[key] >= settings().verdict.named * (before[key] - 1.0)
+        for key in after
+    )
 
 
 def stretched_shapes(setting: Setting, fit: Fit) -> tuple[str, ...]:
@@ -103,14 +102,6 @@ def beside_blind(judged: Judged, rivals: Sequence[Rival]) -> Judged:
 def told(judged: Judged, rivals: Sequence[Rival]) -> Sequence[Rival]:
     """Those of such rivals that belong to a verdict: of one that names causes, all."""
     return rivals if judged.verdict in ("ambiguous", "partly") else ()
-
-
-_PATTERNS = 3
-"""Components of which the sentence says what is left there depends on; chosen: more are in the list of patterns."""
-
-_AS_MUCH = 0.9
-"""Share of what the strongest pattern of a component explains from which on another one stands beside it in the
-sentence; chosen: chance orders two that are so near."""
 
 
 def sentence_of(
@@ -150,16 +141,17 @@ def sentence_of(
 
 def _strongest(patterns: Sequence[Pattern]) -> list[str]:
     """The strongest pattern of each of the first few components that have one, and those that explain as much."""
+    limits = settings().verdict
     first: dict[tuple[str, str], Pattern] = {}
     for pattern in patterns:
         first.setdefault((pattern.channel, pattern.component), pattern)
-    chosen = list(first.values())[:_PATTERNS]
+    chosen = list(first.values())[: limits.patterns]
     return [
         pattern.message
         for best in chosen
         for pattern in patterns
         if (pattern.channel, pattern.component) == (best.channel, best.component)
-        and (pattern is best or pattern.share > _AS_MUCH * best.share)
+        and (pattern is best or pattern.share > limits.as_much * best.share)
     ]
 
 

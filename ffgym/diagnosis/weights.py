@@ -36,21 +36,8 @@ from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.replay.states import along_speed
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.sampling import without_trembling
+from ffgym.diagnosis.settings import settings
 from ffgym.recordings import Recording
-
-_HALF = 0.5
-"""Share of both bands that is tried beside them: friction that half a band hides is as large as what a whole one does,
-to a factor of two; chosen."""
-
-_REVERSAL = 7e-3
-"""Time that a reversal takes in a motion without parts above 100 Hz [s]: samples so far apart tell nothing of it."""
-
-_PASSED = 4.0
-"""Sample periods, in reversals, from which on these lie between samples; chosen between two recordings: friction of
-the ball screw is named at 4 ms with the doubt alone, the late row of the KR300 at 100 ms without it alone."""
-
-_NEAR = 1
-"""Rows on either side of one in which a motion between samples may show; chosen."""
 
 
 def unknown_torque(run: Replay, bias: Mapping[Channel, Array]) -> Array:
@@ -58,17 +45,25 @@ def unknown_torque(run: Replay, bias: Mapping[Channel, Array]) -> Array:
 
     The `bias` (R, M, C) is what the replay does wrong along a motion that is made up between the samples.
     """
+    limits = settings().noise
     log = run.read
     # the motion in half its band
-    low_pass, slower = LowPass(cutoff=_HALF * log.sampling.motion_filter.cutoff), log.q.copy()
+    low_pass, slower = LowPass(cutoff=limits.half_band * log.sampling.motion_filter.cutoff), log.q.copy()
     for i, n in enumerate(log.lengths):
         slower[:n, i] = low_pass(log.q[:n, i], log.dt)
-    narrow = _friction(run, log.q, _HALF * log.trembling)
+    narrow = _friction(run, log.q, limits.half_band * log.trembling)
     slow = _friction(run, slower, log.trembling)
     begun = _friction(run, log.q, log.trembling, load=1.0)
     changes = [log.sampling(friction - run.bristles.torque) for friction in (narrow, slow, begun)]
     # share of what replays do wrong that is not known, as the motion between the samples is not, `dt` [s] apart
-    changes.append((min(1.0, log.dt / _REVERSAL) if log.dt < _PASSED * _REVERSAL else 0.0) * bias["torque"])
+    changes.append(
+        (
+            min(1.0, log.dt / limits.reversal_time)
+            if log.dt < limits.reversals_between_rows * limits.reversal_time
+            else 0.0
+        )
+        * bias["torque"]
+    )
     unknown: Array = np.sqrt(np.sum(np.square(changes), axis=0))
     return unknown
 
@@ -91,13 +86,11 @@ def doubt_rows(weights: Values, unknown: Mapping[Channel, Array]) -> Values:
     found = dict(weights)
     for (channel, c), rows in weights.items():
         if channel in unknown and unknown[channel][:, :, c].any():
-            about = scipy.ndimage.maximum_filter1d(np.abs(unknown[channel][:, :, c]), 2 * _NEAR + 1, axis=0)
+            about = scipy.ndimage.maximum_filter1d(
+                np.abs(unknown[channel][:, :, c]), 2 * settings().noise.rows_beside + 1, axis=0
+            )
             found[channel, c] = rows / np.hypot(1.0, rows * about)
     return found
-
-
-DRAWS = 4
-"""Draws of the reading's noise; from one to the next it differs by a seventh of its mean, where that is large."""
 
 
 def misread_friction(exact: Sequence[Recording], clean: Log, run: Replay, step: Array) -> Array:
@@ -107,24 +100,19 @@ def misread_friction(exact: Sequence[Recording], clean: Log, run: Replay, step: 
     recordings of the nominal machine over its own motion, the same as a `clean` log with the band of the log that is
     diagnosed, its replay, and the `step` (M, N) of encoders [rad], motor side.
     """
+    limits = settings().noise
     drive, none = run.robot.drive, np.zeros(step.shape)
     angle = np.broadcast_to(np.abs(drive.motor_angle(clean.reading_noise)), step.shape)
     noise = Noise(angle=angle, step=step, torque=none, tool=None, link=None, feedback=None)
     rng, total = np.random.default_rng(0), np.zeros_like(run.bristles.torque)
-    for _ in range(DRAWS):
+    for _ in range(limits.misread_draws):
         seen = [noisy(recording, noise, i, rng) for i, recording in enumerate(exact)]
         one = log_of(clean.robot, seen, like=clean)
         friction = along_speed(run.robot.friction, drive.motor_angle(one.slip_dq), drive.motor_angle(one.dq), one.dt)
         total += friction.torque - run.bristles.torque
-    rows: Array = clean.sampling(total / DRAWS)
+    rows: Array = clean.sampling(total / limits.misread_draws)
     return rows
 
-
-EVERYWHERE = 5.0
-"""Usual misfit, in standard deviations of the noise, from which on a model misses everywhere; chosen."""
-
-USUAL = 3.0
-"""Usual misfits from which on a row stands out; of rows with a normal distribution 0.3 % do."""
 
 _NORMAL = 1.4826
 """Standard deviation of a normal distribution over its median absolute value."""
@@ -132,20 +120,17 @@ _NORMAL = 1.4826
 
 def bound_outliers(weights: Values, residual: Mapping[Channel, Array]) -> Values:
     """Weights (R, M) by component under which no row of a residual (R, M, C) stands out from a misfit everywhere."""
+    limits = settings().noise
     found = dict(weights)
     for (channel, c), weight in weights.items():
         size = np.abs(weight * residual[channel][:, :, c])
         # usual misfit of rows that count, in standard deviations of the noise
         counting = size[np.broadcast_to(weight, size.shape) > 0]
         usual = _NORMAL * float(np.median(counting)) if counting.size else 0.0
-        if usual >= EVERYWHERE:
-            found[channel, c] = weight * np.minimum(1.0, USUAL * usual / np.maximum(size, 1e-300))
+        if usual >= limits.misfit_everywhere:
+            found[channel, c] = weight * np.minimum(1.0, limits.outlier * usual / np.maximum(size, 1e-300))
     return found
 
-
-_CLEAR = 0.7
-"""Energy of a motion's residual that is left without its swing, as a share of it, at most, if there was one; chosen
-on two drawn machines: motions that began with a swing left 0.2 to 0.6, those with other faults 0.8 and more."""
 
 _BEND = 1e-4
 """Deflection of which free motions are computed [rad]; chosen: any would do, they are linear."""
@@ -176,7 +161,7 @@ def first_swing(setting: Setting) -> dict[Channel, Array]:
         columns = np.stack([np.concatenate([one[k][:, m] * weights[k] for k in keys]) for one in free], axis=1)
         target = np.concatenate([rest[channel][:, m, c] * weights[channel, c] for channel, c in keys])
         sizes = np.linalg.lstsq(columns, target, rcond=_INDEPENDENT)[0]
-        if np.sum((target - columns @ sizes) ** 2) > _CLEAR * np.sum(target**2):
+        if np.sum((target - columns @ sizes) ** 2) > settings().noise.swing_left * np.sum(target**2):
             continue
         for channel, c in keys:
             found[channel][:, m, c] = sum(size * one[channel, c][:, m] for size, one in zip(sizes, free, strict=True))

@@ -13,9 +13,8 @@ from ffgym.core.provenance import versions
 from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.document import read_diagnosis, write_diagnosis
 from ffgym.diagnosis.extended import extended_machine, save_extended
-from ffgym.diagnosis.nominal import LEAST_SHARE
 from ffgym.diagnosis.result import Diagnosis
-from ffgym.diagnosis.search.search import MOST
+from ffgym.diagnosis.settings import settings
 from ffgym.diagnosis.tuning import tuned
 from ffgym.effects import Origin
 from ffgym.recordings import Recording
@@ -30,7 +29,7 @@ from ffgym.simulation.run import Progress
 PAUSE = 60.0
 """Between two sessions [s]; chosen: what it takes to start the next one."""
 
-_FITTED = Calibration.of_share(LEAST_SHARE)
+_FITTED = Calibration.of_share(settings().prior.fitted_share)
 """How well numbers are known that were fitted to the very recordings."""
 
 Diagnose = Callable[[Machine, Sequence[Recording], Calibration, int], Diagnosis]
@@ -67,7 +66,7 @@ class Plan:
 
     def __post_init__(self) -> None:
         check_whole("rounds", self.rounds, low=1, high=20)
-        check_whole("most causes", self.most_causes, low=1, high=MOST)
+        check_whole("most causes", self.most_causes, low=1, high=settings().search.most_causes)
         check_whole("seed", self.seed, low=0)
         if not self.protocols:
             raise FFGymError("There is nothing to record in a round: name a protocol.")

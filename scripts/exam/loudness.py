@@ -16,7 +16,7 @@ from functools import cache
 import numpy as np
 
 from ffgym.core.types import Array, BoolArray
-from ffgym.diagnosis.calibration import BOUND, Calibration, doubts_of
+from ffgym.diagnosis.calibration import Calibration, doubts_of
 from ffgym.diagnosis.evidence import Stack, blocks_of, stack_of
 from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.measured import residual_rows, valid_rows
@@ -24,6 +24,7 @@ from ffgym.diagnosis.push import Parts
 from ffgym.diagnosis.replay import predicted, replay
 from ffgym.diagnosis.replay.springs import FlownAwayError
 from ffgym.diagnosis.residual import Channel
+from ffgym.diagnosis.settings import settings
 from ffgym.diagnosis.solving import Priors, fitted
 from ffgym.effects import Effect
 from ffgym.recordings import Recording
@@ -63,7 +64,7 @@ class Yardstick:
         rows = {(channel, c): values[..., [c]] for channel, values in added.items() for c in range(values.shape[2])}
         # errors of calibration that explain most, in standard deviations
         n = len(self.calibration)
-        bound = np.full(n, BOUND)
+        bound = np.full(n, settings().prior.bound)
         priors = Priors(precision=np.ones(n), low=-bound, high=bound)
         sizes, found = fitted(self.stack.evidence(rows), np.arange(n), priors), []
         for (channel, c), values in rows.items():

@@ -16,7 +16,7 @@ from ffgym.core.version import __version__
 from ffgym.diagnosis import Examined
 from ffgym.diagnosis.document import diagnosis_document
 from ffgym.diagnosis.identification.resampling import LEVEL, RESAMPLES
-from ffgym.diagnosis.search.search import MOST
+from ffgym.diagnosis.settings import settings
 from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL
 from ffgym.leaderboard.tasks import THESIS
 from ffgym.robot import ModelOptions, compile_model, load_robot, physics_fingerprint
@@ -316,7 +316,7 @@ def test_modules_of_commands_load_no_library_that_only_some_of_their_options_nee
 
 def test_defaults_of_options_that_the_library_has_too_are_the_same():
     assert Export(robot="r").record_dt_ms == RECORD_DT * 1e3
-    assert Diagnose().most_causes == MOST
+    assert Diagnose().most_causes == settings().search.most_causes
     identify = Identify(logs=(), robot="r")
     assert (identify.level, identify.resamples) == (LEVEL, RESAMPLES)
     assert Leaderboard().plants == (NOMINAL, THESIS_WORKCELL)

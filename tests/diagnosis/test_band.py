@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.band import LEAST, comparison_cutoff, motion_bandwidth
+from ffgym.diagnosis.band import comparison_cutoff, motion_bandwidth
 from ffgym.diagnosis.log import log_of
+from ffgym.diagnosis.settings import settings
 from ffgym.paths import joint_reference, multisine
 from ffgym.recordings import Recording
 from ffgym.robot import load_robot
@@ -69,7 +70,7 @@ def test_a_rigid_model_is_compared_below_what_it_cannot_know_but_ripple_is_kept(
     log = log_of(robot, [logged(swing, added)])
     cutoff = comparison_cutoff(log, Machine(robot=robot))
     if is_narrow:
-        assert LEAST <= cutoff < 10.0
+        assert settings().sampling.lowest_cutoff <= cutoff < 10.0
     else:
         assert cutoff == log.sampling.cutoff
 

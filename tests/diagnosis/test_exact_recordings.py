@@ -13,6 +13,7 @@ from ffgym.diagnosis.log import log_of
 from ffgym.diagnosis.prepare import prepared
 from ffgym.diagnosis.replay import replay
 from ffgym.diagnosis.sampling import derivatives
+from ffgym.diagnosis.settings import use_settings
 from ffgym.recordings import Recording
 from ffgym.robot import ModelOptions, RigidArm
 from ffgym.simulation import Run, simulate
@@ -91,13 +92,13 @@ def test_a_motion_that_is_made_up_is_the_measured_one_once_it_went_through_the_l
     assert np.abs(again - smooth)[inner].max() < 0.4 * twice
 
 
-def test_only_friction_needs_the_shortest_steps_of_a_fine_replay(recording, monkeypatch):
+def test_only_friction_needs_the_shortest_steps_of_a_fine_replay(recording):
     """Links and springs in steps twice as long give the torque of those in a quarter of one."""
     log = log_of(nominal().physical, [recording])
     run = replay(log, nominal())
     torque = as_moved(log, run)[0].joint_array("motor.effort")
-    monkeypatch.setattr("ffgym.diagnosis.as_moved._LINKS", 1e-9)
-    finest = as_moved(log, run)[0].joint_array("motor.effort")
+    with use_settings({"replay.link_step": 1e-9}):
+        finest = as_moved(log, run)[0].joint_array("motor.effort")
     assert 0 < np.abs(torque - finest).max() < 1e-3 * np.abs(finest).max()
     sampled = run.torque[: len(finest), 0]
     assert np.sqrt(np.mean((torque - finest) ** 2)) < 0.1 * np.sqrt(np.mean((sampled - finest) ** 2))

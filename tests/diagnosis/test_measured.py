@@ -8,10 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ffgym.diagnosis.log import log_of
-from ffgym.diagnosis.measured import SLOW, _without_trend, judged_rows, knows_low_speed, residual_of, since_move
+from ffgym.diagnosis.measured import _without_trend, judged_rows, knows_low_speed, residual_of, since_move
 from ffgym.diagnosis.patterns.rows import rows_of
-from ffgym.diagnosis.regimes import DWELL, REST
 from ffgym.diagnosis.replay import replay
+from ffgym.diagnosis.settings import settings
 from ffgym.robot import load_robot
 from ffgym.simulation.plant import Machine
 from tests.diagnosis.identification.rigid_body.recorded_arms import recorded, rigid, swing
@@ -48,7 +48,7 @@ def test_rows_in_reach_of_a_slow_sample_do_not_count_for_that_motor_alone(two_li
     log = log_of(without_peak(two_link, 1), [recording])
     judged, sampling = judged_rows(log), log.sampling
     assert judged[..., 0].all()
-    slow = np.abs(log.dq[:, 0, 1]) < SLOW * two_link.kinematics.max_speed[1]
+    slow = np.abs(log.dq[:, 0, 1]) < settings().replay.low_speed * two_link.kinematics.max_speed[1]
     for row, sample in enumerate(sampling.at):
         reach = slow[max(0, sample - sampling.half_length) : sample + sampling.half_length + 1]
         assert judged[row, 0, 1] == (not reach.any())
@@ -87,13 +87,13 @@ def test_a_restart_in_the_same_direction_begins_anew_and_knows_its_rest():
 
 
 def test_a_motor_that_stops_to_turn_begins_anew_and_has_not_stood():
-    travel, stood = since_move(*moved((1.0, 1.0), (0.0, DWELL / 2), (-1.0, 1.0)), DT)
+    travel, stood = since_move(*moved((1.0, 1.0), (0.0, settings().patterns.dwell / 2), (-1.0, 1.0)), DT)
     assert travel[-1] == pytest.approx(0.99)
     assert np.all(stood == 0.0)
 
 
 def test_a_moment_of_standing_within_a_move_changes_nothing():
-    travel, stood = since_move(*moved((1.0, 1.0), (0.0, DWELL / 2), (1.0, 1.0)), DT)
+    travel, stood = since_move(*moved((1.0, 1.0), (0.0, settings().patterns.dwell / 2), (1.0, 1.0)), DT)
     assert travel[-1] == pytest.approx(1.99)
     assert np.all(stood == 0.0)
 
@@ -105,17 +105,22 @@ def test_a_record_that_begins_at_rest_counts_that_rest():
     assert np.all(stood[:100] == 0.0)
 
 
-@given(st.lists(st.tuples(st.sampled_from([-3.0, -1.0, 0.0, 0.9 * REST, 1.0]), st.integers(1, 60)), min_size=1))
+@given(
+    st.lists(
+        st.tuples(st.sampled_from([-3.0, -1.0, 0.0, 0.9 * settings().patterns.rest, 1.0]), st.integers(1, 60)),
+        min_size=1,
+    )
+)
 def test_what_a_loop_over_samples_finds_is_found(pieces):
     angle, speed = moved(*((v, n * DT) for v, n in pieces))
     travel, stood = since_move(np.hstack([angle, -2 * angle]), np.hstack([speed, -2 * speed]), DT)
     began, last, still, before = 0, 0.0, 0, 0.0
     for k, v in enumerate(speed[:, 0]):
-        if abs(v) < REST:
+        if abs(v) < settings().patterns.rest:
             still += 1
         else:
-            if np.sign(v) != last or still * DT >= DWELL:
-                began, before = k, still * DT if still * DT >= DWELL else 0.0
+            if np.sign(v) != last or still * DT >= settings().patterns.dwell:
+                began, before = k, still * DT if still * DT >= settings().patterns.dwell else 0.0
             last, still = np.sign(v), 0
         assert travel[k, 0] == pytest.approx(abs(angle[k, 0] - angle[began, 0]))
         assert stood[k, 0] == pytest.approx(before)

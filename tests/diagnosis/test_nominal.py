@@ -7,8 +7,9 @@ import pytest
 
 from ffgym.core.errors import FFGymError
 from ffgym.diagnosis.held_out import held_out_levels
-from ffgym.diagnosis.nominal import LEAST_SHARE, filtering_for, fitted_nominal
+from ffgym.diagnosis.nominal import filtering_for, fitted_nominal
 from ffgym.diagnosis.procedure import examine
+from ffgym.diagnosis.settings import settings
 from ffgym.robot import RigidArm, load_draft, load_robot, motor_torque
 from tests.diagnosis.identification.rigid_body.recorded_arms import mistaken, recorded, rigid, swing
 
@@ -42,7 +43,7 @@ def test_wrong_numbers_of_a_description_are_replaced_by_those_that_the_logs_tell
     for recording, path in zip(recordings, paths, strict=True):
         assert np.all(left(machine, recording, path) < 0.03)
         assert np.all(left(replace(machine, robot=wrong), recording, path) > 0.1)
-    assert calibration.share == LEAST_SHARE
+    assert calibration.share == settings().prior.fitted_share
     assert machine.effects == ()
 
 
@@ -63,7 +64,7 @@ def test_numbers_that_blocks_of_a_log_disagree_about_are_less_sure(two_link, pat
 
     noisy = [recorded(two_link, path, extra=extra, segment=f"m{i}") for i, path in enumerate(paths)]
     _, calibration = fitted_nominal(two_link, noisy)
-    assert calibration.share > 2 * LEAST_SHARE
+    assert calibration.share > 2 * settings().prior.fitted_share
 
 
 def test_filters_fit_slow_logs_and_joints_that_bend(two_link, recordings):

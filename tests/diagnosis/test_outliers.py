@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.weights import EVERYWHERE, USUAL, bound_outliers
+from ffgym.diagnosis.settings import settings
+from ffgym.diagnosis.weights import bound_outliers
 
 KEY = ("torque", 0)
 NOISE = 0.02
@@ -17,16 +18,16 @@ def bounded(misfit, outlier, weight=None):
     return rows, weight, bound_outliers({KEY: weight}, {"torque": rows[..., None]})[KEY]
 
 
-@pytest.mark.parametrize("misfit", [1.0, 0.8 * EVERYWHERE])
+@pytest.mark.parametrize("misfit", [1.0, 0.8 * settings().noise.misfit_everywhere])
 def test_where_noise_is_the_yardstick_what_stands_out_is_what_is_looked_for(misfit):
     _, weight, found = bounded(misfit, 1000.0)
     np.testing.assert_array_equal(found, weight)
 
 
 def test_where_a_model_misses_everywhere_no_row_counts_more_than_a_few_usual_ones():
-    misfit = 10 * EVERYWHERE
+    misfit = 10 * settings().noise.misfit_everywhere
     rows, weight, found = bounded(misfit, 100 * misfit)
-    assert np.abs(found * rows).max() == pytest.approx(USUAL * misfit, rel=0.1)
+    assert np.abs(found * rows).max() == pytest.approx(settings().noise.outlier * misfit, rel=0.1)
     usual = np.abs(rows) < 2.5 * misfit * NOISE
     np.testing.assert_array_equal(found[usual], weight[usual])
     assert np.mean(found < weight) < 0.02
@@ -35,7 +36,7 @@ def test_where_a_model_misses_everywhere_no_row_counts_more_than_a_few_usual_one
 def test_rows_that_do_not_count_neither_count_nor_say_what_is_usual():
     weight = np.full((1000, 2), 1 / NOISE)
     weight[1::2] = 0.0
-    rows, _, found = bounded(10 * EVERYWHERE, 1e4, weight)
+    rows, _, found = bounded(10 * settings().noise.misfit_everywhere, 1e4, weight)
     np.testing.assert_array_equal(found[1::2], 0.0)
     louder = rows.copy()
     louder[1::2] *= 1e6

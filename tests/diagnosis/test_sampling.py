@@ -4,19 +4,13 @@ import numpy as np
 import pytest
 
 from ffgym.diagnosis.identification import LowPass
-from ffgym.diagnosis.sampling import (
-    CUTOFF,
-    Sampling,
-    derivatives,
-    derivatives_of_motions,
-    white_noise,
-    without_trembling,
-)
+from ffgym.diagnosis.sampling import Sampling, derivatives, derivatives_of_motions, white_noise, without_trembling
+from ffgym.diagnosis.settings import settings
 
 
 @pytest.fixture(scope="module")
 def sampling():
-    return Sampling(dt=0.001, n_samples=1000, cutoff=CUTOFF)
+    return Sampling(dt=0.001, n_samples=1000, cutoff=settings().sampling.cutoff)
 
 
 def wave(sampling, frequency):
@@ -66,7 +60,7 @@ def test_coarser_samples_have_the_same_rows(sampling):
 @pytest.mark.parametrize("dt", [0.0005, 0.001, 0.002, 0.004, 0.01])
 def test_the_cut_off_is_low_enough_for_the_sample_rate_and_rows_are_fast_enough_for_it(dt):
     sampling = Sampling.of(dt, [round(100 / dt)])
-    assert sampling.cutoff == min(CUTOFF, 0.2 / dt)
+    assert sampling.cutoff == min(settings().sampling.cutoff, 0.2 / dt)
     assert sampling.row_dt < 0.5 / sampling.cutoff
 
 

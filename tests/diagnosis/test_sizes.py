@@ -8,7 +8,8 @@ import pytest
 from ffgym.diagnosis.extended import extended_machine
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.result import Cause, Size
-from ffgym.diagnosis.sizes import INEXACT, WIDENED, causes_of, is_there
+from ffgym.diagnosis.settings import settings
+from ffgym.diagnosis.sizes import causes_of, is_there
 from ffgym.effects import EFFECTS
 from ffgym.simulation.plant import Machine
 
@@ -46,15 +47,17 @@ def test_an_interval_is_that_of_resampled_blocks_and_half_as_wide_again(one_axis
         size = size_of(fit, rng)
         assert size.interval[0] < size.value < size.interval[1]
         widths.append(size.interval[1] - size.interval[0])
-    rows = WIDENED * NORMAL * np.std(noise) / np.sqrt(BLOCKS) * offset.step
-    assert np.mean(widths) == pytest.approx(2 * np.hypot(rows, INEXACT * 0.2), rel=0.05)
-    assert WIDENED > 1.1
+    rows = settings().intervals.widened * NORMAL * np.std(noise) / np.sqrt(BLOCKS) * offset.step
+    assert np.mean(widths) == pytest.approx(2 * np.hypot(rows, settings().intervals.inexact * 0.2), rel=0.05)
+    assert settings().intervals.widened > 1.1
 
 
 def test_a_size_that_rows_know_exactly_is_no_better_known_than_the_model_around_it(one_axis):
     size = size_of(fit_of(one_axis, np.zeros(BLOCKS), size=0.3), np.random.default_rng(0))
-    assert size.interval == pytest.approx((0.3 * (1 - INEXACT), 0.3 * (1 + INEXACT)))
-    assert INEXACT > 0.01
+    assert size.interval == pytest.approx(
+        (0.3 * (1 - settings().intervals.inexact), 0.3 * (1 + settings().intervals.inexact))
+    )
+    assert settings().intervals.inexact > 0.01
 
 
 def test_a_fit_that_stopped_where_rows_still_pull_lies_inside_its_interval(one_axis):

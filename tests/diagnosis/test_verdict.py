@@ -9,9 +9,9 @@ import pytest
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.result import Pattern, Unjudged
 from ffgym.diagnosis.search import rivals
-from ffgym.diagnosis.search.rivals import _UNSURE, _inexactness, _is_tied
+from ffgym.diagnosis.search.rivals import _inexactness, _is_tied
+from ffgym.diagnosis.settings import settings
 from ffgym.diagnosis.verdict import (
-    LOUD,
     Judged,
     _is_explained,
     beside_blind,
@@ -62,7 +62,9 @@ def test_a_rival_with_as_many_numbers_ties_if_the_best_leaves_as_much_above_the_
     assert not is_tied(np.full(100, 10.0), np.full(100, 13.0), numbers=(3, 3))
 
 
-@pytest.mark.parametrize(("loud", "open_share"), [(0.4, _UNSURE), (1.0, _UNSURE), (1.5, 0.5)])
+@pytest.mark.parametrize(
+    ("loud", "open_share"), [(0.4, settings().rivals.unsure_floor), (1.0, settings().rivals.unsure_floor), (1.5, 0.5)]
+)
 def test_equations_are_as_inexact_as_what_the_best_leaves_where_it_acts(monkeypatch, loud, open_share):
     weights = {KEY: np.array([[1.0, 0.0], [2.0, 1.0]]), ("tool", 2): np.ones((2, 2))}
     setting = SimpleNamespace(weights=weights, blocks=SimpleNamespace(of_row=np.zeros((2, 2))))
@@ -74,7 +76,12 @@ def test_equations_are_as_inexact_as_what_the_best_leaves_where_it_acts(monkeypa
 
 @pytest.mark.parametrize(
     ("before", "after", "explained"),
-    [(3.0, LOUD - 0.1, True), (3.0, LOUD + 0.1, False), (101.0, 10.0, True), (101.0, 12.0, False)],
+    [
+        (3.0, settings().significance.quiet - 0.1, True),
+        (3.0, settings().significance.quiet + 0.1, False),
+        (101.0, 10.0, True),
+        (101.0, 12.0, False),
+    ],
 )
 def test_nothing_is_named_without_reserve_while_a_component_is_left_with_what_no_clean_log_has(
     before, after, explained

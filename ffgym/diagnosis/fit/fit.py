@@ -15,7 +15,8 @@ from ffgym.diagnosis.measured import residual_rows, valid_rows
 from ffgym.diagnosis.push import Parts
 from ffgym.diagnosis.replay import Replay, predicted, replay
 from ffgym.diagnosis.residual import Channel
-from ffgym.diagnosis.solving import WIDE, Priors, fitted
+from ffgym.diagnosis.settings import settings
+from ffgym.diagnosis.solving import Priors, fitted
 from ffgym.simulation.plant import Machine
 
 _FAR = 3.0
@@ -143,17 +144,11 @@ def priors_of(setting: Setting, hypotheses: Sequence[Hypothesis]) -> Priors:
     low = [max(-_FAR, (number.low - number.value) / number.step) for number in free]
     high = [min(_FAR, (number.high - number.value) / number.step) for number in free]
     return Priors(
-        precision=np.concatenate([known.precision, np.full(len(free), WIDE**-2)]),
+        precision=np.concatenate([known.precision, np.full(len(free), settings().screening.width ** -2)]),
         low=np.concatenate([known.low, np.minimum(low, 0.0)]),
         high=np.concatenate([known.high, np.maximum(high, 0.0)]),
     )
 
-
-_TOUCHED = 0.01
-"""Share of a column's energy per row that counts, weighted by the noise, from which on it touches a component."""
-
-_MUCH = 0.1
-"""Share of what is above the noise that a component must have to speak for all, and of its mean to be heard at all."""
 
 Loudness = Mapping[tuple[Channel, int], float]
 """Energy over that of noise alone, by component."""
@@ -203,7 +198,7 @@ def touched(setting: Setting, columns: list[Parts], *, by_channel: bool = False)
     most = dict.fromkeys((channel for channel, _ in energy), 0.0 if by_channel else sum(energy.values()))
     for (channel, _), value in energy.items() if by_channel else ():
         most[channel] += value
-    return {key for key, value in energy.items() if value > _TOUCHED * most[key[0]]}
+    return {key for key, value in energy.items() if value > settings().search.touched * most[key[0]]}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -229,6 +224,7 @@ def removed(
 
     Components in which no more is left than that say nothing of it, unless none says more.
     """
+    limits = settings().search
     free = dict.fromkeys(where, 0.0) if allowed is None else {key: allowed[key] for key in where}
     judged = sorted(key for key in where if before[key] - 1.0 > free[key]) or sorted(where)
     # what is gone more than is allowed for; nothing is allowed for what has come
@@ -240,11 +236,14 @@ def removed(
     # there may be less noise than the floor allows for: what is left is then all of it
     above = {key: max(before[key] - min(1.0, after[key]), 0.0) for key in judged}
     most = sum(above.values())
-    heard = [key for key in judged if above[key] > _MUCH * most / max(len(judged), 1)]
+    heard = [key for key in judged if above[key] > limits.loudest_share * most / max(len(judged), 1)]
     return Removed(
         of_excess=sum(gone.values()) / max(most, 1e-9),
         of_all=sum(gone.values()) / max(total, 1e-9),
         excess=max(sum(before[key] - 1.0 for key in judged), 0.0) / max(total, 1e-9),
         heard=len(heard),
-        best=max((gone[key] / max(above[key], 1e-9) for key in heard if above[key] >= _MUCH * most), default=0.0),
+        best=max(
+            (gone[key] / max(above[key], 1e-9) for key in heard if above[key] >= limits.loudest_share * most),
+            default=0.0,
+        ),
     )

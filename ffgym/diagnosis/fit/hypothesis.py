@@ -9,15 +9,12 @@ import numpy as np
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
 from ffgym.diagnosis.result import label_of
+from ffgym.diagnosis.settings import settings
 from ffgym.diagnosis.variant import step_of
 from ffgym.effects import Effect
 from ffgym.effects.parameters import Parameter
 from ffgym.robot import RobotDescription
 from ffgym.simulation.plant import Machine
-
-_CYCLES = 0.05
-"""Step of a frequency as a share of itself; a frequency is looked for before, and only refined here."""
-
 
 _NUDGE, _CYCLES_NUDGE = 0.05, 1e-5
 """Change of a number by which slopes are found, as a share of its practical step: small against where effects bend,
@@ -50,7 +47,7 @@ def _span(p: Parameter, value: float) -> tuple[float, float, float]:
     if p.role == "phase":
         return 0.5, -np.inf, np.inf
     if p.is_looked_for:  # and found there
-        step = _CYCLES * max(abs(value), 1.0)
+        step = settings().search.frequency_step * max(abs(value), 1.0)
         return step, max(p.minimum, value - step), value + step
     # beyond its plausible range a shape makes of an effect another one: a drift of a second is a level, and so is
     # friction that repeats after many turns
@@ -59,17 +56,6 @@ def _span(p: Parameter, value: float) -> tuple[float, float, float]:
         step = 0.5 * float(np.min(np.diff(p.tries)))
         return step, max(low, value - step), min(high, value + step)
     return 0.1 * (p.high - p.low), low, high
-
-
-_IMPLAUSIBLE = 1.0
-"""Widths of its plausible range by which a size must lie beyond it to be held against a hypothesis: ranges are chosen,
-not measured, and robots differ."""
-
-_UNPHYSICAL = 10.0
-"""The same from which on no machine has such a share; chosen: those of recorded machines reach two."""
-
-_OTHER_WAVE = 0.3
-"""Relative difference of two frequencies from which on they are two waves; harmonics are further apart."""
 
 
 Place = tuple[str, str, int | None]
@@ -105,7 +91,9 @@ class Hypothesis:
         if self.place != known.place:
             return False
         cycles = [name for name, p in self.kind.parameters().items() if p.role == "cycles"]
-        return not any(abs(self.values[name] / known.values[name] - 1) > _OTHER_WAVE for name in cycles)
+        return not any(
+            abs(self.values[name] / known.values[name] - 1) > settings().search.other_wave for name in cycles
+        )
 
     def is_among(self, others: "Iterable[Hypothesis]") -> bool:
         """Whether it is one of others once more."""
@@ -116,7 +104,7 @@ class Hypothesis:
         """A size that lies far beyond what is plausible of it, in words; None if none does."""
         for name, value in self.values.items():
             p = self.kind.parameters()[name]
-            if p.role == "size" and _widths_beyond(p, value) > _IMPLAUSIBLE:
+            if p.role == "size" and _widths_beyond(p, value) > settings().search.implausible:
                 unit = "" if p.unit == "1" else f" {p.unit}"
                 return f"{name} of {float(np.max(np.abs(value))):.3g}{unit}, where {p.low:g} to {p.high:g} is plausible"
         return None
@@ -129,7 +117,7 @@ class Hypothesis:
         """
         known = self.kind.parameters()
         shares = [(known[name], value) for name, value in self.values.items() if known[name].unit == "1"]
-        return any(p.role == "size" and _widths_beyond(p, value) > _UNPHYSICAL for p, value in shares)
+        return any(p.role == "size" and _widths_beyond(p, value) > settings().search.unphysical for p, value in shares)
 
     def effect(self, robot: RobotDescription) -> Effect:
         """The effect, on its joint alone."""

@@ -9,13 +9,14 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
-from ffgym.diagnosis.calibration import BOUND, Doubt, RowOffset, is_row_offset
+from ffgym.diagnosis.calibration import Doubt, RowOffset, is_row_offset
 from ffgym.diagnosis.evidence import Blocks, Stack, Values, stack_of
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, machine_of
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.push import Parts, Push, changes, clock_parts, moved, of_numbers, push_of, replayed_parts
 from ffgym.diagnosis.replay import Replay, servo_feedback, tracked
 from ffgym.diagnosis.residual import Channel
+from ffgym.diagnosis.settings import settings
 from ffgym.diagnosis.solving import Priors
 from ffgym.effects import ClockEffect, ModelEffect, NativeEffect, TorqueEffect, TrackerEffect
 from ffgym.effects.effect import Effect
@@ -23,10 +24,6 @@ from ffgym.simulation.plant import Machine
 
 HELD = 1e-6
 """Standard deviations within which a calibration error is held; bounds must lie apart."""
-
-_INEXACT = 0.01
-"""Share of the energy that numbers within their calibration explain which they may leave; chosen: a tenth of the
-amplitude, of swings whose phase those numbers turn."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -52,7 +49,7 @@ class Setting:
 
     def inexact(self, component: tuple[Channel, int]) -> float:
         """Energy over that of noise that other numbers may leave of what they explain: they are fitted by steps."""
-        return _INEXACT * max(self.described.get(component, 1.0) - 1.0, 0.0)
+        return settings().search.inexact_numbers * max(self.described.get(component, 1.0) - 1.0, 0.0)
 
     def certain(self, component: tuple[Channel, int]) -> float:
         """Share of the energy of noise of a component that is not doubt of single rows, from 0 to 1."""
@@ -70,7 +67,7 @@ class Setting:
         A number that is a cause is no calibration error beside it: it is one number, with one prior.
         """
         if not self.doubts:
-            bound = np.full(len(self.calibration), BOUND)
+            bound = np.full(len(self.calibration), settings().prior.bound)
             return Priors(precision=np.ones(len(bound)), low=-bound, high=bound)
         n = self.log.robot.n_joints
         is_cause = np.array([any(is_number_of(doubt, one, n) for one in hypotheses) for doubt in self.doubts])

@@ -8,10 +8,11 @@ import numpy as np
 from ffgym.core.types import Array
 from ffgym.diagnosis.patterns.forms import Candidate, Function, Periodic, Variable, fit, functions
 from ffgym.diagnosis.patterns.periodic import Amplitude, Line, PerTurn
-from ffgym.diagnosis.patterns.rows import FEWEST_BLOCKS, Rows, rows_of, without_slow
+from ffgym.diagnosis.patterns.rows import Rows, rows_of, without_slow
 from ffgym.diagnosis.patterns.significance import Dependence, Trial, best_of, dependence, tried, wandering
 from ffgym.diagnosis.residual import UNITS, Residual
 from ffgym.diagnosis.result import Pattern, PatternKind
+from ffgym.diagnosis.settings import settings
 
 _VARIABLES: dict[Variable, str] = {
     "angle": "motor angle",
@@ -33,20 +34,6 @@ _AMPLITUDES: dict[Amplitude, str] = {
 }
 
 
-FALSE_ALARMS = 0.01
-"""Probability that noise alone gives any pattern in any channel."""
-
-LEAST_SHARE = 0.05
-"""Least share of a component's residual that a pattern explains; less is not worth a word, however sure it is."""
-
-MOST = 4
-"""Most patterns of one component."""
-
-_CUTS = 3
-"""Ways of cutting the rows into halves in which ripple is looked for: a motor may be fast enough to show it in a few
-stretches alone, which may all come to lie in one half; chosen."""
-
-
 _Found = tuple[float, Pattern]
 """How much energy above the noise a pattern stands for, and the pattern."""
 
@@ -62,14 +49,15 @@ class _Levels:
 
 def find_patterns(residual: Residual, rng: np.random.Generator) -> tuple[Pattern, ...]:
     """What the residuals of all channels depend on, strongest against the noise floor first; none in noise."""
+    limits = settings().patterns
     tables = [rows_of(residual, channel, rng) for channel in residual.channels]
-    enough = [rows for rows in tables if rows is not None and len(rows.block_starts) >= FEWEST_BLOCKS]
+    enough = [rows for rows in tables if rows is not None and len(rows.block_starts) >= limits.fewest_blocks]
     forms = candidates(len(residual.robot.joints))
     tests = sum(form.may_act_on(rows, c) for rows in enough for form in forms for c in range(len(rows.components)))
     levels = _Levels(
-        form=FALSE_ALARMS / 4 / max(tests, 1),
-        ripple=FALSE_ALARMS / 4 / (len(residual.robot.joints) * len(_AMPLITUDES) * _CUTS),
-        dependence=FALSE_ALARMS / 4 / max(sum(len(rows.components) for rows in enough), 1),
+        form=limits.false_alarms / 4 / max(tests, 1),
+        ripple=limits.false_alarms / 4 / (len(residual.robot.joints) * len(_AMPLITUDES) * limits.cuts),
+        dependence=limits.false_alarms / 4 / max(sum(len(rows.components) for rows in enough), 1),
     )
     found = [one for rows in enough for one in _of_channel(rows, forms, levels, rng)]
     return tuple(pattern for _, pattern in sorted(found, key=lambda one: -one[0]))
@@ -90,11 +78,14 @@ def _of_channel(
     rows: Rows, forms: Sequence[Function | Periodic], levels: _Levels, rng: np.random.Generator
 ) -> list[_Found]:
     """Patterns of one channel: the best form of each component, then the best of what that leaves, and so on."""
+    limits = settings().patterns
     left, found, energy = rows.values.copy(), list[_Found](), np.sum(rows.values**2, axis=0)
     without = active = rows.loud(left)
-    for _ in range(MOST):
+    for _ in range(limits.most):
         trials = [tried(form, rows, left, active) for form in forms] if active else []
-        chosen = {c: best_of(trials, rows, c, least=LEAST_SHARE * float(energy[c]), level=levels.form) for c in active}
+        chosen = {
+            c: best_of(trials, rows, c, least=limits.least_share * float(energy[c]), level=levels.form) for c in active
+        }
         for c, trial in chosen.items():
             if trial is not None:
                 left[:, c] -= _adopt(trial, rows, left[:, c], c, energy, found)
@@ -119,16 +110,17 @@ def _find_ripple(
     Ripple of a fast motor lies above most of what else a model lacks, and is a small share of that. It joins the
     patterns that were `found`, and is taken off what these have `left` (R, C); `energy` (C,) was there before them.
     """
+    limits = settings().patterns
     if rows.channel != "torque":
         return
     known, fast = {one.component for _, one in found if one.kind == "periodic"}, without_slow(rows, left)
-    cuts = [rows, *(rows.redrawn(rng) for _ in range(_CUTS - 1))]
+    cuts = [rows, *(rows.redrawn(rng) for _ in range(limits.cuts - 1))]
     for c in rows.loud(left):
         if rows.components[c] in known:
             continue
         forms = [PerTurn(joint=c, amplitude=amplitude) for amplitude in _AMPLITUDES]
         trials = [tried(form, cut, fast, [c]) for cut in cuts for form in forms]
-        trial = best_of(trials, rows, c, least=LEAST_SHARE * float(np.sum(fast[:, c] ** 2)), level=level)
+        trial = best_of(trials, rows, c, least=limits.least_share * float(np.sum(fast[:, c] ** 2)), level=level)
         if trial is not None:
             left[:, c] -= _adopt(trial, rows, fast[:, c], c, energy, found)
 

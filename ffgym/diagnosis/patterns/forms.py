@@ -9,10 +9,7 @@ import numpy as np
 
 from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.patterns.rows import Rows
-
-PRIOR_ROWS = 3.0
-"""Rows of zero that are added to the fit of each column, so that one seen in few rows says little; chosen: far less
-than a block has."""
+from ffgym.diagnosis.settings import settings
 
 
 class Candidate(ABC):
@@ -50,7 +47,7 @@ class Periodic(Candidate):
 
 def fit(columns: Array, values: Array) -> Array:
     """Coefficients (P, ...) of centred columns (R, P) for values (R, ...)."""
-    gram: Array = columns.T @ columns + PRIOR_ROWS * np.eye(columns.shape[1])
+    gram: Array = columns.T @ columns + settings().patterns.prior_rows * np.eye(columns.shape[1])
     return np.asarray(np.linalg.solve(gram, columns.T @ values), dtype=np.float64)
 
 

@@ -11,9 +11,10 @@ import scipy
 from ffgym.core.errors import check_choice
 from ffgym.core.measures import rms
 from ffgym.core.types import Array, BoolArray
-from ffgym.diagnosis.patterns.forms import PRIOR_ROWS, Periodic, fit
+from ffgym.diagnosis.patterns.forms import Periodic, fit
 from ffgym.diagnosis.patterns.rows import Rows, rows_of
 from ffgym.diagnosis.residual import Channel, Residual, components
+from ffgym.diagnosis.settings import settings
 
 PADDING = 4
 """Transforms are so much longer than the data; a peak between two frequencies then keeps 0.95 of its energy."""
@@ -50,22 +51,12 @@ def refined(frequency: float, within: float, columns: Callable[[float], Array], 
     return float(best.x)
 
 
-CELLS = 16
-"""Cells of the angle in one cycle; a value at the edge of its cell then counts for 0.98 of itself."""
-
-
 Amplitude = Literal["constant", "torque", "sign", "speed squared"]
 """What the amplitude goes with: nothing, the motor torque, the sign of the speed, or its square."""
 
 LEAST_CYCLES, MOST_CYCLES = 0.5, 72.0
 """Cycles per motor turn that are looked for: from half a turn of a two-pole-pair resolver's error to slots of a large
 motor times two; what rows cannot show is left out."""
-
-FEWEST_PERIODS = 1.5
-"""Periods over the whole way of a motor that make a periodic function; with fewer it is any smooth function."""
-
-LOWEST_LINE = 1.0
-"""Lowest line in time [Hz]; slower ones are rhythms of the motions."""
 
 
 def passed(speed: Array, frequency: float, highest: float) -> BoolArray:
@@ -96,10 +87,11 @@ class PerTurn(Periodic):
         Reference:
             Zechmeister, Kuerster (2009), Astronomy & Astrophysics 496, 577-584: periodogram of a sine beside a mean.
         """
+        limits = settings().patterns
         turns = np.ptp(rows.did["angle"][train, self.joint]) / (2 * np.pi)
-        if turns * MOST_CYCLES < 2 * FEWEST_PERIODS:
+        if turns * MOST_CYCLES < 2 * limits.fewest_periods:
             return None
-        low, values = max(LEAST_CYCLES, FEWEST_PERIODS / turns), values[train]
+        low, values = max(LEAST_CYCLES, limits.fewest_periods / turns), values[train]
         edges = np.geomspace(low, MOST_CYCLES, max(1, round(np.log2(MOST_CYCLES / low))) + 1).tolist()
         found = [self._octave(rows, values, train, *ends) for ends in pairwise(edges)]
         frequency = np.concatenate([frequency for frequency, _ in found])
@@ -110,9 +102,10 @@ class PerTurn(Periodic):
 
     def _octave(self, rows: Rows, values: Array, train: BoolArray, low: float, high: float) -> tuple[Array, Array]:
         """Frequencies (F,) from `low` to `high`, and the energy (C, F) of values in `train` that a sine explains."""
+        limits = settings().patterns
         angle, motions = rows.did["angle"][train, self.joint], rows.motion[train]
         gain = np.where(passed(rows.did["speed"][train, self.joint], high, rows.highest), self._gain(rows)[train], 0.0)
-        cell = 1.0 / (CELLS * high)
+        cell = 1.0 / (limits.cells * high)
         number = np.rint((angle - angle.min()) / (2 * np.pi * cell)).astype(np.intp)
         size = scipy.fft.next_fast_len(max(PADDING * (int(number.max()) + 1), round(4 / (cell * low))), real=True)
         frequency = np.arange(size // 2 + 1) / (size * cell)
@@ -124,8 +117,8 @@ class PerTurn(Periodic):
             return transform.real, -transform.imag
 
         double, mixed = sums(gain**2, times=2)
-        cosines = 0.5 * (gain @ gain + double) + PRIOR_ROWS
-        sines = 0.5 * (gain @ gain - double) + PRIOR_ROWS
+        cosines = 0.5 * (gain @ gain + double) + limits.prior_rows
+        sines = 0.5 * (gain @ gain - double) + limits.prior_rows
         both = 0.5 * mixed
         # each motion has a mean of its own
         for motion, count in enumerate(np.bincount(motions)):
@@ -185,13 +178,14 @@ class Line(Periodic):
 
     def search(self, rows: Rows, values: Array, train: BoolArray) -> list[float] | None:
         """See base class."""
-        if rows.highest <= LOWEST_LINE:
+        limits = settings().patterns
+        if rows.highest <= limits.lowest_line:
             return None
         t, ends = rows.t, [*rows.motion_starts, len(values)]
         longest = max(np.ptp(t[a:b]) for a, b in pairwise(ends))
         size = scipy.fft.next_fast_len(max(4, round(PADDING * longest / rows.dt)), real=True)
         frequency = np.arange(size // 2 + 1) / (size * rows.dt)
-        chosen, found = (frequency >= LOWEST_LINE) & (frequency <= rows.highest), []
+        chosen, found = (frequency >= limits.lowest_line) & (frequency <= rows.highest), []
         for column in (values * self._sign(rows)[:, None]).T:
             # periodogram, a sum over motions
             total = np.zeros(size // 2 + 1)

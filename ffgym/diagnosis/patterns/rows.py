@@ -9,32 +9,10 @@ import scipy
 
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.diagnosis.residual import Channel, MotionResidual, Residual, components
-
-BLOCK = 12
-"""Rows that are one observation in a test; chosen: rows are a third of the period of the filter's cut-off apart, so
-that noise forgets within four of them, and a block shares little with the next."""
-
-CHUNK = 5 * BLOCK
-"""Rows that are fitted or judged together: most blocks have neighbours that are judged with them. At 125 rows a second
-half of one, short against motions, so that both halves see each regime."""
-
-LOUD = 1.5
-"""Energy of a component in a motion, in units of that of the noise floor, below which nothing is looked for: whatever a
-replay of the right model leaves beside noise is in the floor, too."""
-
-PASSED = 0.9
-"""Frequency up to which rows show a vibration, as a share of the cut-off of their filter."""
-
-_SLOW = 0.1
-"""Frequency up to which a change is slow, as a share of that up to which rows show a vibration; chosen: the planned
-motion and friction along it are below, most turns of a motor above."""
+from ffgym.diagnosis.settings import settings
 
 TO_HALF = np.sqrt(np.log(2.0)) / (2 * np.pi)
 """Standard deviation of a Gaussian low-pass times its cut-off, where it keeps half of the power."""
-
-FEWEST_BLOCKS = 40
-"""Least blocks of a channel that patterns are sought in; with fewer, no half could pass a test over a family."""
-
 
 _STATES = {
     "angle": "motor_angle",
@@ -93,7 +71,7 @@ class Rows:
     def loud(self, values: Array) -> list[int]:
         """Components of which values (R, C) have more energy than noise in a motion."""
         energy = np.add.reduceat(values**2, self.motion_starts, axis=0)
-        return np.flatnonzero(np.any(energy > LOUD * self.noise, axis=0)).tolist()
+        return np.flatnonzero(np.any(energy > settings().significance.quiet * self.noise, axis=0)).tolist()
 
     def centred(self, columns: Array) -> Array:
         """Columns (R, P) less their mean over each motion: what differs between motions shows no dependence."""
@@ -105,7 +83,8 @@ class Rows:
 
     def redrawn(self, rng: np.random.Generator) -> "Rows":
         """The same rows cut into other halves."""
-        return replace(self, half=_halves(self.motion, np.rint(self.t / self.dt) // CHUNK, rng))
+        limits = settings().patterns
+        return replace(self, half=_halves(self.motion, np.rint(self.t / self.dt) // (limits.chunk * limits.block), rng))
 
     def by_block(self, columns: Array) -> Array:
         """Sums over each block, shape (B, P)."""
@@ -120,6 +99,7 @@ class Rows:
 
 def rows_of(residual: Residual, channel: Channel, rng: np.random.Generator) -> Rows | None:
     """Rows of a channel that count, with halves drawn by `rng`; None if there are none."""
+    limits = settings().patterns
     pairs, there = [], []
     for i, of in enumerate(residual.motions):
         # every component of the channel is known, and some are judged
@@ -140,21 +120,21 @@ def rows_of(residual: Residual, channel: Channel, rng: np.random.Generator) -> R
         components=components(channel, residual.robot),
         joints=tuple(residual.robot.joints),
         dt=dt,
-        highest=PASSED * residual.cutoff,
+        highest=limits.passed * residual.cutoff,
         values=np.concatenate([_about_mean(m.residual[channel][k]) for m, k in pairs]),
         judged=np.concatenate([np.isfinite(m.residual[channel][k]) for m, k in pairs]),
         floor=residual.floor[channel][there],
         t=t,
         did=_did(pairs),
         motion_starts=np.cumsum([0, *counts[:-1]]),
-        block_starts=_starts(motion, number // BLOCK),
-        half=_halves(motion, number // CHUNK, rng),
+        block_starts=_starts(motion, number // limits.block),
+        half=_halves(motion, number // (limits.chunk * limits.block), rng),
     )
 
 
 def without_slow(rows: Rows, values: Array) -> Array:
     """Values (R, C) less what changes slowly in each motion, with their means over motions at 0."""
-    width = TO_HALF / (_SLOW * rows.highest * rows.dt)
+    width = TO_HALF / (settings().patterns.slow * rows.highest * rows.dt)
     smooth = np.empty_like(values)
     for motion in range(len(rows.motion_starts)):
         own = rows.motion == motion

@@ -9,6 +9,7 @@ import scipy
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.diagnosis.patterns.forms import Function, Periodic, Variable, fit
 from ffgym.diagnosis.patterns.rows import Rows
+from ffgym.diagnosis.settings import settings
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -91,12 +92,6 @@ def best_of(trials: Sequence[Trial], rows: Rows, c: int, *, least: float, level:
     return min(equal, key=lambda trial: (trial.candidate.complexity(rows), -float(trial.gain[:, c].sum())))
 
 
-MOST_ROWS = 400
-"""Rows that are compared with each other; chosen: their pairs take a millisecond per shuffle."""
-
-DRAWS = 60
-"""Shuffles of the residual; chosen: mean and spread of their largest scores are then known to a tenth."""
-
 _VARIABLES: tuple[Variable, ...] = ("angle", "speed", "acceleration", "load")
 
 
@@ -122,13 +117,17 @@ def dependence(rows: Rows, values: Array, level: float, rng: np.random.Generator
     Reference:
         Szekely, Rizzo, Bakirov (2007), Annals of Statistics 35(6), 2769-2794.
     """
-    kept = rows.block_starts[:: max(1, -(-len(rows.block_starts) // MOST_ROWS))]
+    limits = settings().patterns
+    kept = rows.block_starts[:: max(1, -(-len(rows.block_starts) // limits.most_rows))]
     names = [(variable, joint) for joint in range(len(rows.joints)) for variable in _VARIABLES]
     motion = rows.motion[kept]
     distances = np.stack([_distances(_ranks(rows.did[v][kept, j], motion)).ravel() for v, j in names])
     kinds = np.stack([_distances(values[kept]), _distances(np.abs(values[kept]))])
     # order of rows in which those of each motion are shuffled among themselves
-    orders = [np.arange(len(kept)), *(np.lexsort([rng.random(len(motion)), motion]) for _ in range(DRAWS))]
+    orders = [
+        np.arange(len(kept)),
+        *(np.lexsort([rng.random(len(motion)), motion]) for _ in range(limits.draws)),
+    ]
     covariance = np.stack([kinds[:, order][:, :, order].reshape(len(kinds), -1) @ distances.T for order in orders])
     null = covariance[1:]
     spread = null.std(axis=0)
@@ -164,15 +163,12 @@ def _distances(values: Array) -> Array:
     return centred
 
 
-APART = 2
-"""Blocks that are compared are so far apart; next to each other they share what the low-pass spreads."""
-
-
 def wandering(rows: Rows, values: Array, level: float) -> Dependence | None:
     """Whether values (R,) wander: blocks of a motion, a fifth of a second apart, agree in sign more than by chance."""
+    limits = settings().patterns
     means, motion = rows.by_block(values[:, None])[:, 0], rows.motion[rows.block_starts]
-    pairs = np.flatnonzero(motion[APART:] == motion[:-APART])
-    before, after = means[pairs], means[pairs + APART]
+    pairs = np.flatnonzero(motion[limits.apart :] == motion[: -limits.apart])
+    before, after = means[pairs], means[pairs + limits.apart]
     size = np.abs(before * after)
     agreement = before * after / (size + np.median(size) + np.finfo(np.float64).tiny)
     if symmetric_test(agreement[:, None])[0] > level:

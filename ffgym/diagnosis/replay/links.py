@@ -27,19 +27,11 @@ from ffgym.core.types import Array, IntArray
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.replay.recursions import along, places_of
 from ffgym.diagnosis.replay.springs import Bending, Springs
+from ffgym.diagnosis.settings import settings
 from ffgym.effects.transmission.base_flexibility import BaseFlexibility
 from ffgym.robot import RigidArm, RobotDescription
 from ffgym.robot.dynamics.arm import RIGID
 from ffgym.simulation.plant import Machine
-
-_PERIOD = 0.004
-"""Time between evaluations [s]; chosen: the usual control period, in which no pose changes by much."""
-
-_SLOW = 0.016
-"""Time between evaluations of what bending adds [s]; chosen: it is a correction, known to a hundredth so."""
-
-_SLOWER = 0.032
-"""Time between evaluations of what bending adds with other masses [s]; chosen: it is the change of a correction."""
 
 _STEP = 1e-4
 """Change of an angle [rad], or a speed [rad/s], over which terms are differentiated; chosen: some springs' bending."""
@@ -66,7 +58,7 @@ class LinkTerms:
 
 def bending_of(arm: RigidArm, q: Array, dq: Array, ddq: Array, dt: float, joints: IntArray) -> Bending:
     """Linearise what bending of `joints` adds about `q`, speeds `dq` and accelerations `ddq`, (T, M, N), link side."""
-    places = places_of(len(q), max(1, round(_SLOW / dt)))
+    places = places_of(len(q), max(1, round(settings().replay.bending_period / dt)))
     return _between(places, *_slopes(arm, q, dq, ddq, places, joints))
 
 
@@ -96,7 +88,7 @@ def _between(places: IntArray, rate: Array, place: Array) -> Bending:
 
 def link_terms(arm: RigidArm, q: Array, dq: Array, dt: float) -> LinkTerms:
     """Terms of the links of an arm at positions `q` [rad], speeds `dq`, (T, M, N), link side, `dt` [s] apart."""
-    places = places_of(len(q), max(1, round(_PERIOD / dt)))
+    places = places_of(len(q), max(1, round(settings().replay.link_period / dt)))
     mass, bias = _terms(arm, q, dq, places)
     return LinkTerms(mass=along(places, mass), bias=along(places, bias))
 
@@ -118,12 +110,13 @@ def terms_beside(
     small part of the whole. Positions `q` [rad], speeds and accelerations are those of the motors, (T, M, N), link
     side; the same `joints` of both arms bend.
     """
+    limits = settings().replay
     bent = np.zeros_like(q) if known.bent is None else known.bent
-    there, slow = q + bent, places_of(len(q), max(1, round(_SLOW / dt)))
+    there, slow = q + bent, places_of(len(q), max(1, round(limits.bending_period / dt)))
     mass, bias = _terms(arm, there, dq, slow)
     bending, more_by_place = None, 0.0
     if known.bending is not None:
-        slower = places_of(len(q), max(1, round(_SLOWER / dt)))
+        slower = places_of(len(q), max(1, round(limits.other_masses_period / dt)))
         rate, place = _slopes(arm, there, dq, ddq, slower, joints)
         bending = _between(slower, rate - known.bending.rate[slower], place - known.bending.place[slower])
         more_by_place = np.matmul(bending.place, bent[..., None])[..., 0]

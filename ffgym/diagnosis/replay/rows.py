@@ -26,7 +26,7 @@ from ffgym.diagnosis.replay.links import (
     terms_beside,
     tilt_of,
 )
-from ffgym.diagnosis.replay.springs import COARSE, Deflection, Springs
+from ffgym.diagnosis.replay.springs import Deflection, Springs
 from ffgym.diagnosis.replay.states import (
     Bristles,
     along_speed,
@@ -39,6 +39,7 @@ from ffgym.diagnosis.replay.states import (
     summed,
 )
 from ffgym.diagnosis.sampling import derivatives_of_motions
+from ffgym.diagnosis.settings import settings
 from ffgym.effects import State
 from ffgym.effects.along import torques_along
 from ffgym.effects.transmission.base_flexibility import BaseFlexibility
@@ -92,7 +93,9 @@ class Replay:
     def coarse_springs(self) -> tuple[int, Springs]:
         """The springs at every n-th sample, which is a divisor of the rows' stride, at most COARSE apart; and n."""
         stride, dt = self.log.sampling.stride, self.log.dt
-        every = max(n for n in range(1, stride + 1) if stride % n == 0 and (n == 1 or n * dt <= COARSE))
+        every = max(
+            n for n in range(1, stride + 1) if stride % n == 0 and (n == 1 or n * dt <= settings().replay.spring_step)
+        )
         return every, self.springs if every == 1 else self.springs.coarser(every)
 
     @cached_property

@@ -19,12 +19,7 @@ import scipy
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array, IntArray
 from ffgym.diagnosis.replay.recursions import cubics, places_of, swing
-
-COARSE = 0.002
-"""Longest step of the springs [s]; chosen: 60 steps in a swing of 8 Hz, 12 at the cut-off of what is compared."""
-
-_RAREST = 0.0125
-"""Longest sample period [s] that shows how joints swing; chosen: what is compared ends at 16 Hz there."""
+from ffgym.diagnosis.settings import settings
 
 _FIRST_REACH = 1e-4
 """Deflection [rad] beyond that of linear springs in which a rest is looked for first; chosen: a third of an
@@ -39,18 +34,8 @@ _STEPS = 512
 _FEW = 3
 """Loads up to which motions are solved one by one; chosen: of more of them, steps of all motions at once take less."""
 
-_POSES = 0.008
-"""Time between evaluations of what a step is made of [s]; chosen: on cubics between them, the torque that springs of
-the built-in robots carry is known to 2e-6 of itself, a hundredth of the noise of any log."""
-
-_SLOW = 0.03
-"""Time between evaluations of how late a method is [s]; chosen: poses hardly change in it."""
-
 _KEPT = 2**27
 """Most memory that is taken for steps which other loads take, too [bytes]."""
-
-_MOST = 1.0
-"""Deflection [rad] from which on an arm is no longer where it was measured: a thousand times what gearboxes bend."""
 
 
 class FlownAwayError(FFGymError):
@@ -118,7 +103,12 @@ class Springs:
 
     def _late(self, at: IntArray) -> Array:
         """Mass by which a mass is less that keeps time, at samples, (R, M, E, E); on straight lines between some."""
-        rows = np.unique(np.append(np.arange(0, len(self.mass), max(1, round(_SLOW / self.dt))), len(self.mass) - 1))
+        rows = np.unique(
+            np.append(
+                np.arange(0, len(self.mass), max(1, round(settings().replay.delay_period / self.dt))),
+                len(self.mass) - 1,
+            )
+        )
         mass, _, place = self._terms(rows)
         phase = np.linalg.solve(mass, self.dt**2 * place)  # its square, of a step
         full = np.eye(mass.shape[-1]) + phase / 40 + phase @ phase / 144
@@ -143,7 +133,8 @@ class Springs:
     @property
     def substeps(self) -> int:
         """Steps in a sample that are short enough to swing as springs do; 1 where samples are too rare to show it."""
-        return int(np.ceil(self.dt / COARSE - 1e-9)) if self.dt <= _RAREST else 1
+        limits = settings().replay
+        return int(np.ceil(self.dt / limits.spring_step - 1e-9)) if self.dt <= limits.rarest_rows else 1
 
     @cached_property
     def finer(self) -> "Springs":
@@ -225,7 +216,7 @@ class Springs:
     @cached_property
     def _known_poses(self) -> "tuple[scipy.sparse.csr_array, Array]":
         """Weights (T, P) of some samples in all of them, and the same there, (P, M, 3, E, E)."""
-        dt, places = self.dt, places_of(len(self.mass), max(1, round(_POSES / self.dt)))
+        dt, places = self.dt, places_of(len(self.mass), max(1, round(settings().replay.pose_period / self.dt)))
         mass, rate, place = self._terms(places)
         inverse = np.linalg.inv(mass - self._late(places) + dt / 2 * rate + dt**2 / 4 * place)
         return cubics(places), np.stack([inverse, np.matmul(inverse, place), np.matmul(inverse, rate)], axis=2)
@@ -248,7 +239,7 @@ class Springs:
         for k in range(1, shape[0]):
             rate += dt * change
             x += dt * rate
-            if not (bent := float(np.abs(x).max(initial=0.0))) < _MOST:
+            if not (bent := float(np.abs(x).max(initial=0.0))) < settings().replay.largest_deflection:
                 raise FlownAwayError(f"An arm does not stay where its motors are: it bends by {bent:g} rad.")
             expected[:, every], expected_rate[:, every] = x + dt**2 / 4 * change, rate + dt / 2 * change
             load[:] = (torque[k] + push(k, expected, expected_rate))[:, every]

@@ -6,16 +6,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ffgym.core.types import Array, IntArray
-from ffgym.diagnosis.calibration import BOUND, Doubt
+from ffgym.diagnosis.calibration import Doubt
 from ffgym.diagnosis.column import Column, together
 from ffgym.diagnosis.evidence import Blocks, Stack, Values, stack_of
 from ffgym.diagnosis.push import Parts
 from ffgym.diagnosis.residual import Channel
+from ffgym.diagnosis.settings import settings
 from ffgym.diagnosis.solving import Candidate, Priors
 from ffgym.diagnosis.variant import step_of
-
-DRAWS = 60
-"""Draws of noise; the largest score of any candidate in each gives the threshold."""
 
 
 def surrogates(
@@ -32,12 +30,18 @@ def surrogates(
         calibration: columns per standard deviation.
         rng: draws signs and errors.
     """
-    errors = np.clip(rng.normal(size=(len(calibration), DRAWS)), -BOUND, BOUND)
+    prior_limits = settings().prior
+    screening_limits = settings().screening
+    errors = np.clip(
+        rng.normal(size=(len(calibration), screening_limits.surrogates)),
+        -prior_limits.bound,
+        prior_limits.bound,
+    )
     found: dict[tuple[Channel, int], Array] = {}
     for channel, rows in draws.items():
         for c in range(rows.shape[2]):
-            pick = rng.integers(rows.shape[3], size=DRAWS)
-            signs = rng.choice([-1.0, 1.0], size=(len(blocks) + 1, DRAWS))
+            pick = rng.integers(rows.shape[3], size=screening_limits.surrogates)
+            signs = rng.choice([-1.0, 1.0], size=(len(blocks) + 1, screening_limits.surrogates))
             found[channel, c] = rows[:, :, c, pick] * signs[blocks.of_row]
     for column, sizes in zip(calibration, errors, strict=True):
         for key, rows in column.items():

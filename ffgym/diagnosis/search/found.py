@@ -19,6 +19,7 @@ from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.result import Rival
 from ffgym.diagnosis.search.candidates import Candidates
 from ffgym.diagnosis.search.ranking import Ranking
+from ffgym.diagnosis.settings import settings
 from ffgym.diagnosis.solving import Priors, left_by_block
 
 
@@ -150,17 +151,6 @@ def _left_without(setting: Setting, fit: Fit, size: str) -> float:
     return float(np.sum(left_out(setting, fit, priors)))
 
 
-NEEDED = 0.05
-"""Share of the energy that a cause must keep away beside the others, else it is dropped."""
-
-CLEARLY_NEEDED = 1.0
-"""The same where others are fitted by slopes alone, from which on they are not fitted by replaying; chosen: slopes are
-that far off for none but springs that swing."""
-
-QUIET = 1.05
-"""Energy left, in units of the noise's, from which on a fit may gain from being finer."""
-
-
 def refitted(setting: Setting, adopted: Tried) -> Tried:
     """The adopted cause, fitted with tangents of all, and more finely if there is anything left to explain."""
     if len(adopted.fit.hypotheses) > 1:
@@ -168,7 +158,7 @@ def refitted(setting: Setting, adopted: Tried) -> Tried:
             adopted = judged_with(setting, adopted.fit.hypotheses, begun=True)
         except FAILED:
             return adopted  # with the tangents that it has
-    if adopted.fit.left < QUIET * float(adopted.fit.evidence.rows.sum()):
+    if adopted.fit.left < settings().search.finer_from * float(adopted.fit.evidence.rows.sum()):
         return adopted
     finer = polished(setting, adopted.fit)
     return adopted if finer is adopted.fit else scored(setting, finer)
@@ -176,11 +166,12 @@ def refitted(setting: Setting, adopted: Tried) -> Tried:
 
 def _without(setting: Setting, now: Tried, others: Sequence[Hypothesis]) -> Tried | None:
     """The other causes alone; None if they do not make up for the one that is left out."""
+    limits = settings().search
     begun = evaluated(setting, others, now.fit)
-    if scored(setting, begun).total > now.total * (1 + CLEARLY_NEEDED):
+    if scored(setting, begun).total > now.total * (1 + limits.clearly_needed):
         return None
     fewer = scored(setting, refined(setting, begun, now.fit, roughly=True))
-    if fewer.total > now.total * (1 + NEEDED):
+    if fewer.total > now.total * (1 + limits.needed):
         return None
     return judged_with(setting, fewer.fit.hypotheses, now.fit, begun=True)
 

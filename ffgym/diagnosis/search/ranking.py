@@ -13,8 +13,8 @@ from ffgym.diagnosis.evidence import Evidence, half_folds, motion_folds
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.search.candidates import Candidates
+from ffgym.diagnosis.settings import settings
 from ffgym.diagnosis.solving import bounded, fitted, screen
-from ffgym.diagnosis.variant import STEP
 from ffgym.effects.parameters import Parameter
 from ffgym.robot import RobotDescription
 
@@ -62,15 +62,8 @@ def _shape(p: Parameter, columns: Sequence[Column], sizes: Array) -> Array:
     return np.clip(mean, p.low, p.high)
 
 
-_RIDGE = 1e-4
-"""Share of a column's energy that a linear fit pays for using it: numbers that cancel each other along a log, as the
-sine and cosine of a joint that hardly turns, are no start for a fit where an arm bends; chosen: 1 % of amplitude."""
-
 Component = tuple[Channel, int]
 """Joint of a channel, or axis of the tool."""
-
-LEVEL = 0.999
-"""Share of faultless logs whose largest score lies below the threshold: of a hundred none should be above."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -120,14 +113,15 @@ def _largest(evidence: Evidence, candidates: Candidates, calibration: IntArray) 
 
     Calibration errors have bounds: what is as large as a plausible effect may be beyond all of them together.
     """
+    limits = settings().screening
     gram, priors = evidence.gram.sum(axis=0), candidates.priors
     inner, precision = gram[np.ix_(calibration, calibration)], priors.precision[calibration]
     low, high = priors.low[calibration], priors.high[calibration]
-    cross = gram[calibration] / STEP
+    cross = gram[calibration] / limits.step
     x = np.linalg.solve(inner + np.diag(precision), cross)
     for p in np.flatnonzero(np.any((x < low[:, None]) | (x > high[:, None]), axis=0)):
         x[:, p] = bounded(inner, cross[:, p], precision, low, high)
-    own = np.diagonal(gram) / STEP**2 - np.sum(x * (2 * cross - inner @ x - precision[:, None] * x), axis=0)
+    own = np.diagonal(gram) / limits.step**2 - np.sum(x * (2 * cross - inner @ x - precision[:, None] * x), axis=0)
     return np.array([own[group.columns].max() for group in candidates.groups])
 
 
@@ -135,7 +129,7 @@ def _extreme(largest: Array) -> float:
     """The LEVEL quantile of largest scores, by the distribution that largest values have (Gumbel's)."""
     spread = max(float(np.std(largest)), 1e-12) * np.sqrt(6) / np.pi
     middle = float(np.mean(largest)) - np.euler_gamma * spread
-    return float(max(middle - spread * np.log(-np.log(LEVEL)), largest.max()))
+    return float(max(middle - spread * np.log(-np.log(settings().screening.level)), largest.max()))
 
 
 def start_of(
@@ -163,6 +157,6 @@ def _linear_fit(evidence: Evidence, candidates: Candidates, i: int, calibration:
     """Of a candidate's columns beside the calibration, scaled as they are, small where they are alike."""
     own = candidates.groups[i].columns
     precision = candidates.priors.precision.copy()
-    precision[own] = np.maximum(precision[own], _RIDGE * evidence.gram[:, own, own].sum(axis=0))
+    precision[own] = np.maximum(precision[own], settings().screening.ridge * evidence.gram[:, own, own].sum(axis=0))
     places = np.concatenate([calibration, own])
     return fitted(evidence, places, replace(candidates.priors, precision=precision))[len(calibration) :]

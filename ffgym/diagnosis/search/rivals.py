@@ -18,27 +18,7 @@ from ffgym.diagnosis.search.candidates import Candidates
 from ffgym.diagnosis.search.found import Round, Tried, found_in, judged_with
 from ffgym.diagnosis.search.ranking import Ranking
 from ffgym.diagnosis.search.worth import removed_by
-
-TIED = 0.05
-"""A rival ties if it is at least as good in this share of resamples."""
-
-ALIKE = 0.02
-"""Share of what is above the noise by which a rival with no more numbers must explain less, whatever the resamples say:
-no equation is exact, and one that is this near is not ruled out by what it leaves. Of a rival with as many numbers the
-best explanation shows how inexact equations are here: it need not leave more than that does above the noise."""
-
-_UNSURE = 0.05
-"""Share of the energy of noise by which the floor itself may be off; chosen: two draws of it differ by some per
-cent."""
-
-INSTEAD = 0.5
-"""Share of what a cause removes where it acts that a rival must remove there too; less explains something else."""
-
-NEAR = 0.9
-"""Share of what a cause removes where it acts from which on a rival that lost is compared once more beside the other
-causes: without them it may have been led astray."""
-
-RESAMPLES = 500
+from ffgym.diagnosis.settings import settings
 
 ALIKE_TEXT = "explains the log as well: these motions cannot tell both apart"
 
@@ -125,19 +105,20 @@ class _Against:
 def _against(
     setting: Setting, nominal: Tried, fitted: Tried, before: Tried, best: Tried, other: Tried, rng: np.random.Generator
 ) -> _Against:
+    limits = settings().rivals
     share = _share(setting, before, best, other)
     others = [h for h in fitted.fit.hypotheses if not best.hypothesis.repeats(h)]
-    tied, instead = share >= INSTEAD and _is_tied(setting, before, best, other, rng), None
+    tied, instead = share >= limits.instead and _is_tied(setting, before, best, other, rng), None
     if best.hypothesis.kind.name in other.hypothesis.kind.generalises:
         tied = False  # it was fitted beside it, explains no more, and has more numbers
-    elif others and (tied or share >= NEAR):  # what further causes explain may have hidden the difference
+    elif others and (tied or share >= limits.near):  # what further causes explain may have hidden the difference
         with suppress(*FAILED):  # no machine may be able to be so
             instead = judged_with(setting, (*others, other.hypothesis), fitted.fit)
         tied = instead is not None and _is_tied(setting, nominal, fitted, instead, rng)
     elif tied and len(other.fit.hypotheses) == 1:
         instead = other
     lost = f"leaves {other.total / best.total:.3g} times the energy on rows that were not used"
-    if share < INSTEAD:
+    if share < limits.instead:
         lost = f"explains little of what {best.hypothesis.label} does"
     return _Against(
         best=best.hypothesis,
@@ -162,11 +143,12 @@ def _share(setting: Setting, before: Tried, best: Tried, other: Tried) -> float:
 def _is_tied(setting: Setting, before: Tried, best: Tried, other: Tried, rng: np.random.Generator) -> bool:
     """Whether another explanation is as good, by resamples or as good as an inexact equation can tell."""
     # resamples of what it leaves more in each block
+    limits = settings().rivals
     more = other.left - best.left
-    picks = rng.integers(len(more), size=(RESAMPLES, len(more)))
-    if np.quantile(more[picks].sum(axis=1), TIED) <= 0:
+    picks = rng.integers(len(more), size=(limits.resamples, len(more)))
+    if np.quantile(more[picks].sum(axis=1), limits.tied) <= 0:
         return True
-    allowed = ALIKE * (before.total - best.total)
+    allowed = limits.alike * (before.total - best.total)
     if _numbers(other) == _numbers(best):
         allowed = min(allowed, _inexactness(setting, best))
     return bool(_numbers(other) <= _numbers(best) and other.total - best.total <= allowed)
@@ -177,7 +159,7 @@ def _inexactness(setting: Setting, best: Tried) -> float:
     loud, total = loudness(setting, without_calibration(setting, best.fit)), 0.0
     for key in touched(setting, list(best.fit.columns)):
         rows = np.count_nonzero(np.broadcast_to(setting.weights[key], setting.blocks.of_row.shape))
-        total += max(loud[key] - 1.0, _UNSURE) * rows
+        total += max(loud[key] - 1.0, settings().rivals.unsure_floor) * rows
     return total
 
 

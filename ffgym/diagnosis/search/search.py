@@ -16,32 +16,10 @@ from ffgym.diagnosis.search.found import Found, Round, Tried, judged_with, refit
 from ffgym.diagnosis.search.ranking import Component, Ranking, acts_on, overlap, ranked, start_of
 from ffgym.diagnosis.search.rivals import as_rivals, compared, lookalikes, tied_among, without_rival
 from ffgym.diagnosis.search.worth import explains_most, is_worth
-
-MOST = 8
-"""Causes that are named at most; a model that lacks more is better identified anew."""
-
-TRIED = 3
-"""Candidates that are fitted by replaying, in each round."""
-
-NEAR = 0.5
-"""Share of the best candidate's score from which on another is fitted, too."""
-
-RIVAL = 0.1
-"""Share of what the best candidate changes that another must change too, to be an explanation of the same; others may
-be true beside it, and are looked at when it is adopted."""
-
-ELSEWHERE = 2
-"""Times that a round goes on with candidates of other joints, where the best is not adopted."""
+from ffgym.diagnosis.settings import settings
 
 _HALVINGS = 4
 """Times that a linear fit is halved until a machine can be so."""
-
-EXCHANGES = 3
-"""Times that a cause gives way to a rival that explains more beside the causes that came later; chosen: mostly none."""
-
-SLACK = 0.02
-"""Share of the energy, or of what is removed of it if that is less, by which a hypothesis must beat another for each
-number that it has more."""
 
 Report = Callable[[str, float], None]
 """Told what is done, and the share of the search that is done."""
@@ -53,7 +31,7 @@ def search(
     faultless: Values,
     rng: np.random.Generator,
     report: Report = lambda what, share: None,
-    most: int = MOST,
+    most: int = settings().search.most_causes,
 ) -> Found:
     """Find the effects that explain a log.
 
@@ -76,7 +54,7 @@ def search(
             break
         rounds.append(_round(setting, candidates(now.fit), faultless, nominal, now, needless, report))
     beside = compared(setting, nominal, now, rounds, rng)
-    for _ in range(EXCHANGES):
+    for _ in range(settings().search.exchanges):
         if beside.better is None:
             break
         now = without_needless(setting, refitted(setting, beside.better))
@@ -133,7 +111,7 @@ def _round(
     ranking = ranked(evidence, candidates, candidates.calibration, with_most=now is nominal)
     chance = ranking.threshold * float(evidence.rows.sum()) / evidence.n_components
     done, beaten = Round(before=now, ranking=ranking, tried=(), adopted=False), set[str]()
-    for _ in range(1 + ELSEWHERE):
+    for _ in range(1 + settings().search.elsewhere):
         tried = _tried(setting, candidates, ranking, evidence, now, needless, beaten, report)
         if not tried:
             break
@@ -161,16 +139,17 @@ def _tried(
 
     What others once made up for is not tried again: it would come and go for ever.
     """
+    limits = settings().search
     fixed, tried = now.fit.hypotheses, list[Tried]()
     places: set[Place] = set()
     best, where = 0.0, dict[Component, float]()
     for i in ranking.order:
-        if len(tried) == TRIED or not ranking.is_significant(i) or ranking.score[i] < NEAR * best:
+        if len(tried) == limits.tried or not ranking.is_significant(i) or ranking.score[i] < limits.near_best * best:
             break
         if candidates.first(candidates.groups[i]).joint in beaten:
             continue
         here = acts_on(evidence, candidates, int(i), candidates.calibration)
-        if where and overlap(where, here) < RIVAL:
+        if where and overlap(where, here) < limits.same_target:
             continue
         linear = start_of(evidence, candidates, int(i), candidates.calibration, setting.log.robot)
         if linear.place in places or linear.is_among((*fixed, *needless)):
@@ -180,7 +159,7 @@ def _tried(
             continue
         places.add(start.place)
         best, where = max(best, float(ranking.score[i])), where or here
-        report(f"fitting {start.label}", len(tried) / TRIED)
+        report(f"fitting {start.label}", len(tried) / limits.tried)
         trim_heap()
         try:
             tried.append(slimmed(setting, judged_with(setting, (*fixed, start), now.fit), now.fit))
@@ -190,7 +169,7 @@ def _tried(
     def price(one: Tried) -> float:
         """Energy that is left, and what each number costs: a share of that, or of what is removed if that is less."""
         share = max(0.0, min(one.total, now.total - one.total))
-        return one.total + SLACK * len(one.hypothesis.free()) * share
+        return one.total + limits.slack * len(one.hypothesis.free()) * share
 
     return sorted(tried, key=price)
 

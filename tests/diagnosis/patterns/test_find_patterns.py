@@ -7,7 +7,7 @@ import pytest
 from scipy.ndimage import gaussian_filter1d
 
 from ffgym.diagnosis.patterns import find_patterns
-from ffgym.diagnosis.patterns.find import LEAST_SHARE
+from ffgym.diagnosis.settings import settings
 from tests.diagnosis.patterns.pattern_samples import ELBOW, NOISY, SHOULDER, only, residual_with
 
 LINE, CYCLES = 17.0, 2.0
@@ -169,7 +169,7 @@ def test_the_second_pattern_is_what_the_first_leaves():
     line, period = PUT_IN["a vibration in time"], PUT_IN["a sine of the motor angle"]
     patterns = found(lambda *motion: 2 * line[0](*motion) + period[0](*motion), 0)
     assert [name(pattern) for pattern in patterns] == [line[1], period[1]]
-    assert patterns[0].share > patterns[1].share > LEAST_SHARE
+    assert patterns[0].share > patterns[1].share > settings().patterns.least_share
 
 
 def test_offsets_between_motions_are_no_dependence():

@@ -8,8 +8,8 @@ import pytest
 from ffgym.diagnosis.log import log_of
 from ffgym.diagnosis.measured import measured_rows, valid_rows
 from ffgym.diagnosis.replay import predicted, replay
-from ffgym.diagnosis.replay.springs import COARSE
 from ffgym.diagnosis.replay.states import deflected, flown, state_of
+from ffgym.diagnosis.settings import settings
 from ffgym.effects import EFFECTS, TorqueEffect
 from ffgym.effects.along import torques_along
 from ffgym.simulation.plant import Machine
@@ -120,7 +120,9 @@ def test_effects_that_follow_the_motor_do_not_see_how_joints_bend(log):
 
 def test_a_joint_bends_at_once_as_sample_by_sample_under_what_follows_its_motor():
     robot = nominal().robot
-    log = log_of(robot, [recorded({"nominal": nominal()}, sample_dt=COARSE)["nominal"]])  # a step of springs per sample
+    log = log_of(
+        robot, [recorded({"nominal": nominal()}, sample_dt=settings().replay.spring_step)["nominal"]]
+    )  # a step of springs per sample
     effects = [small(EFFECTS[name], robot, share=0.5) for name in ("kinematic_error", "hardening")]
     run = replay(log, nominal())
     state = state_of(log, nominal(), run.bristles)

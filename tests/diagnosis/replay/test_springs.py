@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from ffgym.diagnosis.replay.springs import COARSE, FlownAwayError, Springs, resting
+from ffgym.diagnosis.replay.springs import FlownAwayError, Springs, resting
+from ffgym.diagnosis.settings import settings
 
 MASS = np.array([[8.0, 1.5], [1.5, 2.0]])
 STIFFNESS = np.array([2e4, 1e4])
@@ -150,12 +151,12 @@ def test_rigid_joints_cannot_fly_away():
 def test_a_free_swing_keeps_its_frequency_in_the_longest_steps(frequency, off):
     n, stiffness = 2001, 1e4
     mass = np.full((n, 1, 1, 1), stiffness / (2 * np.pi * frequency) ** 2)
-    spring = Springs(mass=mass, stiffness=np.array([stiffness]), damping=np.zeros(1), dt=COARSE)
+    spring = Springs(mass=mass, stiffness=np.array([stiffness]), damping=np.zeros(1), dt=settings().replay.spring_step)
     released = np.zeros((n, 1, 1, 1))
     released[0] = stiffness
     angle = spring.bent_by(released).angle[:, 0, 0, 0]
     turns = np.flatnonzero((angle[1:] >= 0) & (angle[:-1] < 0))
     crossing = turns + angle[turns] / (angle[turns] - angle[turns + 1])
-    found = (len(turns) - 1) / ((crossing[-1] - crossing[0]) * COARSE)
+    found = (len(turns) - 1) / ((crossing[-1] - crossing[0]) * settings().replay.spring_step)
     assert abs(found / frequency - 1) < off
     assert np.abs(angle[-500:]).max() > 0.999 * np.abs(angle[10:510]).max()  # no swing is lost

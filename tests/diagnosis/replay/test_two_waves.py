@@ -5,7 +5,7 @@ import pytest
 
 from ffgym.diagnosis.log import log_of
 from ffgym.diagnosis.replay import predicted, replay
-from ffgym.diagnosis.replay.springs import COARSE
+from ffgym.diagnosis.settings import settings
 from ffgym.effects import EFFECTS
 from scripts.exam.equations import VARIANTS
 from tests.diagnosis.replay.replay_samples import nominal, recorded, with_effect
@@ -38,7 +38,9 @@ def recordings(one, two):
 @pytest.fixture(scope="module")
 def log():
     """With a step of the springs in each sample: between samples, one replay has torques and the other one angles."""
-    return log_of(nominal().robot, [recorded({"nominal": nominal()}, sample_dt=COARSE)["nominal"]])
+    return log_of(
+        nominal().robot, [recorded({"nominal": nominal()}, sample_dt=settings().replay.spring_step)["nominal"]]
+    )
 
 
 def test_a_simulation_of_both_is_that_of_the_error(recordings):

@@ -3,8 +3,9 @@
 import numpy as np
 
 from ffgym.diagnosis.evidence import blocks_of
-from ffgym.diagnosis.search.candidates import DRAWS, surrogates
+from ffgym.diagnosis.search.candidates import surrogates
 from ffgym.diagnosis.search.ranking import _extreme
+from ffgym.diagnosis.settings import settings
 
 ROW_DT = 0.01
 
@@ -19,10 +20,10 @@ def made(calibration=()):
 
 def test_each_block_of_a_faultless_log_is_one_of_the_replays_or_its_negative():
     draws, blocks, found = made()
-    assert found.shape == (600, 2, DRAWS)
+    assert found.shape == (600, 2, settings().screening.surrogates)
     for b in range(len(blocks)):
         rows = blocks.of_row == b
-        for k in range(DRAWS):
+        for k in range(settings().screening.surrogates):
             kinds = [sign * draws["torque"][rows][:, 0, d] for sign in (1, -1) for d in (0, 1)]
             assert any(np.array_equal(found[rows, k], one) for one in kinds)
 
@@ -49,6 +50,6 @@ def test_chance_exceeds_the_threshold_a_few_times_in_a_thousand():
     rng = np.random.default_rng(2)
     alarms = 0
     for _ in range(2000):
-        largest = rng.chisquare(1, size=(DRAWS + 1, 40)).max(axis=1)
+        largest = rng.chisquare(1, size=(settings().screening.surrogates + 1, 40)).max(axis=1)
         alarms += largest[-1] > _extreme(largest[:-1])
     assert 0.0005 <= alarms / 2000 < 0.006

@@ -9,20 +9,8 @@ from ffgym.diagnosis.calibration import Doubt
 from ffgym.diagnosis.fit.fit import Removed
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.search import worth as module
-from ffgym.diagnosis.search.worth import (
-    CLEAR,
-    CLEARER,
-    EXPLAINS,
-    KNOWN,
-    LEAKS,
-    MOSTLY,
-    QUIET,
-    explains_most,
-    is_known,
-    is_sizeable,
-    is_worth,
-    removed_by,
-)
+from ffgym.diagnosis.search.worth import explains_most, is_known, is_sizeable, is_worth, removed_by
+from ffgym.diagnosis.settings import settings
 from ffgym.effects import EFFECTS
 
 
@@ -36,12 +24,12 @@ def plausible(monkeypatch):
 @pytest.mark.parametrize(
     ("joint", "heard", "share", "enough"),
     [
-        ("j1", 1, 1.1 * EXPLAINS, True),
-        ("j1", 4, 0.9 * EXPLAINS, False),
-        ("", 4, 0.9 * EXPLAINS, True),
-        ("", 4, 0.45 * EXPLAINS, False),
-        ("", 1, 0.9 * EXPLAINS, False),
-        ("", 0, 0.9 * EXPLAINS, False),
+        ("j1", 1, 1.1 * settings().significance.explains, True),
+        ("j1", 4, 0.9 * settings().significance.explains, False),
+        ("", 4, 0.9 * settings().significance.explains, True),
+        ("", 4, 0.45 * settings().significance.explains, False),
+        ("", 1, 0.9 * settings().significance.explains, False),
+        ("", 0, 0.9 * settings().significance.explains, False),
     ],
 )
 def test_a_cause_of_the_whole_machine_has_as_many_witnesses_as_components(monkeypatch, joint, heard, share, enough):
@@ -63,12 +51,12 @@ def test_a_cause_must_hold_on_rows_that_it_was_not_fitted_to(monkeypatch, held_o
 @pytest.mark.parametrize(
     ("held_out", "of_all", "numbers", "enough"),
     [
-        (1.1 * CLEAR, 1.1 * MOSTLY, 3, True),
-        (0.9 * CLEAR, 1.1 * MOSTLY, 3, False),
-        (1.1 * CLEARER, 0.9 * MOSTLY, 3, False),
-        (1.1 * CLEARER, 1.1 * EXPLAINS, 1, True),
-        (0.9 * CLEARER, 1.1 * EXPLAINS, 1, False),
-        (1.1 * CLEARER, 0.9 * EXPLAINS, 1, False),
+        (1.1 * settings().significance.clear, 1.1 * settings().significance.mostly, 3, True),
+        (0.9 * settings().significance.clear, 1.1 * settings().significance.mostly, 3, False),
+        (1.1 * settings().significance.clearer, 0.9 * settings().significance.mostly, 3, False),
+        (1.1 * settings().significance.clearer, 1.1 * settings().significance.explains, 1, True),
+        (0.9 * settings().significance.clearer, 1.1 * settings().significance.explains, 1, False),
+        (1.1 * settings().significance.clearer, 0.9 * settings().significance.explains, 1, False),
     ],
 )
 def test_a_cause_below_the_noise_floor_must_explain_most_of_what_is_there_or_have_no_shape(
@@ -106,7 +94,8 @@ def fitted(total, left, joint="j1", is_unphysical=False, numbers=1):
 
 
 @pytest.mark.parametrize(
-    ("loud", "whose", "enough"), [(1.1, "newest", False), (QUIET + 0.1, "newest", True), (1.1, "another", True)]
+    ("loud", "whose", "enough"),
+    [(1.1, "newest", False), (settings().significance.quiet + 0.1, "newest", True), (1.1, "another", True)],
 )
 def test_what_a_clean_log_may_have_is_no_cause_with_a_shape_at_the_end_of_its_range(monkeypatch, loud, whose, enough):
     """Noise of the readings of a motor that restarts looked like breakaway that is overcome within no way at all."""
@@ -159,25 +148,25 @@ def test_a_little_in_one_joint_is_what_ails_a_loud_one_until_it_is_much(monkeypa
     little = removed_from(monkeypatch, loud, loud, (151.0, 1.0, 11.0, 1.0), {TORQUES[1]})
     assert little.of_excess == 0.0  # half a noise, beside a hundred and fifty
     much = removed_from(monkeypatch, loud, loud, (151.0, 1.5, 1.0, 1.0), {TORQUES[2]})
-    assert much.of_excess == pytest.approx(1 - 150 * LEAKS / 10)
+    assert much.of_excess == pytest.approx(1 - 150 * settings().significance.leaks / 10)
 
 
 def test_nothing_leaks_from_a_joint_whose_cause_is_adopted(monkeypatch):
     gone = removed_from(monkeypatch, (151.0, 1.5, 1.0, 1.0), (1.5, 1.5, 1.0, 1.0), (1.5, 1.0, 1.0, 1.0), {TORQUES[1]})
-    assert gone.of_excess == pytest.approx(1 - LEAKS)
+    assert gone.of_excess == pytest.approx(1 - settings().significance.leaks)
 
 
 @pytest.mark.parametrize(("inexact", "share"), [(0.0, 1.0), (2.0, 0.5), (6.0, 0.0)])
 def test_what_numbers_that_moved_may_leave_is_no_cause(monkeypatch, inexact, share):
     loud = (5.0, 1.0, 1.0, 1.0)
     gone = removed_from(monkeypatch, loud, loud, (1.0, 1.0, 1.0, 1.0), {TORQUES[0]}, inexact=inexact)
-    assert gone.of_excess == pytest.approx(min(share, 1 - LEAKS))
+    assert gone.of_excess == pytest.approx(min(share, 1 - settings().significance.leaks))
 
 
 def test_what_is_loud_in_one_channel_does_not_leak_into_another(monkeypatch):
     loud = (1.0, 6.0, 1.0, 1e5)
     gone = removed_from(monkeypatch, loud, loud, (1.0, 1.0, 1.0, 1e5), {TORQUES[1]})
-    assert gone.of_excess == pytest.approx(1 - LEAKS)
+    assert gone.of_excess == pytest.approx(1 - settings().significance.leaks)
 
 
 def test_a_cause_is_judged_by_torque_where_a_loud_encoder_has_no_more_than_an_inexact_cause_would_leave(monkeypatch):
@@ -185,7 +174,7 @@ def test_a_cause_is_judged_by_torque_where_a_loud_encoder_has_no_more_than_an_in
     first, loud, then = (101.0, 1.0, 1.0, 1e6), (101.0, 1.0, 1.0, 5e4), (11.0, 1.0, 1.0, 1e4)
     late = [("link_clock", "", None)]
     gone = removed_from(monkeypatch, first, loud, then, {LINK}, known=late, by_channel=TORQUES[:1])
-    assert gone.of_excess == pytest.approx(0.9 - LEAKS)
+    assert gone.of_excess == pytest.approx(0.9 - settings().significance.leaks)
     alone = removed_from(monkeypatch, first, loud, then, {LINK}, known=late)
     assert alone.of_excess == 0.0
 
@@ -202,12 +191,12 @@ def test_another_wave_of_a_cause_is_credited_with_what_inexact_causes_would_leav
 @pytest.mark.parametrize(
     ("effect", "joint", "sigmas", "at", "known"),
     [
-        ("joint_stiffness", "j1", 0.9 * KNOWN, 0.0, True),
-        ("joint_stiffness", "j1", -0.9 * KNOWN, 0.0, True),
-        ("joint_stiffness", "j1", 1.1 * KNOWN, 0.0, False),
-        ("joint_stiffness", "j1", 0.9 * KNOWN, 0.5, False),
-        ("joint_stiffness", "j2", 0.1 * KNOWN, 0.0, False),
-        ("rotor_inertia", "j1", 0.1 * KNOWN, 0.0, False),
+        ("joint_stiffness", "j1", 0.9 * settings().prior.bound, 0.0, True),
+        ("joint_stiffness", "j1", -0.9 * settings().prior.bound, 0.0, True),
+        ("joint_stiffness", "j1", 1.1 * settings().prior.bound, 0.0, False),
+        ("joint_stiffness", "j1", 0.9 * settings().prior.bound, 0.5, False),
+        ("joint_stiffness", "j2", 0.1 * settings().prior.bound, 0.0, False),
+        ("rotor_inertia", "j1", 0.1 * settings().prior.bound, 0.0, False),
     ],
 )
 def test_a_number_within_its_calibration_is_no_cause(effect, joint, sigmas, at, known):

@@ -8,8 +8,9 @@ import pytest
 
 from ffgym.cli.main import main
 from ffgym.core.errors import FFGymError
-from ffgym.diagnosis.separation import LONGEST, SURE, WARMING, separating_motion
+from ffgym.diagnosis.separation import WARMING, separating_motion
 from ffgym.diagnosis.sessions import proposals
+from ffgym.diagnosis.settings import settings
 from ffgym.recordings import read_folder
 from ffgym.robot import load_robot
 from ffgym.simulation import SimulatedRig
@@ -56,7 +57,7 @@ def separates(robot, joint, names, tmp_path, *, both=True):
     nominal = replace(Machine.of(arm.robot), climate=WARMING)
     for right, wrong in (causes, causes[::-1]) if both else (causes,):
         recordings = recorded(arm, right.on(nominal), load_protocols(file))
-        if log_ratio(recordings, nominal, right, wrong) < SURE:
+        if log_ratio(recordings, nominal, right, wrong) < settings().rivals.log_ratio:
             return False
     return True
 
@@ -121,7 +122,7 @@ def test_every_proposal_is_a_protocol_file_of_a_minute_or_so(robot, tmp_path):
         from_file, planned = (plan_session(arm, p) for p in (load_protocols(file), proposal.protocols()))
         assert [m.reference.name for m in from_file] == [m.reference.name for m in planned]
         assert all(np.array_equal(a.reference.q, b.reference.q) for a, b in zip(from_file, planned, strict=True))
-        assert sum(motion.reference.duration for motion in planned) <= LONGEST
+        assert sum(motion.reference.duration for motion in planned) <= settings().rivals.longest_session
 
 
 def test_proposals_for_a_robot_without_a_work_area_have_no_circles():

@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ffgym.diagnosis import diagnose, thinning
+from ffgym.diagnosis import diagnose
 from ffgym.diagnosis.cells import MotionRegressor, cells_of, coarse
+from ffgym.diagnosis.settings import use_settings
 from ffgym.diagnosis.thinning import affordable, note_of, thin
 from ffgym.effects import EFFECTS
 from ffgym.paths import joint_reference, multisine
@@ -23,9 +24,10 @@ AFFORDED = 60.0
 
 
 @pytest.fixture(autouse=True)
-def small(monkeypatch):
+def small():
     """A bound that logs of some minutes exceed."""
-    monkeypatch.setattr(thinning, "SAMPLES", round(AFFORDED / DT))
+    with use_settings({"blocks.samples": round(AFFORDED / DT)}):
+        yield
 
 
 def swing(amplitude, frequency, seconds):
