@@ -1,0 +1,216 @@
+"""`python -m scripts.exam.settings_study`: a short exam with settings of the diagnosis at half and twice their values.
+
+A setting that changes no answer at either value decides nothing and should go; one that changes many deserves its
+reason. Questions are those of the independent exam on small arms, which take a few seconds each.
+"""
+
+import json
+import multiprocessing
+import signal
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+from functools import cache
+from pathlib import Path
+
+from ffgym.cli.main import run_command
+from ffgym.cli.progress import progress_bar
+from ffgym.core.errors import check_choice, check_whole
+from ffgym.core.files import write_text
+from ffgym.diagnosis.result import Diagnosis
+from ffgym.diagnosis.settings import setting_values, use_settings
+from scripts.exam.exams import IndependentExam
+from scripts.exam.independent import question
+from scripts.exam.marks import Mark, mark_of
+from scripts.exam.paper import Paper, Question
+
+FACTORS = (0.5, 2.0)
+"""Factors by which each setting is changed."""
+
+QUESTIONS: tuple[Question, ...] = (
+    *(("clean", k) for k in range(3)),
+    *(("single", k) for k in range(8)),
+    ("outside", 0),
+)
+"""Questions that are asked; chosen: each pass takes half a minute of one core."""
+
+_AXES = 2
+"""Joints of the drawn machines."""
+
+_PROBABILITIES = ("screening.level", "sampling.motion_power", "blocks.top_speed")
+"""Settings near 1, of which the distance to 1 is halved and doubled."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Varied:
+    """The short exam with one setting changed."""
+
+    setting: str
+    factor: float
+    value: float
+    changed: tuple[str, ...]
+    """Questions whose verdict, causes or rivals that tie are others, as 'single-3: right -> none'."""
+    largest_change: float
+    """Largest relative change of a size of a cause that is named both times."""
+    right: int
+    """Questions with the best possible answer."""
+    wrong: int
+    """Questions in which something is named that is not there."""
+    seconds: float
+    """Time of all diagnoses [s]."""
+    error: str = ""
+    """Message of a diagnosis that failed; the questions after it were not asked."""
+
+
+@dataclass(frozen=True)
+class StudySettings:
+    """Ask a short exam with each setting of the diagnosis at half and at twice its value."""
+
+    settings: tuple[str, ...] = ()
+    """Settings to vary, e.g. search.near_best; none given is all."""
+    seed: int = 28
+    """Seed of the questions."""
+    out: Path = Path("out/settings")
+    """Folder of the results, one line for each variation; those in it are not computed again."""
+    jobs: int = 1
+    """Variations that are computed at the same time."""
+
+    def run(self) -> None:
+        """Compute the variations that are not there yet, one line of a file for each."""
+        check_whole("--seed", self.seed, low=0)
+        check_whole("--jobs", self.jobs, low=1, high=1024)
+        known = setting_values()
+        for name in self.settings:
+            check_choice("setting", name, list(known))
+        place = self.out / f"seed_{self.seed}.jsonl"
+        done = read_variations(place)
+        asked = [(name, factor) for name in self.settings or known for factor in FACTORS]
+        missing = [one for one in asked if one not in {(varied.setting, varied.factor) for varied in done}]
+        self.out.mkdir(parents=True, exist_ok=True)
+        with progress_bar("varying settings", "exams") as progress:
+            for varied in _variations(missing, self.seed, self.jobs):
+                done.append(varied)
+                write_text(place, "".join(json.dumps(asdict(one)) + "\n" for one in done))
+                progress(len(done), len(asked))
+        print("\n".join(table_lines(done)))
+
+
+def read_variations(place: Path) -> list[Varied]:
+    """Read the results of an earlier run; an empty list if there is no file."""
+    if not place.exists():
+        return []
+    rows = [json.loads(line) for line in place.read_text(encoding="utf-8").splitlines()]
+    return [Varied(**{**row, "changed": tuple(row["changed"])}) for row in rows]
+
+
+def table_lines(variations: Sequence[Varied]) -> list[str]:
+    """Write the results as lines of a Markdown table: answers that change, and how many are right and wrong."""
+    lines = ["| setting | value | at half | at twice |", "|---|---|---|---|"]
+    found = {(one.setting, one.factor): one for one in variations}
+    for name, value in setting_values().items():
+        cells = [_cell(found.get((name, factor))) for factor in FACTORS]
+        lines.append(f"| `{name}` | {value:g} | {cells[0]} | {cells[1]} |")
+    return lines
+
+
+def _cell(varied: Varied | None) -> str:
+    if varied is None:
+        return "not asked"
+    if varied.error:
+        return "no diagnosis"
+    answers = "the same" if not varied.changed else "; ".join(varied.changed)
+    size = f", sizes up to {varied.largest_change:.0%}" if varied.largest_change >= 0.01 else ""
+    return answers + size
+
+
+def vary(setting: str, factor: float, seed: int) -> Varied:
+    """Ask the short exam with one setting changed, and compare the answers with those of the defaults."""
+    before = setting_values()[setting]
+    value = _changed(setting, before, factor)
+    changed, largest, marks = list[str](), 0.0, list[Mark]()
+    began, error = time.perf_counter(), ""
+    for row, number in QUESTIONS:
+        paper, usual = _usual(row, number, seed)
+        with use_settings({setting: value}):
+            answer = IndependentExam().answer(paper)
+        if answer.verdict == "insufficient" and usual.verdict != "insufficient":
+            error = answer.sentence
+            break
+        mark, mark_before = mark_of(paper, answer), mark_of(paper, usual)
+        marks.append(mark)
+        if _said(answer) != _said(usual):
+            changed.append(f"{row}-{number}: {mark_before.outcome} -> {mark.outcome}")
+        largest = max(largest, _size_change(usual, answer))
+    return Varied(
+        setting=setting,
+        factor=factor,
+        value=value,
+        changed=tuple(changed),
+        largest_change=largest,
+        right=sum(_is_best(mark) for mark in marks),
+        wrong=sum(mark.outcome.startswith("wrong") or mark.outcome == "surplus" for mark in marks),
+        seconds=time.perf_counter() - began,
+        error=error,
+    )
+
+
+def _changed(setting: str, before: float, factor: float) -> float:
+    """Value of a setting times a factor; whole numbers stay whole, and at least 1."""
+    if isinstance(before, int):
+        return max(1, round(before * factor))
+    if setting in _PROBABILITIES:
+        return 1 - (1 - before) * factor
+    return before * factor
+
+
+def _is_best(mark: Mark) -> bool:
+    """Tell whether no answer could be better."""
+    return mark.outcome == {"clean": "none", "outside": "unknown"}.get(mark.row, "right")
+
+
+def _said(answer: Diagnosis) -> tuple[object, ...]:
+    """List what an answer says without its sizes."""
+    causes = sorted((cause.effect, cause.joint) for cause in answer.causes)
+    return answer.verdict, causes, sorted((rival.effect, rival.joint) for rival in answer.rivals if rival.tied)
+
+
+def _size_change(one: Diagnosis, other: Diagnosis) -> float:
+    """Compute the largest relative change of a size that both answers have."""
+    sizes = [
+        {(cause.effect, cause.joint, size.name): size.value for cause in answer.causes for size in cause.parameters}
+        for answer in (one, other)
+    ]
+    common = [(sizes[0][key], sizes[1][key]) for key in sizes[0].keys() & sizes[1].keys()]
+    return max((abs(a - b) / max(abs(a), abs(b)) for a, b in common if a != b), default=0.0)
+
+
+@cache
+def _usual(row: str, number: int, seed: int) -> tuple[Paper, Diagnosis]:
+    """Draw a question and answer it with the defaults, once in each process."""
+    paper = question.hand_out(row, number, seed=seed, n=_AXES)  # type: ignore[arg-type]
+    return paper, IndependentExam().answer(paper)
+
+
+def _variations(asked: Sequence[tuple[str, float]], seed: int, jobs: int) -> Iterator[Varied]:
+    """Compute variations in processes of their own, in order."""
+    rows = [(name, factor, seed) for name, factor in asked]
+    if jobs == 1:
+        yield from (vary(*row) for row in rows)
+        return
+    context = multiprocessing.get_context("spawn")
+    with context.Pool(jobs, initializer=signal.signal, initargs=(signal.SIGINT, signal.SIG_IGN)) as pool:
+        yield from pool.imap(_vary_row, rows)
+
+
+def _vary_row(row: tuple[str, float, int]) -> Varied:
+    return vary(*row)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Vary settings as the arguments say; those of the process if none are given."""
+    return run_command(StudySettings, "python -m scripts.exam.settings_study", arguments)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
