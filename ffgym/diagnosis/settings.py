@@ -7,7 +7,8 @@ A number that may change the answer of a diagnosis stands here, so that it can b
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field, fields, replace
+from typing import Any
 
 from ffgym.core.errors import check_choice
 
@@ -625,6 +626,32 @@ def use_settings(changes: Mapping[str, float]) -> Iterator[Settings]:
     token = _CURRENT.set(changed)
     try:
         yield changed
+    finally:
+        _CURRENT.reset(token)
+
+
+class _ReadGroup:
+    """A group of settings that adds the names that are read to a set."""
+
+    def __init__(self, group: Any, prefix: str, read: set[str]) -> None:
+        self._group, self._prefix, self._read = group, prefix, read
+
+    def __getattr__(self, name: str) -> Any:
+        self._read.add(f"{self._prefix}.{name}")
+        return getattr(self._group, name)
+
+
+@contextmanager
+def record_reads() -> Iterator[set[str]]:
+    """Collect the names of the settings that are read inside a `with` block; the others cannot change its outcome.
+
+    Settings that are read when modules are imported, as defaults of arguments, are not seen.
+    """
+    now, read = settings(), set[str]()
+    groups = {group.name: _ReadGroup(getattr(now, group.name), group.name, read) for group in fields(now)}
+    token = _CURRENT.set(replace(now, **groups))  # type: ignore[arg-type]  # a group that tells what is read of it
+    try:
+        yield read
     finally:
         _CURRENT.reset(token)
 

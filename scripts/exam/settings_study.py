@@ -19,24 +19,27 @@ from ffgym.cli.progress import progress_bar
 from ffgym.core.errors import check_choice, check_whole
 from ffgym.core.files import write_text
 from ffgym.diagnosis.result import Diagnosis
-from ffgym.diagnosis.settings import setting_values, use_settings
+from ffgym.diagnosis.settings import record_reads, setting_values, use_settings
 from scripts.exam.exams import IndependentExam
 from scripts.exam.independent import question
 from scripts.exam.marks import Mark, mark_of
-from scripts.exam.paper import Paper, Question
+from scripts.exam.paper import Paper, Row
 
 FACTORS = (0.5, 2.0)
 """Factors by which each setting is changed."""
 
-QUESTIONS: tuple[Question, ...] = (
-    *(("clean", k) for k in range(3)),
-    *(("single", k) for k in range(8)),
-    ("outside", 0),
+QUESTIONS: tuple[tuple[Row, int, int], ...] = (
+    ("clean", 2, 1),
+    ("single", 10, 1),
+    ("single", 16, 1),
+    ("single", 20, 1),
+    ("single", 24, 1),
+    ("outside", 1, 1),
+    ("single", 2, 2),
+    ("single", 3, 2),
+    ("single", 5, 2),
 )
-"""Questions that are asked; chosen: each pass takes half a minute of one core."""
-
-_AXES = 2
-"""Joints of the drawn machines."""
+"""Questions that are asked: row, number, joints of the machine; chosen: fast ones, most of them of quiet effects."""
 
 _PROBABILITIES = ("screening.level", "sampling.motion_power", "blocks.top_speed")
 """Settings near 1, of which the distance to 1 is halved and doubled."""
@@ -130,10 +133,12 @@ def vary(setting: str, factor: float, seed: int) -> Varied:
     value = _changed(setting, before, factor)
     changed, largest, marks = list[str](), 0.0, list[Mark]()
     began, error = time.perf_counter(), ""
-    for row, number in QUESTIONS:
-        paper, usual = _usual(row, number, seed)
-        with use_settings({setting: value}):
-            answer = IndependentExam().answer(paper)
+    for row, number, axes in QUESTIONS:
+        paper, usual, read = _usual(row, number, axes, seed)
+        answer = usual
+        if setting in read:
+            with use_settings({setting: value}):
+                answer = IndependentExam().answer(paper)
         if answer.verdict == "insufficient" and usual.verdict != "insufficient":
             error = answer.sentence
             break
@@ -186,10 +191,12 @@ def _size_change(one: Diagnosis, other: Diagnosis) -> float:
 
 
 @cache
-def _usual(row: str, number: int, seed: int) -> tuple[Paper, Diagnosis]:
-    """Draw a question and answer it with the defaults, once in each process."""
-    paper = question.hand_out(row, number, seed=seed, n=_AXES)  # type: ignore[arg-type]
-    return paper, IndependentExam().answer(paper)
+def _usual(row: Row, number: int, axes: int, seed: int) -> tuple[Paper, Diagnosis, frozenset[str]]:
+    """Draw a question and answer it with the defaults, once in each process; and list the settings that it reads."""
+    paper = question.hand_out(row, number, seed=seed, n=axes)
+    with record_reads() as read:
+        answer = IndependentExam().answer(paper)
+    return paper, answer, frozenset(read)
 
 
 def _variations(asked: Sequence[tuple[str, float]], seed: int, jobs: int) -> Iterator[Varied]:

@@ -7,13 +7,13 @@ import pytest
 
 from ffgym.core.errors import FFGymError
 from ffgym.diagnosis import settings as module
-from ffgym.diagnosis.settings import setting_values, settings, use_settings
+from ffgym.diagnosis.settings import record_reads, setting_values, settings, use_settings
 
 
 def test_each_setting_says_its_meaning():
     """A string of at least some words follows each number."""
     for group in ast.parse(inspect.getsource(module)).body:
-        if isinstance(group, ast.ClassDef) and group.name != "Settings":
+        if isinstance(group, ast.ClassDef) and group.name not in ("Settings", "_ReadGroup"):
             for number, text in zip(group.body[1::2], group.body[2::2], strict=True):
                 assert isinstance(number, ast.AnnAssign)
                 assert len(text.value.value.split()) > 3, number.target.id
@@ -40,3 +40,11 @@ def test_unknown_settings_are_told_with_those_there_are():
     """A slip of the pen changes nothing silently."""
     with pytest.raises(FFGymError, match=r"search\.neer.*search\.near_best"), use_settings({"search.neer": 0.1}):
         pass
+
+
+def test_settings_that_are_read_are_recorded():
+    """Values are those that hold, and nothing is recorded afterwards."""
+    with use_settings({"search.tried": 7}), record_reads() as read:
+        assert settings().search.tried == 7
+    assert settings().search.slack > 0
+    assert read == {"search.tried"}

@@ -12,8 +12,7 @@ from scripts.exam.settings_study import main, read_variations, vary
 @pytest.fixture(autouse=True)
 def one_question(monkeypatch):
     """One question about a machine with one axis."""
-    monkeypatch.setattr(settings_study, "QUESTIONS", (("single", 2),))
-    monkeypatch.setattr(settings_study, "_AXES", 1)
+    monkeypatch.setattr(settings_study, "QUESTIONS", (("single", 2, 1),))
     settings_study._usual.cache_clear()
 
 
