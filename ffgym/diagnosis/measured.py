@@ -1,7 +1,6 @@
 """Measured minus predicted at the rows that are compared, with what each motor was doing there."""
 
 from collections.abc import Mapping
-from dataclasses import fields
 
 import numpy as np
 import scipy
@@ -12,7 +11,6 @@ from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.residual import Channel, MotionResidual, Residual
 from ffgym.diagnosis.settings import settings
-from ffgym.effects import State
 from ffgym.robot import RobotDescription
 
 
@@ -166,7 +164,6 @@ def residual_of(log: Log, run: Replay, rest: Mapping[Channel, Array], floor: Map
     counting = counting_rows(log)
     motor = run.robot.drive.motor_angle
     travel, stood = since_move(motor(run.log.q), motor(run.log.slip_dq), log.dt)
-    states = {f.name: np.broadcast_to(getattr(run.state, f.name), log.q.shape) for f in fields(State)}
     motions = []
     for i, name in enumerate(log.names):
         n = int(np.searchsorted(at, len(log.recordings[i])))
@@ -178,7 +175,7 @@ def residual_of(log: Log, run: Replay, rest: Mapping[Channel, Array], floor: Map
                 valid=valid[:n, i],
                 measured={channel: measured[channel][:n, i] for channel in rest},
                 predicted={channel: measured[channel][:n, i] - rest[channel][:n, i] for channel in rest},
-                state=State(**{name: values[rows, i] for name, values in states.items()}),
+                state=run.state.each(lambda values: np.broadcast_to(values, log.q.shape)[rows, i]),  # noqa: B023
                 motor_acceleration=run.robot.drive.motor_angle(run.log.ddq[rows, i]),
                 since_reversal=travel[rows, i],
                 at_rest_for=stood[rows, i],

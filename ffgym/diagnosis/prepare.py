@@ -25,7 +25,7 @@ from ffgym.diagnosis.search.candidates import Candidates, candidates_of
 from ffgym.diagnosis.settings import settings
 from ffgym.diagnosis.variant import variants
 from ffgym.diagnosis.weights import bound_outliers, doubt_rows, first_swing, misread_friction, unknown_torque
-from ffgym.effects import Effect, State, TorqueEffect, Torques
+from ffgym.effects import Effect, TorqueEffect, Torques
 from ffgym.recordings import Recording
 from ffgym.robot import ModelOptions
 from ffgym.simulation.plant import Machine
@@ -179,7 +179,7 @@ def _known(log: Log, like: Replay, calibration: Calibration, memory: Memory | No
     ):
         known = memory.known
         return replace(
-            known, run=replace(known.run, state=replace(known.run.state, temperature=like.state.temperature))
+            known, run=replace(known.run, state=known.run.state.with_values(temperature=like.state.temperature))
         )
     known = _along(exact_recordings(log, like), log, like)
     plain, left = _torque_left(log, like, 0.0), _torque_left(log, like, known.bias["torque"])
@@ -258,10 +258,8 @@ def reads_temperature(effect: Effect, run: Replay) -> bool:
     if not isinstance(effect, TorqueEffect):
         return False
     shape = run.state.motor_angle.shape
-    middle = State(**{f.name: np.broadcast_to(getattr(run.state, f.name), shape)[shape[0] // 2] for f in fields(State)})
-    warm, memory = (
-        replace(middle, temperature=middle.temperature + settings().prior.warmer),
-        effect.initial_memory(middle),
-    )
+    middle = run.state.each(lambda values: np.broadcast_to(values, shape)[shape[0] // 2])
+    memory = effect.initial_memory(middle)
+    warm = middle.with_values(temperature=middle.temperature + settings().prior.warmer)
     here, warmer = (effect.torques(state, memory, run.log.dt)[0] for state in (middle, warm))
     return not all(np.array_equal(getattr(here, f.name), getattr(warmer, f.name)) for f in fields(Torques))

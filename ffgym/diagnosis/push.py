@@ -19,11 +19,12 @@ from ffgym.core.types import Array
 from ffgym.diagnosis.replay import Replay, predicted, replay
 from ffgym.diagnosis.replay.channels import late
 from ffgym.diagnosis.replay.rows import alike, same_links
-from ffgym.diagnosis.replay.states import along_speed, plus
+from ffgym.diagnosis.replay.states import along_speed
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.sampling import derivatives_of_motions
 from ffgym.effects import Effect, NativeEffect, TorqueEffect
 from ffgym.effects.along import torques_along
+from ffgym.effects.together import plus
 from ffgym.robot import RobotDescription
 from ffgym.robot.friction import LuGreParameters
 from ffgym.simulation.plant import Machine

@@ -9,8 +9,6 @@ import numpy as np
 from ffgym.effects.effect import TorqueEffect
 from ffgym.effects.state import State, Torques
 
-_STATE = tuple(f.name for f in fields(State))
-
 
 def torques_along(effect: TorqueEffect, states: State, dt: float) -> Torques:
     """What an effect adds at T samples, (T, ..., N) each; a machine that is at rest at the first of them is settled.
@@ -37,14 +35,20 @@ def torques_along(effect: TorqueEffect, states: State, dt: float) -> Torques:
 
 
 def samples(states: State) -> Iterator[State]:
-    """The states at each sample in turn, (..., N) each: views, made cheaply, as there are many of them."""
-    shape = states.motor_angle.shape
+    """Yield the states at each sample in turn, (..., N) each: views, made cheaply, as there are many of them."""
+    shape, names = states.motor_angle.shape, states.names()
+    for name in names:  # what follows from the rest is computed once, for all samples
+        getattr(states, name, None)
     same, columns = {}, []
-    for name in _STATE:
-        values = getattr(states, name)
-        if np.ndim(values) < len(shape) or len(values) == 1:  # the same at all samples
+    for name, values in vars(states).items():
+        if name not in names or values is None:
+            same[name] = values
+        elif np.ndim(values) < len(shape) or len(values) == 1:  # the same at all samples
             same[name] = np.broadcast_to(values, (1, *shape[1:]))[0]
         else:
             columns.append((name, np.broadcast_to(values, shape)))
     for k in range(shape[0]):
-        yield State(**same, **{name: column[k] for name, column in columns})
+        state = object.__new__(State)
+        vars(state).update(same)
+        vars(state).update([(name, column[k]) for name, column in columns])
+        yield state

@@ -39,7 +39,7 @@ class Drive:
 
     def __post_init__(self) -> None:
         with np.errstate(over="ignore"):
-            reflected = self.gear_ratio**2 * self.rotor_inertia
+            reflected = self.reflected_inertia
         if not np.all(np.isfinite(reflected)):
             raise FFGymError(
                 f"drive.gear_ratio = {self.gear_ratio.tolist()} gives rotors of {reflected.tolist()} kg m^2 behind the "
@@ -56,6 +56,11 @@ class Drive:
             object.__setattr__(self, "coupling", None)
         elif np.linalg.cond(self.matrix) > 1 / np.finfo(np.float64).eps:
             raise FFGymError(f"drive.coupling = {coupling.tolist()} leaves joint motions that turn no motor.")
+
+    @property
+    def reflected_inertia(self) -> Array:
+        """Inertia of the rotors behind the gearbox, link side [kg m^2], shape (N,)."""
+        return self.gear_ratio**2 * self.rotor_inertia
 
     @property
     def is_rigid(self) -> BoolArray:

@@ -63,7 +63,7 @@ class LuGreParameters:
 
     def stribeck_level(self, dq: Array) -> Array:
         """Steady-state friction level g(v) [N m] without viscous part, >= coulomb; same shape as `dq` [rad/s]."""
-        return self.coulomb + (self.static - self.coulomb) * np.exp(-((dq / self.stribeck_velocity) ** 2))
+        return stribeck_level(dq, self.coulomb, self.static, self.stribeck_velocity)
 
     def bristle_rate(self, z: Array, dq: Array) -> Array:
         """Rate of the bristle deflection dz/dt [rad/s] at deflection `z` [rad] and motor speed `dq` [rad/s]."""
@@ -100,6 +100,11 @@ class LuGreParameters:
         moving = decay > 0
         share = np.where(moving, -np.expm1(-decay) / np.where(moving, decay, 1.0), 1.0)
         return np.exp(-decay), share * dt * dq
+
+
+def stribeck_level(dq: Array, coulomb: Array, static: Array, stribeck_velocity: Array) -> Array:
+    """Compute the steady-state friction level g(v) [N m], without viscous part, at motor speed `dq` [rad/s]."""
+    return coulomb + (static - coulomb) * np.exp(-((dq / stribeck_velocity) ** 2))
 
 
 WIDTHS = np.array([0.002, 0.004, 0.008, 0.016, 0.032])

@@ -31,17 +31,14 @@ from ffgym.diagnosis.replay.states import (
     Bristles,
     along_speed,
     arm_effects,
-    bent_state,
     deflected,
-    loaded_state,
-    plus,
     state_of,
-    summed,
 )
 from ffgym.diagnosis.sampling import derivatives_of_motions
 from ffgym.diagnosis.settings import settings
 from ffgym.effects import State
 from ffgym.effects.along import torques_along
+from ffgym.effects.together import plus, sum_along
 from ffgym.effects.transmission.base_flexibility import BaseFlexibility
 from ffgym.robot import RigidArm, RobotDescription
 from ffgym.simulation.plant import Machine
@@ -198,20 +195,21 @@ def replay(
         deflection, beyond = _beyond_slopes(log, robot, links, springs, deflection)
         rigid_torque = rigid_torque + beyond
     # load of the motors
-    state = bent_state(state, deflection, robot)
     needed = rigid_torque + springs.bending_torque(deflection)
-    added = summed(on_arm, state, log.dt)
+    state = state.with_values(deflection=deflection.angle, deflection_rate=deflection.rate, rigid_load=needed)
+    added = sum_along(on_arm, state, log.dt)
     if added.link is not None:
         needed = needed - added.link
-    state = loaded_state(state, added, needed, robot)
+    state.set_values(wound=added.spring, rigid_load=needed)
     torque = drive.rotor_inertia * drive.motor_angle(log.ddq) + bristles.torque + drive.motor_torque(needed)
     # motor-side torque effects, those that act on what the drive commands last: they see all that it must give
     motor = added.motor
     of_motors = [effect for effect in machine.torque_effects if effect.side == "motor"]
     for effect in sorted(of_motors, key=lambda effect: (effect.code.startswith("M"), effect.name)):
-        state = replace(state, motor_torque=torque if motor is None else torque - motor)
+        state.set_values(motor_torque=torque if motor is None else torque - motor)
         motor = plus(motor, torques_along(effect, state, log.dt).motor)
     torque = torque if motor is None else torque - motor
+    state.set_values(motor_torque=torque)
     return Replay(
         read=read,
         log=log,
@@ -221,7 +219,7 @@ def replay(
         springs=springs,
         deflection=deflection,
         bristles=bristles,
-        state=replace(state, motor_torque=torque),
+        state=state,
         torque=torque,
         tilt=tilt,
     )

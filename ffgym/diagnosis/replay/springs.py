@@ -21,13 +21,6 @@ from ffgym.core.types import Array, IntArray
 from ffgym.diagnosis.replay.recursions import cubics, places_of, swing
 from ffgym.diagnosis.settings import settings
 
-_FIRST_REACH = 1e-4
-"""Deflection [rad] beyond that of linear springs in which a rest is looked for first; chosen: a third of an
-arc minute."""
-
-_DOUBLINGS, _HALVINGS = 12, 50
-"""Of that reach, to 0.4 rad, and of the bracket, to less than rounding."""
-
 _STEPS = 512
 """Steps that are prepared at once; chosen: more of them take memory and no less time."""
 
@@ -280,23 +273,3 @@ def straight(values: Array, every: int) -> Array:
         found[part : n - 1 : every] = (1 - share) * values[:-1] + share * values[1:]
     found[-1] = values[-1]
     return found
-
-
-def resting(pull: Callable[[Array], Array], near: Array) -> Array:
-    """Deflections at which `pull`, which grows with the deflection of its own joint, is 0; by bisection, (M, N).
-
-    Backlash and hardening are steeper than a fixed-point iteration bears. In a gap, where nothing pulls, a place in it
-    is taken, `near` itself if that is one.
-    """
-    reach: Array = np.abs(near) + _FIRST_REACH
-    low, high = near - reach, near + reach
-    for _ in range(_DOUBLINGS):
-        low = np.where(pull(low) > 0, low - reach, low)
-        high = np.where(pull(high) < 0, high + reach, high)
-        reach *= 2
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (low + high)
-        value = pull(middle)
-        low, high = np.where(value <= 0, middle, low), np.where(value >= 0, middle, high)
-    rest: Array = 0.5 * (low + high)
-    return rest

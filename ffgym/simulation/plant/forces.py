@@ -12,11 +12,11 @@ from mujoco import batch
 
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.effects import ResolverEffect, ResolverError, State, TorqueEffect, Torques
-from ffgym.effects.leads import Leads
 from ffgym.effects.stack import by_kind, stacked
+from ffgym.effects.together import plus, relaxed, step
 from ffgym.simulation.plant.engine_state import Addresses
 from ffgym.simulation.plant.machine import Machine
-from ffgym.simulation.plant.reading import EngineState, Reading, numbers_of
+from ffgym.simulation.plant.reading import EngineState, Reading, stack_numbers
 
 _ROUNDS = 20
 """Of the search for the angle that a resolver reads as a given one; errors change by less than 0.1 of the angle."""
@@ -47,7 +47,7 @@ class Forces:
         self._n = n = machines[0].robot.n_joints
         self._engine_state = EngineState(engine, at, self._drive)
         self._controls, self._applied = engine.bind("ctrl"), engine.bind("qfrc_applied")
-        self._numbers = numbers_of(machines, n)
+        self._numbers = stack_numbers(machines)
         self._torque = [
             (stacked(kind, members, n), np.array([m is not None for m in members]))
             for kind, members in by_kind([machine.torque_effects for machine in machines])
@@ -62,7 +62,7 @@ class Forces:
         self._motor = np.zeros((self._n_robots, n))  # what effects added to motors last, link side
         everyone = self.choose(slice(None))
         state = self.state(everyone)
-        self._memory = [effect.initial_memory(state) for effect in everyone.torque]
+        self._memory = relaxed(everyone.torque, state)
 
     @staticmethod
     def needed(machines: Sequence[Machine]) -> bool:
@@ -99,8 +99,8 @@ class Forces:
     def begin(self, chosen: Chosen, state: State) -> None:
         """Forget what was: simulations are at rest in `state`."""
         self._motor[chosen.rows] = 0.0
-        for effect, memory in zip(chosen.torque, self._memory, strict=True):
-            memory[chosen.rows] = effect.initial_memory(state)
+        for memory, now in zip(self._memory, relaxed(chosen.torque, state), strict=True):
+            memory[chosen.rows] = now
 
     def remembered(self) -> list[Array]:
         """What effects remember, and what they added to motors last; copies."""
@@ -121,7 +121,7 @@ class Forces:
 
     def resting(self, chosen: Chosen, state: State) -> Torques:
         """What is added to robots that rest in `state`, with memories that are relaxed there."""
-        return self._sum(chosen, state, [effect.initial_memory(state) for effect in chosen.torque], self._dt)
+        return step(chosen.torque, state, relaxed(chosen.torque, state), self._dt, chosen.present)[0]
 
     def resolver_error(self, motor_angle: Array, motor_speed: Array) -> ResolverError:
         """What resolvers read beyond the true angle [rad] and speed [rad/s], motor side, (B, N) each."""
@@ -156,29 +156,10 @@ class Forces:
             self._controls[chosen.rows, 1 : 3 * self._n : 3] -= error.speed
         if chosen.torque:
             memories = [memory[chosen.rows] for memory in self._memory]
-            total = self._sum(chosen, self.state(chosen), memories, dt)
+            total, memories = step(chosen.torque, self.state(chosen), memories, dt, chosen.present)
             for memory, later in zip(self._memory, memories, strict=True):
                 memory[chosen.rows] = later
             self._write(chosen, total)
-
-    def _sum(self, chosen: Chosen, state: State, memories: list[Array], dt: float) -> Torques:
-        """All torques together; `memories` are replaced by those after `dt` [s]."""
-        total = Torques()
-        alone: tuple[Array, Array] | None = None
-        leads = Leads(are_in_load=True)
-        for k, (effect, present) in enumerate(zip(chosen.torque, chosen.present, strict=True)):
-            added, memories[k] = effect.torques(state, memories[k], dt)
-            total.motor = _added(total.motor, added.motor, present)
-            total.motor = _added(total.motor, leads.beside(effect, state, added.spring, present), None)
-            total.link = _added(total.link, added.link, present)
-            total.spring = spring = _added(total.spring, added.spring, present)
-            if added.spring is not None and spring is not None:
-                alone = alone or (state.load, state.load_at_motor)
-                state.load = alone[0] + spring
-                state.load_at_motor = self._drive.motor_torque(state.load)
-        if alone is not None:
-            state.load, state.load_at_motor = alone
-        return total
 
     def _write(self, chosen: Chosen, total: Torques) -> None:
         """Generalised forces: motor hinges turn rotor and link, deflection hinges the link alone."""
@@ -186,21 +167,11 @@ class Forces:
         motor = None if total.motor is None else self._drive.joint_torque(total.motor)
         if motor is not None:
             self._motor[chosen.rows] = motor
-        turning = _added(motor, total.link, None)
-        behind = _added(total.spring, total.link, None)
+        turning, behind = plus(motor, total.link), plus(total.spring, total.link)
         if turning is not None:
             self._applied[chosen.everyone, at.motor_qpos] = turning
         if behind is not None:
             self._applied[chosen.everyone, at.deflection_qpos] = behind[:, at.is_elastic]
-
-
-def _added(total: Array | None, more: Array | None, present: BoolArray | None) -> Array | None:
-    """Sum of what there is; a machine without the effect is not touched, whatever rounding does."""
-    if more is None:
-        return total
-    if present is not None:
-        more = np.where(present, more, 0.0)
-    return more if total is None else total + more
 
 
 def _resolver_error(effects: Sequence[ResolverEffect], motor_angle: Array, motor_speed: Array) -> ResolverError:

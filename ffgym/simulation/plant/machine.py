@@ -2,62 +2,19 @@
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any, Self
 
 import mujoco
 import numpy as np
 
-from ffgym.core.errors import FFGymError, check_number, check_shape
+from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
 from ffgym.effects import ClockEffect, Effect, ModelEffect, NativeEffect, ResolverEffect, TorqueEffect, TrackerEffect
+from ffgym.effects.climate import Climate as Climate
 from ffgym.recordings import Recording
 from ffgym.robot import ModelOptions, RobotDescription, build_spec, physics_fingerprint
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Climate:
-    r"""Temperature of each joint since the machine was switched on.
-
-    .. math:: T(t) = T_{ambient} + \Delta T (1 - e^{-(t_{on} + t) / \tau})
-
-    The motions do not enter: a robot that works all day warms up by what it does on average.
-    """
-
-    ambient: float = 20.0
-    """Of the room, and of a machine just switched on [degC]."""
-    rise: Array = field(default_factory=lambda: np.zeros(1))
-    """Rise of each joint in the end [K], shape (N,); (1,) is the same for all."""
-    time_constant: float = 1200.0
-    """[s]; 5 to 20 min on industrial robots."""
-    running_since: float = 0.0
-    """How long the machine has run when the motion begins [s]."""
-
-    def __post_init__(self) -> None:
-        check_number("climate.ambient", self.ambient, unit="degC", low=-40.0, high=80.0)
-        check_number("climate.time_constant", self.time_constant, unit="s", low=0.0, open_low=True)
-        check_number("climate.running_since", self.running_since, unit="s", low=0.0)
-        single = np.isscalar(self.rise)
-        rise = [check_number("climate.rise", self.rise, unit="K")] if single else self.rise
-        rise = check_shape("climate.rise", rise, (None,))
-        for value in rise:
-            check_number("climate.rise", value, unit="K", low=0.0, high=100.0)
-        object.__setattr__(self, "rise", rise)
-
-    def at(self, running_since: float) -> Self:
-        """The same day, later or earlier [s]."""
-        return replace(self, running_since=running_since)
-
-    @property
-    def key(self) -> tuple[float, ...]:
-        """All its numbers, to tell whether two are the same."""
-        return (self.ambient, self.time_constant, self.running_since, *self.rise.tolist())
-
-    def temperature(self, time: Array, n_joints: int) -> Array:
-        """Temperature [degC], shape (T, N), at times [s] (T,) since the motion began."""
-        warm = -np.expm1(-(self.running_since + time) / self.time_constant)
-        return self.ambient + np.broadcast_to(self.rise, (n_joints,)) * warm[:, None]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

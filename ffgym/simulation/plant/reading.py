@@ -1,4 +1,4 @@
-"""The state that effects are asked at: numbers of the machines, and what the engine has, computed when asked for."""
+"""State of simulations that effects are asked at: numbers of the machines, and what the engine has."""
 
 from collections.abc import Mapping, Sequence
 
@@ -7,34 +7,10 @@ from mujoco import batch
 
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.effects import State
+from ffgym.effects.state import number
 from ffgym.robot.drive import Drive
 from ffgym.simulation.plant.engine_state import Addresses
-from ffgym.simulation.plant.machine import Climate, Machine
-
-_PARTS = {
-    "drive": ("joint_stiffness", "joint_damping", "peak_torque"),
-    "servo": ("position_gain", "velocity_gain", "integral_gain"),
-    "friction": ("coulomb", "static", "viscous", "stribeck_velocity", "bristle_stiffness"),
-}
-"""Numbers of a description that states are made of."""
-
-
-def numbers_of(machines: Sequence[Machine], n: int) -> dict[str, Array]:
-    """Numbers of B machines of `n` joints side by side, (B, N) each, or (B, 1) for those of the climate."""
-    robots, climates = [m.physical for m in machines], [m.climate or Climate() for m in machines]
-    numbers = {
-        name: np.stack([getattr(getattr(robot, part), name) for robot in robots])
-        for part, names in _PARTS.items()
-        for name in names
-    }
-    rigid = np.isinf(numbers["joint_stiffness"])  # a rigid joint has no deflection either
-    for name in ("joint_stiffness", "joint_damping"):
-        numbers[name] = np.where(rigid, 0.0, numbers[name])
-    numbers["reflected_inertia"] = np.stack([r.drive.gear_ratio**2 * r.drive.rotor_inertia for r in robots])
-    for name in ("ambient", "time_constant", "running_since"):
-        numbers[name] = np.array([[getattr(climate, name)] for climate in climates], dtype=np.float64)
-    numbers["rise"] = np.stack([np.broadcast_to(climate.rise, (n,)) for climate in climates])
-    return numbers
+from ffgym.simulation.plant.machine import Machine
 
 
 class EngineState:
@@ -53,7 +29,7 @@ class EngineState:
 
 
 class Reading(State):
-    """What the engine had at one instant, (B, N) each: effects need few fields, at every physics step.
+    """State that the engine had at one instant, (B, N) each: effects need few variables, at every physics step.
 
     Args:
         engine: simulations.
@@ -62,86 +38,66 @@ class Reading(State):
         motor: torque that effects added to the motors in the last step, link side [N m].
     """
 
-    __slots__ = ("_act", "_at", "_controls", "_drive", "_own", "_passed", "_qpos", "_qvel")
+    reflected_inertia: Array = number("drive.reflected_inertia")
+    """Inertia of the rotors behind the gearbox [kg m^2]."""
+    position_gain: Array = number("servo.position_gain")
+    """Gain of the servo's position error, motor side [N m/rad]."""
+    velocity_gain: Array = number("servo.velocity_gain")
+    """Gain of its speed error [N m s/rad]."""
+    integral_gain: Array = number("servo.integral_gain")
+    """Gain of the integral of its position error [N m/(rad s)]."""
 
     def __init__(self, engine: EngineState, rows: IntArray | slice, own: Mapping[str, Array], motor: Array) -> None:
-        self._at, self._drive, self._own = engine.at, engine.drive, own
+        self.__dict__.update(own, _given={*own, "time", "rigid_load"}, drive=engine.drive)
+        self._at = at = engine.at
         self._qpos, self._qvel, self._act, self._controls = (values[rows].copy() for values in engine.joints)
         self.time = engine.time[rows].reshape(-1, 1).copy()
-        self._passed: Array | None = None
         if engine.outputs is not None:  # gearboxes of rigid joints pass on all but what their rotors take
-            driven, acceleration = (values[rows][:, engine.at.motor_qpos] for values in engine.outputs)
-            self._passed = driven - own["reflected_inertia"] * acceleration + motor
+            driven, acceleration = (values[rows][:, at.motor_qpos] for values in engine.outputs)
+            self.rigid_load = driven - own["reflected_inertia"] * acceleration + motor
+            self.is_rigid = ~at.is_elastic
 
-    def __getattr__(self, name: str) -> Array:
-        """A field that nobody has asked for yet; called by Python where a slot is empty."""
-        compute = getattr(type(self), f"_{name}_now", None)
-        if compute is not None:
-            value: Array = compute(self)
-        elif name in State.__slots__:
-            value = self._own[name]
-        else:
-            raise AttributeError(f"A state has no {name}.")
-        setattr(self, name, value)
-        return value
-
-    def _running_now(self) -> Array:
-        return self._own["running_since"] + self.time
-
-    def _temperature_now(self) -> Array:
-        own = self._own
-        warm = -np.expm1(-(own["running_since"] + self.time) / own["time_constant"])
-        return own["ambient"] + own["rise"] * warm
-
-    def _joint_angle_now(self) -> Array:
+    def read_joint_angle(self) -> Array:
+        """Read angles of gearbox outputs, link side [rad]."""
         return self._qpos[:, self._at.motor_qpos]
 
-    def _joint_speed_now(self) -> Array:
+    def read_joint_speed(self) -> Array:
+        """Read their speeds, link side [rad/s]."""
         return self._qvel[:, self._at.motor_qpos]
 
-    def _motor_angle_now(self) -> Array:
-        return self._drive.motor_angle(self.joint_angle)
-
-    def _motor_speed_now(self) -> Array:
-        return self._drive.motor_angle(self.joint_speed)
-
-    def _deflection_now(self) -> Array:
+    def read_deflection(self) -> Array:
+        """Read deflections of elastic joints, link side [rad]."""
         return _spread(self._qpos, self._at.deflection_qpos, self._at.is_elastic)
 
-    def _deflection_rate_now(self) -> Array:
+    def read_deflection_rate(self) -> Array:
+        """Read their rates, link side [rad/s]."""
         return _spread(self._qvel, self._at.deflection_qpos, self._at.is_elastic)
 
-    def _load_now(self) -> Array:
-        load: Array = -(self.joint_stiffness * self.deflection + self.joint_damping * self.deflection_rate)
-        return load if self._passed is None else np.where(self._at.is_elastic, load, self._passed)
+    def read_bristle(self) -> Array:
+        """Read deflections of bristles, motor side [rad]."""
+        return _spread(self._act, self._at.bristle[self._at.has_bristle], self._at.has_bristle)
 
-    def _load_at_motor_now(self) -> Array:
-        return self._drive.motor_torque(self.load)
-
-    def _friction_sign_now(self) -> Array:
-        at = self._at
-        bristle = _spread(self._act, at.bristle[at.has_bristle], at.has_bristle)
-        peak = (self.static - self.coulomb) * np.exp(-((self.motor_speed / self.stribeck_velocity) ** 2))
-        sign: Array = self._own["bristle_stiffness"] * bristle / (self.coulomb + peak)
-        return sign
-
-    def _feedback_torque_now(self) -> Array:
-        """What MuJoCo's `pid` computes in the coming step, motor side [N m]."""
-        own, at, controls = self._own, self._at, self._controls
+    def read_feedback_torque(self) -> Array:
+        """Compute what MuJoCo's `pid` gives in the coming step, motor side [N m]."""
+        controls, at = self._controls, self._at
         integral = _spread(self._act, at.integral[at.has_integral], at.has_integral)
         end = 3 * integral.shape[1]
         feedback: Array = (
-            own["position_gain"] * (controls[:, 0:end:3] - self.motor_angle)
-            + own["velocity_gain"] * (controls[:, 1:end:3] - self.motor_speed)
-            + own["integral_gain"] * integral
+            self.position_gain * (controls[:, 0:end:3] - self.motor_angle)
+            + self.velocity_gain * (controls[:, 1:end:3] - self.motor_speed)
+            + self.integral_gain * integral
         )
         return feedback
 
-    def _motor_torque_now(self) -> Array:
-        """The same with the feed-forward, as far as the drive gives it."""
-        peak = self.peak_torque
-        total = self.feedback_torque + self._controls[:, 2 : 3 * peak.shape[1] : 3]
-        return np.minimum(np.maximum(total, -peak), peak)
+    def read_command(self) -> Array:
+        """Add the feed-forward torque of the controls, motor side [N m]."""
+        return self.feedback_torque + self._controls[:, 2 : 3 * self.peak_torque.shape[1] : 3]
+
+
+def stack_numbers(machines: Sequence[Machine]) -> dict[str, Array]:
+    """Numbers of B machines side by side, (B, N) each, or (B, 1) for those of the climate."""
+    each = [Reading.numbers(machine.physical, machine.climate) for machine in machines]
+    return {name: np.stack([numbers[name] for numbers in each]) for name in each[0]}
 
 
 def _spread(values: Array, places: IntArray, where: BoolArray) -> Array:

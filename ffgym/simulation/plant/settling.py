@@ -8,18 +8,12 @@ from mujoco import batch
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array, IntArray
-from ffgym.effects import State
+from ffgym.effects.together import find_rest
 from ffgym.robot import RobotDescription, model_field
 from ffgym.robot.drive import Drive
 from ffgym.simulation.plant.engine_state import Addresses
 from ffgym.simulation.plant.forces import Forces
 
-_FIRST_BRACKET = 1e-4
-"""Deflection [rad] beyond that of linear springs in which to look first; chosen: a third of an arc minute."""
-_DOUBLINGS = 20
-"""Of that bracket, to 100 rad."""
-_HALVINGS = 60
-"""Of the bracket, to less than rounding."""
 _ROUNDS = 40
 """Of the servo's torque, whose effects are a share of it: 0.3 to this power is below rounding."""
 
@@ -38,42 +32,23 @@ class Settling:
 
     def set_servo(self, torque: Array) -> None:
         """Let servos hold `torque`, motor side [N m], (B, N)."""
-        self._state.feedback_torque = self._state.motor_torque = torque
-
-    def _bent(self, deflection: Array) -> State:
-        """State with another deflection [rad], link side."""
-        state = self._state
-        state.deflection = deflection
-        state.load = -state.joint_stiffness * deflection
-        state.load_at_motor = self._drive.motor_torque(state.load)
-        return state
+        self._state.set_values(feedback_torque=torque, motor_torque=torque)
 
     def deflection(self, load: Array) -> Array:
         """Deflections [rad] at which springs and effects carry `load`, link side [N m], (B, N); 0 for rigid joints.
 
-        Solves K delta - spring(delta) - link(delta) = -load for each joint by bisection: backlash and hardening are
-        steeper than a fixed-point iteration bears.
+        Solves K delta - spring(delta) - link(delta) = -load for each joint.
         """
         stiffness = self._state.joint_stiffness
         elastic = stiffness > 0
         linear = np.divide(-load, stiffness, out=np.zeros_like(load), where=elastic)
-        half = np.abs(linear) + _FIRST_BRACKET
-        low, high = linear - half, linear + half
-        for _ in range(_DOUBLINGS):
-            low = np.where(self._pull(low, load) > 0, low - half, low)
-            high = np.where(self._pull(high, load) < 0, high + half, high)
-            half = 2 * half
-        for _ in range(_HALVINGS):
-            middle = 0.5 * (low + high)
-            pull = self._pull(middle, load)
-            low, high = np.where(pull < 0, middle, low), np.where(pull > 0, middle, high)
-            low, high = np.where(pull == 0, middle, low), np.where(pull == 0, middle, high)
-        bent = elastic & self._bent_rows
-        return np.where(bent, 0.5 * (low + high), linear)
+        rest = find_rest(lambda deflection: self._pull(deflection, load), linear)
+        return np.where(elastic & self._bent_rows, rest, linear)
 
     def _pull(self, deflection: Array, load: Array) -> Array:
         """What is left of the torque balance of links, (B, N) [N m]; grows with the deflection."""
-        added = self._forces.resting(self._chosen, self._bent(deflection))
+        self._state.set_values(deflection=deflection)
+        added = self._forces.resting(self._chosen, self._state)
         pull: Array = self._state.joint_stiffness * deflection + load
         for torque in (added.spring, added.link):
             pull = pull if torque is None else pull - torque
