@@ -39,10 +39,10 @@ from ffgym.agents.declaration import Entry, declare
 from ffgym.agents.elastic import ElasticLaw, elastic_law
 from ffgym.agents.flexible_joints import Lead, bristles_within, given_torque, in_parts, motion_at, wound_up
 from ffgym.agents.model_springs import Carried, Past, Springs, Start, unpacked
-from ffgym.agents.model_states import Motors, Place
+from ffgym.agents.model_states import Motors, state_between
 from ffgym.control import CausalLaw, DynamicLuGreExact, LawStyle, Window
 from ffgym.core.types import Array
-from ffgym.effects import Effect, NativeEffect, ResolverEffect, TorqueEffect
+from ffgym.effects import Effect, NativeEffect, ResolverEffect, State, TorqueEffect
 from ffgym.robot import RigidArm
 from ffgym.robot.drive import Drive
 from ffgym.simulation.plant import Machine, load_machine
@@ -153,30 +153,30 @@ class ModelLaw(CausalLaw):
         past = self._past(memory)
         newest, springs = self._carried(window, self.preview, past.start, past.carried[-1], past.springs)
         here, seen, lost, later = self._advanced(replace(past, springs=springs), window, 1, newest)
-        needed = here.needed - self._drive.motor_torque(past.start.load) + past.lost + lost + past.start.added
+        needed = here.command - self._drive.motor_torque(past.start.load) + past.lost + lost + past.start.added
         given = given_torque(self.elastic.known, *motion_at(window, 1), seen, past.integral)
         carried = self._drive.motor_torque(past.start.load) - past.start.added
         integral = wound_up(later.integral, self.elastic.known, self._drive.joint_torque(carried))
         return needed - given, replace(later, integral=integral).packed()
 
-    def _advanced(self, past: Past, window: Window, k: int, newest: Carried) -> tuple[Place, Lead, Array, Past]:
+    def _advanced(self, past: Past, window: Window, k: int, newest: Carried) -> tuple[State, Lead, Array, Past]:
         """The step from sample `k` of the window to the next one.
 
         Returns:
-            Where the arm is at sample `k`, the lead as the servo sees it there, friction less what effects add within
+            State at sample `k`, the lead as the servo sees it there, friction less what effects add within
             the step as its part of that sample [N m], and what is remembered after the step.
         """
         dt, start, rows = window.dt, past.start, (*past.carried, newest)
         middle = len(rows) // 2
         lead = self._lead(rows, start, dt)
-        here = self._place(motion_at(window, k), rows[middle - 1], past.lead, start, past.time)
-        after = self._place(motion_at(window, k + 1), rows[middle], lead, start, past.time + dt)
+        here = self._state(motion_at(window, k), rows[middle - 1], past.lead, start, past.time)
+        after = self._state(motion_at(window, k + 1), rows[middle], lead, start, past.time + dt)
         # friction less what effects add, in the middle of sub-steps
         law = self._friction
-        dq, next_dq = (self._drive.motor_angle(place.joint_speed) for place in (here, after))
-        middles, speeds, bristle = bristles_within(law, past.bristle, dq, next_dq, dt)
+        middles, speeds, bristle = bristles_within(law, past.bristle, here.motor_speed, after.motor_speed, dt)
         friction = law.friction.torque(middles, speeds)
-        added, motors = self._motors.within(here.towards(after, law.shares), middles, friction, past.motors, dt)
+        between = state_between(here, after, law.shares).with_values(bristle=middles)
+        added, motors = self._motors.within(between, friction, past.motors, dt)
         lost, next_lost = in_parts(friction - added)
         seen, next_seen = self._seen(here, past.lead, start), self._seen(after, lead, start)
         later = Past(
@@ -218,7 +218,7 @@ class ModelLaw(CausalLaw):
             error = self.machine.read_by_resolver(motor_q - error, still)[0] - (motor_q - error)
         none = Lead(angle=still, speed=still, acceleration=still)
         start = Start(load=carried.load, bend=carried.bend, added=carried.reaction, error=error)
-        added, motors = self._motors.rest(self._place((q, still, still), carried, none, start, still))
+        added, motors = self._motors.rest(self._state((q, still, still), carried, none, start, still))
         return replace(start, added=carried.reaction + added), springs, motors
 
     def _carried(
@@ -233,25 +233,32 @@ class ModelLaw(CausalLaw):
         """Lead at the middle one of an odd number of samples."""
         return self.elastic.lead(np.stack([row.bend - start.bend for row in rows], axis=-2), dt)
 
-    def _place(
+    @cached_property
+    def _still(self) -> State:
+        """State of the machine but for its motion."""
+        robot = self.machine.physical
+        none = np.zeros(robot.n_joints)
+        return State.of(robot, self.machine.climate, bristle=none, feedback_torque=none)
+
+    def _state(
         self, sample: tuple[Array, Array, Array], carried: Carried, lead: Lead, start: Start, time: Array
-    ) -> Place:
-        """Where motors and links are at a sample, and the torque that keeps them there."""
+    ) -> State:
+        """State at a sample, whose command is what keeps motors and links there, but for friction and effects."""
         (q, motor_dq, motor_ddq), drive = sample, self._drive
         rotor = drive.rotor_inertia * (motor_ddq + drive.motor_angle(lead.acceleration))
-        return Place(
+        return self._still.with_values(
             time=time,
             joint_angle=q + lead.angle - drive.joint_angle(start.error),
             joint_speed=drive.joint_angle(motor_dq) + lead.speed,
+            command=drive.motor_torque(carried.load) + rotor - carried.reaction,
             deflection=-(lead.angle + start.bend / drive.joint_stiffness),
             deflection_rate=-lead.speed,
             load=carried.load,
-            needed=drive.motor_torque(carried.load) + rotor - carried.reaction,
         )
 
-    def _seen(self, place: Place, lead: Lead, start: Start) -> Lead:
+    def _seen(self, state: State, lead: Lead, start: Start) -> Lead:
         """The lead as the resolver shows it to the servo."""
-        angle, speed = self._drive.motor_angle(place.joint_angle), self._drive.motor_angle(place.joint_speed)
+        angle, speed = state.motor_angle, state.motor_speed
         read_angle, read_speed = self.machine.read_by_resolver(angle, speed)
         return Lead(
             angle=lead.angle + self._drive.joint_angle(read_angle - angle - start.error),

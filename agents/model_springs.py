@@ -16,10 +16,9 @@ from functools import cached_property
 import numpy as np
 
 from ffgym.agents.flexible_joints import Lead
-from ffgym.agents.model_states import Place, state_at
 from ffgym.core.types import Array
-from ffgym.effects import TorqueEffect, Torques
-from ffgym.effects.leads import Leads
+from ffgym.effects import State, TorqueEffect
+from ffgym.effects.together import in_order, relaxed, step
 from ffgym.effects.transmission.backlash import Backlash
 from ffgym.simulation.plant import Machine
 
@@ -58,8 +57,15 @@ class Springs:
     @cached_property
     def effects(self) -> tuple[TorqueEffect, ...]:
         """All but gaps, in the order in which a plant adds them up."""
-        chosen = [e for e in self.machine.torque_effects if e.side == "link" and not isinstance(e, Backlash)]
-        return tuple(sorted(chosen, key=lambda effect: effect.name))
+        chosen = (e for e in self.machine.torque_effects if e.side == "link" and not isinstance(e, Backlash))
+        return tuple(in_order(chosen))
+
+    @cached_property
+    def _still(self) -> State:
+        """State of the machine but for its motion; servo and bristles do not act on springs and links."""
+        robot = self.machine.physical
+        none = np.zeros(robot.n_joints)
+        return State.of(robot, self.machine.climate, time=none, bristle=none, feedback_torque=none, command=none)
 
     @cached_property
     def half_gap(self) -> Array:
@@ -70,10 +76,8 @@ class Springs:
     def rest(self, needed: Array, q: Array) -> tuple[Carried, list[Array]]:
         """What is carried where the robot rests at `q` (..., N), and what effects remember there."""
         none = np.zeros_like(q)
-        still = self._place(needed, q, none, none, none, none)
-        state = state_at(self.machine, still, bristle=none, command=none)
-        memories = [effect.initial_memory(state) for effect in self.effects]
-        carried, _ = self._carried(lambda bent: self._place(needed, q, none, bent, none, bent), needed, memories, 1.0)
+        memories = relaxed(self.effects, self._state(q, none, none, none, none))
+        carried, _ = self._carried(lambda bent: self._state(q, none, bent, none, bent), needed, memories, 1.0)
         return self._beyond_gap(carried, self.machine.physical.drive.joint_stiffness * LOOSE), memories
 
     def next(
@@ -93,10 +97,10 @@ class Springs:
         drive = self.machine.physical.drive
         started, last = -start / drive.joint_stiffness, -before.bend / drive.joint_stiffness
 
-        def place(bent: Array) -> Place:
-            return self._place(needed, q, dq, bent, (bent - last) / dt, started)
+        def state(bent: Array) -> State:
+            return self._state(q, dq, bent, (bent - last) / dt, started)
 
-        carried, later = self._carried(place, needed, memories, dt)
+        carried, later = self._carried(state, needed, memories, dt)
         return self._beyond_gap(carried, CROSSING * np.abs(carried.load - before.load)), later
 
     def _beyond_gap(self, carried: Carried, full: Array) -> Carried:
@@ -111,55 +115,31 @@ class Springs:
         return replace(carried, bend=carried.bend + across)
 
     def _carried(
-        self, place: Callable[[Array], Place], needed: Array, memories: Sequence[Array], dt: float
+        self, state: Callable[[Array], State], needed: Array, memories: Sequence[Array], dt: float
     ) -> tuple[Carried, list[Array]]:
         drive = self.machine.physical.drive
         if not self.effects:
             return Carried(load=needed, bend=needed, reaction=np.zeros_like(needed)), []
 
         def pull(bent: Array) -> Array:
-            added, _ = self._sum(place(bent), memories, dt)
+            added, _ = step(self.effects, state(bent), memories, dt)
             balance: Array = np.where(drive.is_rigid, 0.0, drive.joint_stiffness) * bent + needed
             for torque in (added.spring, added.link):
                 balance = balance if torque is None else balance - torque
             return balance
 
         bent = np.where(drive.is_rigid, 0.0, rising_root(pull, -needed / drive.joint_stiffness, REACH))
-        added, later = self._sum(place(bent), memories, dt)
+        added, later = step(self.effects, state(bent), memories, dt)
         load = needed if added.link is None else needed - added.link
         bend = np.where(drive.is_rigid, load, -np.where(drive.is_rigid, 0.0, drive.joint_stiffness) * bent)
         reaction = np.zeros_like(needed) if added.motor is None else added.motor
         return Carried(load=load, bend=bend, reaction=reaction), later
 
-    def _place(self, needed: Array, q: Array, dq: Array, bent: Array, rate: Array, started: Array) -> Place:
-        drive = self.machine.physical.drive
-        linear = -np.where(drive.is_rigid, 0.0, drive.joint_stiffness) * bent
-        return Place(
-            time=np.zeros_like(bent),
-            joint_angle=q + started - bent,
-            joint_speed=dq - rate,
-            deflection=bent,
-            deflection_rate=rate,
-            load=linear - np.where(drive.is_rigid, 0.0, drive.joint_damping) * rate,
-            needed=needed,
+    def _state(self, q: Array, dq: Array, bent: Array, rate: Array, started: Array) -> State:
+        """State where links bend by `bent` and leave their motors by that less what they bend by at the start [rad]."""
+        return self._still.with_values(
+            joint_angle=q + started - bent, joint_speed=dq - rate, deflection=bent, deflection_rate=rate
         )
-
-    def _sum(self, place: Place, memories: Sequence[Array], dt: float) -> tuple[Torques, list[Array]]:
-        """All torques together; what a spring adds is load for the next effect, as in a plant."""
-        none = np.zeros_like(place.deflection)
-        state, total, later = state_at(self.machine, place, bristle=none, command=none), Torques(), []
-        alone, leads = state.load, Leads(are_in_load=True)
-        for effect, memory in zip(self.effects, memories, strict=True):
-            added, after = effect.torques(state, memory, dt)
-            later.append(after)
-            total = Torques(
-                motor=_plus(_plus(total.motor, added.motor), leads.beside(effect, state, added.spring)),
-                spring=_plus(total.spring, added.spring),
-                link=_plus(total.link, added.link),
-            )
-            if total.spring is not None:
-                state = replace(state, load=alone + total.spring)
-        return total, later
 
 
 def rising_root(rising: Callable[[Array], Array], middle: Array, reach: float) -> Array:
@@ -173,12 +153,6 @@ def rising_root(rising: Callable[[Array], Array], middle: Array, reach: float) -
         below = np.sum(rising(low + width * cuts) < 0, axis=0)
         low, width = low + width * (below / PARTS), width / PARTS
     return low + 0.5 * width
-
-
-def _plus(total: Array | None, more: Array | None) -> Array | None:
-    if total is None or more is None:
-        return more if total is None else total
-    return total + more
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -37,7 +37,7 @@ class _Given:
             value = state.__dict__[self.name] = read()
             return value
         if not self.default:
-            raise AttributeError(f"This state was made without {self.name}, which nothing else of it tells.")
+            raise AttributeError(self.name)
         return self.default[0]
 
 
@@ -141,9 +141,7 @@ class State:
 
     @cached_property
     def friction_sign(self) -> Array:
-        """LuGre-smoothed sign of the motor speed s = sigma_0 z / g(v) [1]: -1 to 1 in sliding, between while bristles
-        bend.
-        """
+        """LuGre-smoothed sign of the motor speed s = sigma_0 z / g(v) [1], between -1 and 1."""
         level = stribeck_level(self.motor_speed, self.coulomb, self.static, self.stribeck_velocity)
         return self.bristle_stiffness * self.bristle / level
 
@@ -194,6 +192,12 @@ class State:
         for name in values.keys() - {"drive"}:
             check_choice("variable of a state", name, self.names())
         self.__dict__.update(values, _given=values.keys())
+
+    def __getattr__(self, name: str) -> Any:
+        """Say why there is no such variable; called by Python where one is not found."""
+        if name in self.names():
+            raise AttributeError(f"This state was made without {name}, and without variables that it follows from.")
+        raise AttributeError(f"A state has no {name}. Available: {', '.join(self.names())}.")
 
     @classmethod
     @cache

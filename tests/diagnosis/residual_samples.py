@@ -61,9 +61,9 @@ def _motion(robot, name, faults, channels, rng) -> MotionResidual:
 def _state(robot: RobotDescription, t: Array, angle: Array, speed: Array) -> State:
     q = robot.drive.joint_angle(angle)
     load = 0.5 * np.cos(q * 20)
-    friction = robot.friction
     zero = np.zeros_like(angle)
-    return State(
+    return State.of(
+        robot,
         time=t[:, None],
         motor_angle=angle,
         motor_speed=speed,
@@ -73,16 +73,9 @@ def _state(robot: RobotDescription, t: Array, angle: Array, speed: Array) -> Sta
         deflection_rate=zero,
         load=robot.drive.gear_ratio * load,
         load_at_motor=load,
-        joint_stiffness=robot.drive.joint_stiffness,
-        joint_damping=robot.drive.joint_damping,
         friction_sign=np.tanh(speed / 0.02),
-        coulomb=friction.coulomb,
-        static=friction.static,
-        viscous=friction.viscous,
-        stribeck_velocity=friction.stribeck_velocity,
         feedback_torque=zero,
         motor_torque=zero,
-        peak_torque=robot.drive.peak_torque,
         temperature=20.0 + 0.5 * t[:, None] + zero,
     )
 

@@ -1,10 +1,20 @@
 """Effects as strong as they can be, and none."""
 
-from dataclasses import fields
-
 import numpy as np
 
 from ffgym.effects import Effect, State
+
+MOTION = (
+    "time",
+    "joint_angle",
+    "joint_speed",
+    "bristle",
+    "feedback_torque",
+    "command",
+    "deflection",
+    "deflection_rate",
+)
+"""Variables of a state that do not follow from others."""
 
 
 def as_strong_as_plausible(effect: type[Effect], robot, share=1.0):
@@ -28,12 +38,8 @@ def without_effect(effect: type[Effect], robot):
 def state_of(robot, **given):
     """State of a robot at rest and without load but for what is given, (N,) or (..., N) each."""
     shape = np.broadcast_shapes((robot.n_joints,), *(np.shape(value) for value in given.values()))
-    per_joint = {f.name: np.zeros(shape) for f in fields(State)}
-    friction, drive = robot.friction, robot.drive
-    numbers = {name: getattr(friction, name) for name in ("coulomb", "static", "viscous", "stribeck_velocity")}
-    numbers |= {name: getattr(drive, name) for name in ("joint_stiffness", "joint_damping", "peak_torque")}
-    numbers |= {"temperature": 20.0} | given
-    return State(**per_joint | {name: np.broadcast_to(value, shape) + 0.0 for name, value in numbers.items()})
+    state = State.of(robot, **dict.fromkeys(MOTION, 0.0) | given)
+    return state.each(lambda value: np.broadcast_to(value, shape) + 0.0)
 
 
 def torques_at(effect, state):

@@ -87,5 +87,5 @@ def test_a_lag_delays_what_changes_slowly_by_itself_however_coarse_the_samples(e
     sample_dt, lag = every * dt, 0.0005
     ramp = sample_dt * np.arange(len(states.motor_torque))[:, None] + np.zeros(irb4600.n_joints)
     effect = EFFECTS["torque_delay"].on(irb4600, delay=0.0, lag=lag)
-    added = effect.torques_over(replace(states, motor_torque=ramp), sample_dt)
+    added = effect.torques_over(states.with_values(motor_torque=ramp), sample_dt)
     assert added.motor[100:] == pytest.approx(-lag, rel=1e-6)

@@ -30,7 +30,7 @@ by_name = pytest.mark.parametrize("kind", EQUATIONS.values(), ids=EQUATIONS.keys
 def state_of(**given):
     """A state of one motor in which all that is not `given` is zero; arrays have shape (T, 1)."""
     rows = max((np.size(value) for value in given.values()), default=1)
-    values = dict.fromkeys(State.__slots__, 0.0) | given
+    values = {name: 0.0 for name in State.names() if name not in ("link_angle", "link_speed")} | given
     return State(**{name: np.broadcast_to(np.reshape(value, (-1, 1)), (rows, 1)) for name, value in values.items()})
 
 

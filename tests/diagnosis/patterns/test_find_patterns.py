@@ -114,7 +114,7 @@ def test_what_goes_with_power_is_a_function_of_it():
         torque = np.sin(3.1 * motion.t)[:, None] * np.ones(2)
         power = (motion.state.motor_speed * torque)[:, 1]
         measured = motion.measured["torque"] + only(1, 3 * NOISY * power / power.std())
-        state = replace(motion.state, motor_torque=torque)
+        state = motion.state.with_values(motor_torque=torque)
         motions.append(replace(motion, state=state, measured={"torque": measured}))
     found = find_patterns(replace(residual, motions=tuple(motions)), np.random.default_rng(1))[0]
     assert (found.component, found.variable, found.kind) == (ELBOW, "speed times torque", "function")

@@ -107,7 +107,7 @@ def test_a_payload_lowers_the_tool_and_takes_torque(log):
 def test_effects_that_follow_the_motor_do_not_see_how_joints_bend(log):
     """As each of them says of itself, which spares going from sample to sample."""
     state = replay(log, nominal()).state
-    further = replace(state, deflection=state.deflection + 1e-4, deflection_rate=state.deflection_rate + 1e-3)
+    further = state.with_values(deflection=state.deflection + 1e-4, deflection_rate=state.deflection_rate + 1e-3)
     behind = {kind for kind in EFFECTS.values() if issubclass(kind, TorqueEffect) and kind.side == "link"}
     for kind in behind:
         effect = small(kind, nominal().robot, share=0.3)

@@ -1,10 +1,10 @@
-"""Driven springs against a stiff solver, and the rest of an arm that hangs in them."""
+"""Driven springs against a stiff solver."""
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from ffgym.diagnosis.replay.springs import FlownAwayError, Springs, resting
+from ffgym.diagnosis.replay.springs import FlownAwayError, Springs
 from ffgym.diagnosis.settings import settings
 
 MASS = np.array([[8.0, 1.5], [1.5, 2.0]])
@@ -100,25 +100,6 @@ def test_a_push_that_is_a_spring_is_a_stiffer_spring(solved):
     pushed = springs(n).pushed_by(torque, lambda k, angle, rate: -more * angle, torque[0] / (STIFFNESS + more))
     size = np.abs(stiffer.angle).max()
     assert np.abs(pushed.angle - stiffer.angle[..., 0]).max() < 5e-3 * size
-
-
-@pytest.mark.parametrize("stiffness", [1e3, 1e9])
-def test_the_rest_balances_a_spring_that_hardens(stiffness):
-    cubic, load_at_rest = 1e15, np.array([[120.0, -5.0]])
-    rest = resting(lambda x: stiffness * x + cubic * x**3 - load_at_rest, np.zeros((1, 2)))
-    np.testing.assert_allclose(stiffness * rest + cubic * rest**3, load_at_rest, rtol=1e-9)
-
-
-@pytest.mark.parametrize("near", [-2e-3, 0.0, 5e-4, 1e-2])
-def test_without_load_the_rest_is_within_the_gap(near):
-    gap, off = 3e-4, 1e-4
-
-    def pull(x):
-        return 1e5 * np.where(np.abs(x - off) > gap, x - off - gap * np.sign(x - off), 0.0)
-
-    rest = resting(pull, np.full((1, 1), near))
-    assert abs(float(rest[0, 0]) - off) <= gap
-    assert resting(pull, np.full((1, 1), off)) == pytest.approx(off)
 
 
 @pytest.mark.parametrize(("share", "stays"), [(0.5, True), (1.5, False)])

@@ -1,7 +1,5 @@
 """A state of the engine is that of the instant at which it was read, whenever its fields are asked for."""
 
-from dataclasses import fields
-
 import numpy as np
 import pytest
 
@@ -24,7 +22,7 @@ def read(plant):
 
 def test_fields_that_are_asked_for_later_are_those_of_then(plant, one_axis):
     early, late = read(plant), read(plant)
-    then = {f.name: np.array(getattr(early, f.name)) for f in fields(State)}
+    then = {name: np.array(getattr(early, name)) for name in State.names() if name not in ("rigid_load", "wound")}
     controls = np.zeros((2, 200, plant.model.nu))
     plant.split_controls(controls)[2][...] = 0.3 * one_axis.drive.peak_torque
     plant.drive(controls)
