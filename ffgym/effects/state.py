@@ -140,10 +140,14 @@ class State:
     """Deflection z of the LuGre bristles, motor side [rad]."""
 
     @cached_property
+    def friction_level(self) -> Array:
+        """Friction g(v) in steady sliding at the motor speed, without viscous part, motor side [N m]."""
+        return stribeck_level(self.motor_speed, self.coulomb, self.static, self.stribeck_velocity)
+
+    @cached_property
     def friction_sign(self) -> Array:
         """LuGre-smoothed sign of the motor speed s = sigma_0 z / g(v) [1], between -1 and 1."""
-        level = stribeck_level(self.motor_speed, self.coulomb, self.static, self.stribeck_velocity)
-        return self.bristle_stiffness * self.bristle / level
+        return self.bristle_stiffness * self.bristle / self.friction_level
 
     feedback_torque: Array = given()
     """Torque that the servo adds by its position, speed and integral errors, motor side [N m]."""

@@ -11,6 +11,7 @@ from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.diagnosis.identification.friction_data import FrictionTorque
 from ffgym.diagnosis.identification.resampling import RESAMPLES, Blocks, bootstrap
 from ffgym.logs.quality.signals import stretches
+from ffgym.robot.friction import stribeck_level
 
 WINDOW = 0.1
 """Time over which speeds are averaged to compare them [s]: an encoder of 16 bit then resolves 1e-3 rad/s."""
@@ -141,7 +142,7 @@ class StribeckFit:
     def curve(self, speed: Array) -> Array:
         """Friction [N m] at motor speeds [rad/s], without the even part."""
         coulomb, static, viscous, velocity = self.values
-        level = coulomb + (static - coulomb) * np.exp(-((speed / velocity) ** 2))
+        level = stribeck_level(speed, coulomb, static, velocity)
         friction: Array = level * np.sign(speed) + viscous * speed
         return friction
 

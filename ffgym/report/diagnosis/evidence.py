@@ -216,8 +216,7 @@ def _loops_figure(models: Mapping[str, Residual], place: Place, motions: Sequenc
             nominal = models[NOMINAL].motions[motion]
             # What the nominal model predicts without its friction.
             state = nominal.state
-            peak = (state.static - state.coulomb) * np.exp(-((state.motor_speed / state.stribeck_velocity) ** 2))
-            friction = (state.coulomb + peak) * state.friction_sign + state.viscous * state.motor_speed
+            friction = state.friction_level * state.friction_sign + state.viscous * state.motor_speed
             rest = nominal.predicted["torque"][:, j] - friction[:, j]
             lines = {"measured": nominal.measured["torque"][:, j]}
             lines |= {name: residual.motions[motion].predicted["torque"][:, j] for name, residual in models.items()}
