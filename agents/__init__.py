@@ -1,6 +1,6 @@
 """Feed-forward methods and policies, one file per family; `LawAgent` runs any law with stable-baselines3's `predict`.
 
-Friction and rigid-body laws of a controller stand in `ffgym.control`, the comparison of agents in `ffgym.leaderboard`.
+Friction and rigid-body laws of a controller are in `ffgym.control`, the comparison of agents in `ffgym.leaderboard`.
 """
 
 import lazy_loader

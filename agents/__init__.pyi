@@ -2,10 +2,10 @@ from .bspline import ExtendedBSN as ExtendedBSN
 from .bspline import SplineBasis as SplineBasis
 from .bspline import StaticBSN as StaticBSN
 from .catalogue import CATALOGUE as CATALOGUE
-from .catalogue import law_named as law_named
+from .catalogue import make_law as make_law
 from .coulomb_prior import CoulombPrior as CoulombPrior
-from .declaration import Entry as Entry
-from .declaration import Setting as Setting
+from .declaration import AgentEntry as AgentEntry
+from .declaration import AgentSetting as AgentSetting
 from .declaration import declare as declare
 from .elastic import elastic_feedforward as elastic_feedforward
 from .feedback_error import MLP as MLP

@@ -17,7 +17,7 @@ from ffgym.core.files import write_json
 from ffgym.core.provenance import versions
 
 TRAINED = Path(__file__).with_name("trained")
-"""Where they are."""
+"""Folder of the trained agents in the package."""
 ANYWHERE = "any"
 """Plant of an artefact that was not trained on the plant that it runs on."""
 _MANIFEST = "manifest.json"
@@ -34,7 +34,7 @@ class Artefact:
     plant: str
     """Where it learned, and what it is for: 'nominal', 'workcell:<name>', or ANYWHERE."""
     fingerprint: str
-    """Of the physics that it learned on."""
+    """Fingerprint of the physics that it learned on."""
     robot_seconds: float
     """Time that this machine moved for it [s]; 0 where it learned in simulation to be used elsewhere."""
     env_steps: int
@@ -42,12 +42,12 @@ class Artefact:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Manifest:
+class ArtefactManifest:
     """All artefacts of one name."""
 
     name: str
     command: str
-    """What makes them again."""
+    """Command that trains them again."""
     artefacts: tuple[Artefact, ...]
     versions: Mapping[str, str]
     learning_curve: tuple[tuple[float, float], ...] = ()
@@ -55,11 +55,11 @@ class Manifest:
 
     @property
     def seeds(self) -> tuple[int, ...]:
-        """Of all artefacts."""
+        """Seeds of all artefacts, ascending, each once."""
         return tuple(sorted({artefact.seed for artefact in self.artefacts}))
 
     def find(self, plant: str, seed: int) -> Artefact | None:
-        """Artefact for a plant and a seed; None if there is none."""
+        """Return the artefact for a plant and a seed, or None."""
         for artefact in self.artefacts:
             if artefact.seed == seed and artefact.plant in (plant, ANYWHERE):
                 return artefact
@@ -67,8 +67,8 @@ class Manifest:
 
 
 @cache
-def manifest_of(name: str, folder: Path = TRAINED) -> Manifest | None:
-    """Manifest of an agent; None if nothing was trained under that name.
+def read_manifest(name: str, folder: Path = TRAINED) -> ArtefactManifest | None:
+    """Read the manifest of an agent; return None if nothing was trained under that name.
 
     Raises:
         FFGymError: if it is damaged.
@@ -80,13 +80,13 @@ def manifest_of(name: str, folder: Path = TRAINED) -> Manifest | None:
         tree = json.loads(place.read_text(encoding="utf-8"))
         artefacts = tuple(Artefact(**entry) for entry in tree.pop("artefacts"))
         curve = tuple((float(x), float(y)) for x, y in tree.pop("learning_curve"))
-        return Manifest(artefacts=artefacts, learning_curve=curve, **tree)
+        return ArtefactManifest(artefacts=artefacts, learning_curve=curve, **tree)
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise FFGymError(f"{place}: is no manifest of trained agents: {error}. Install ffgym again.") from error
 
 
-def path_of(name: str, artefact: Artefact, folder: Path = TRAINED) -> Path:
-    """File of an artefact, after its contents were compared with the manifest.
+def locate_artefact(name: str, artefact: Artefact, folder: Path = TRAINED) -> Path:
+    """Return the file of an artefact once its contents have been compared with the manifest.
 
     Raises:
         FFGymError: if it is missing, or another than the manifest says.
@@ -104,21 +104,21 @@ def path_of(name: str, artefact: Artefact, folder: Path = TRAINED) -> Path:
     return place
 
 
-def described(name: str, file: str, folder: Path = TRAINED, **what: Any) -> Artefact:
-    """Entry of a manifest for a file that was just written."""
+def describe_artefact(name: str, file: str, folder: Path = TRAINED, **what: Any) -> Artefact:
+    """Make the entry of a manifest for a file that was just written."""
     data = (folder / name / file).read_bytes()
     return Artefact(file=file, sha256=sha256(data).hexdigest(), **what)
 
 
-def write_manifest(manifest: Manifest, folder: Path = TRAINED) -> None:
+def write_manifest(manifest: ArtefactManifest, folder: Path = TRAINED) -> None:
     """Write a manifest beside its artefacts."""
     write_json(folder / manifest.name / _MANIFEST, asdict(manifest))
 
 
 def add_artefacts(name: str, command: str, new: Sequence[Artefact], folder: Path = TRAINED) -> None:
     """Put entries into the manifest of an agent, in place of old ones of the same seed and plant, by plant and seed."""
-    before = manifest_of(name, folder)
+    before = read_manifest(name, folder)
     every = {(each.plant, each.seed): each for each in (*(() if before is None else before.artefacts), *new)}
     artefacts = tuple(every[key] for key in sorted(every))
-    write_manifest(Manifest(name=name, command=command, artefacts=artefacts, versions=versions()), folder)
-    manifest_of.cache_clear()
+    write_manifest(ArtefactManifest(name=name, command=command, artefacts=artefacts, versions=versions()), folder)
+    read_manifest.cache_clear()

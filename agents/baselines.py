@@ -1,7 +1,7 @@
-"""What others are compared with: no torque, and random torque, which shows what an agent is worth that knows nothing.
+"""Baselines of every comparison: no added torque, and random torque.
 
-Idea of the second: independent torque at every sample, uniform between minus and plus a share of each joint's breakaway
-torque.
+Random torque shows how an agent without any knowledge scores: independent torque at every sample, uniform between minus
+and plus a share of each joint's breakaway torque.
 
 Run it:
 
@@ -16,7 +16,7 @@ from zlib import crc32
 
 import numpy as np
 
-from ffgym.agents.declaration import Entry, declare
+from ffgym.agents.declaration import AgentEntry, declare
 from ffgym.control import FeedForwardLaw, LawStyle, NoCompensation
 from ffgym.core.types import Array
 from ffgym.paths import Reference
@@ -25,7 +25,7 @@ from ffgym.paths import Reference
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RandomTorque(FeedForwardLaw):
-    """Torque that no motion has anything to do with."""
+    """Random torque, independent of the motion."""
 
     seed: int
     share: float = 1.0
@@ -33,7 +33,7 @@ class RandomTorque(FeedForwardLaw):
     name: str = "random"
 
     def torque(self, reference: Reference) -> Array:
-        """See base class; a motion of one name gets the same torque again."""
+        """Draw the torque; motions of one name get the same one."""
         rng = np.random.default_rng([self.seed, crc32(reference.name.encode())])
         bound = self.share * reference.robot.friction.static
         torque = bound * rng.uniform(-1.0, 1.0, size=reference.q.shape)
@@ -42,7 +42,7 @@ class RandomTorque(FeedForwardLaw):
 
 
 declare(
-    Entry(
+    AgentEntry(
         name="none",
         title="no compensation",
         about="No added torque: the servo and the rigid-body feed-forward that every robot has.",
@@ -52,7 +52,7 @@ declare(
         style=LawStyle(label="no compensation", colour="#0072B2", marker="o"),
         make=lambda setting: NoCompensation(),
     ),
-    Entry(
+    AgentEntry(
         name="random",
         title="random torque",
         about="Uniform random torque up to breakaway torque: what knowing nothing is worth.",

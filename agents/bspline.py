@@ -31,7 +31,7 @@ import numpy as np
 import scipy
 
 from ffgym.agents.coulomb_prior import CoulombPrior
-from ffgym.agents.declaration import Entry, declare
+from ffgym.agents.declaration import AgentEntry, declare
 from ffgym.agents.lffc import Network, thesis_training
 from ffgym.agents.trials import Lesson, Trial, friction_motions, thesis_motions
 from ffgym.control import LawStyle, Window
@@ -91,7 +91,7 @@ class SplineBasis:
         return np.lib.stride_tricks.sliding_window_view(inner, self.order - 1).mean(axis=-1)
 
     def active(self, motor_dq: Array) -> tuple[Array, IntArray]:
-        """Values of the splines that are not zero at `motor_dq` [rad/s], and their numbers; shape (..., order) each.
+        """Evaluate the splines that are not zero at `motor_dq` [rad/s]: values and numbers, shape (..., order) each.
 
         Beyond the outermost knots a speed counts as that knot, so that a curve keeps its last value. Every speed is
         treated by itself, whatever stands beside it.
@@ -106,7 +106,7 @@ class SplineBasis:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class BSplineNetwork(Network):
-    """One or more B-spline networks per motor; members say which one is in charge."""
+    """One or more B-spline networks per motor; members select the one that answers."""
 
     coefficients: Array
     """Weights w [N m], motor side, shape (N, H, S): joints, networks of a joint, splines."""
@@ -122,26 +122,26 @@ class BSplineNetwork(Network):
 
     @classmethod
     def zero(cls, n_joints: int, basis: SplineBasis | None = None, **fields: Any) -> Self:
-        """A network that has learned nothing and adds nothing."""
+        """Return a network with zero weights, which adds nothing."""
         basis = basis or SplineBasis()
         return cls(coefficients=np.zeros((n_joints, cls.n_networks, basis.n_splines)), basis=basis, **fields)
 
     @abstractmethod
-    def in_charge(self, motor_ddq: Array) -> IntArray:
-        """Which network of a joint answers at motor acceleration `motor_ddq` [rad/s^2]; same shape."""
+    def select_network(self, motor_ddq: Array) -> IntArray:
+        """Number of the network of a joint that answers at motor acceleration `motor_ddq` [rad/s^2]; same shape."""
 
     @property
     def n_joints(self) -> int:
-        """See base class."""
+        """Number of motors N."""
         return len(self.coefficients)
 
     @property
     def weights(self) -> dict[str, Array]:
-        """See base class."""
+        """Weights of the splines."""
         return {"coefficients": self.coefficients}
 
-    def filled(self, curve: Callable[[Array], Array]) -> Self:
-        """The same network with weights that follow `curve`, a torque [N m] (..., N) over motor speed [rad/s] (..., N).
+    def with_curve(self, curve: Callable[[Array], Array]) -> Self:
+        """Return the network with weights that follow `curve`, torque [N m] over motor speed [rad/s], (..., N) each.
 
         A weight is the curve at the centre of its spline: exact at the knots for hats, smoothed for higher orders.
         """
@@ -149,34 +149,35 @@ class BSplineNetwork(Network):
         return replace(self, coefficients=np.broadcast_to(curve(speeds).T[:, None], self.coefficients.shape).copy())
 
     def step(self, memory: Array, window: Window) -> tuple[Array, Array]:
-        """See base class; nothing is remembered."""
+        """Return the torque of the next sample; the network has no memory."""
         return self.torque_at(window.motor_dq[..., 1, :], window.motor_ddq[..., 1, :]), memory
 
     def torque_at(self, motor_dq: Array, motor_ddq: Array) -> Array:
-        """Torque [N m] at motor speed [rad/s] and acceleration [rad/s^2], all of shape (..., N)."""
+        """Compute the torque [N m] at motor speed [rad/s] and acceleration [rad/s^2], all of shape (..., N)."""
         values, places = self.active(motor_dq, motor_ddq)
         flat = self.coefficients.reshape(self.n_joints, -1)
         return np.asarray((values * flat[np.arange(self.n_joints)[:, None], places]).sum(axis=-1))
 
     def active(self, motor_dq: Array, motor_ddq: Array) -> tuple[Array, IntArray]:
-        """Values of the splines that answer, and where their weights stand among a joint's H S; (..., order) each."""
+        """Evaluate the splines that answer: values, and places of weights among a joint's H S; (..., order) each."""
         values, splines = self.basis.active(motor_dq)
-        return values, splines + self.basis.n_splines * self.in_charge(motor_ddq)[..., None]
+        return values, splines + self.basis.n_splines * self.select_network(motor_ddq)[..., None]
 
     def design_matrix(self, motor_dq: Array, motor_ddq: Array) -> "scipy.sparse.csr_array":
-        """Splines along a motion of one joint, shape (T, H S): torque = matrix @ weights of the joint in one row."""
+        """Return splines along a motion of one joint, (T, H S): torque = matrix @ weights of the joint in one row."""
         values, places = self.active(motor_dq, motor_ddq)
         ends = np.arange(len(motor_dq) + 1) * self.basis.order
         shape = (len(motor_dq), self.n_networks * self.basis.n_splines)
         return scipy.sparse.csr_array((values.ravel(), places.ravel(), ends), shape=shape)
 
-    def adapted(self, lessons: Sequence[Lesson], rate: float) -> Self:
-        r"""Offline update, thesis (5.5), with the sums over all lessons.
+    def adapt(self, lessons: Sequence[Lesson], rate: float) -> Self:
+        r"""Return the network after the offline update of thesis (5.5), with the sums over all lessons.
 
         .. math:: \Delta w_s = \gamma \sum_k z(k) \mu_s(v(k)) \, / \sum_k \mu_s(v(k))
 
         Standstill does not count, and a spline that saw no data keeps its weight.
         """
+        # numerator and denominator of (5.5), summed over lessons
         missing = np.zeros((self.n_joints, self.n_networks * self.basis.n_splines))
         seen = np.zeros_like(missing)
         for lesson in lessons:
@@ -189,7 +190,7 @@ class BSplineNetwork(Network):
         return replace(self, coefficients=self.coefficients + rate * step.reshape(self.coefficients.shape))
 
     def parts(self) -> tuple[dict[str, Any], dict[str, Array]]:
-        """See base class."""
+        """Return name and order, and the arrays of weights and knots."""
         return (
             {"name": self.name, "order": self.basis.order},
             {"coefficients": self.coefficients, "knots": self.basis.knots},
@@ -197,7 +198,7 @@ class BSplineNetwork(Network):
 
     @classmethod
     def from_parts(cls, settings: Mapping[str, Any], arrays: Mapping[str, Array]) -> Self:
-        """See base class."""
+        """Rebuild the network from `parts`."""
         basis = SplineBasis(knots=arrays["knots"], order=settings["order"])
         return cls(coefficients=arrays["coefficients"], basis=basis, **{"name": settings["name"]})
 
@@ -211,8 +212,8 @@ class StaticBSN(BSplineNetwork):
     kind: ClassVar[str] = "bsn_static"
     n_networks: ClassVar[int] = 1
 
-    def in_charge(self, motor_ddq: Array) -> IntArray:
-        """See base class; there is one."""
+    def select_network(self, motor_ddq: Array) -> IntArray:
+        """Return 0: a motor has one network."""
         return np.zeros(motor_ddq.shape, dtype=np.int64)
 
 
@@ -228,30 +229,30 @@ class ExtendedBSN(BSplineNetwork):
     kind: ClassVar[str] = "bsn_extended"
     n_networks: ClassVar[int] = 2
 
-    def in_charge(self, motor_ddq: Array) -> IntArray:
-        """See base class; 0 (H1) where the acceleration is >= 0, 1 (H2) where it is < 0."""
+    def select_network(self, motor_ddq: Array) -> IntArray:
+        """Return 0 (H1) where the acceleration is >= 0, 1 (H2) where it is < 0."""
         return np.asarray(motor_ddq < 0, dtype=np.int64)
 
 
-def trained_as_in_thesis(kind: type[BSplineNetwork], arm: RigidArm, trial: Trial) -> Network:
-    """From zero weights on the one motion of the thesis: p1 at 10 mm/s, or the sine of 1 Hz."""
+def train_as_in_thesis(kind: type[BSplineNetwork], arm: RigidArm, trial: Trial) -> Network:
+    """Train from zero weights on the one motion of the thesis: p1 at 10 mm/s, or the sine of 1 Hz."""
     n = arm.robot.n_joints
     return thesis_training(n).learn(kind.zero(n), thesis_motions(arm), trial).best
 
 
-def trained_with_prior(arm: RigidArm, trial: Trial, name: str) -> Network:
-    """An extended network from a Coulomb torque, estimated from one more trial, on motions of two speeds.
+def train_with_prior(arm: RigidArm, trial: Trial, name: str) -> Network:
+    """Train an extended network on motions of two speeds, from a Coulomb torque that one more trial estimates.
 
     The estimate is made on the slow motion of the thesis, where viscous friction and inertia are least.
     """
     n = arm.robot.n_joints
-    prior = CoulombPrior.estimated(thesis_motions(arm), trial)
-    first = ExtendedBSN.zero(n, name=name).filled(prior.torque_at)
+    prior = CoulombPrior.from_trial(thesis_motions(arm), trial)
+    first = ExtendedBSN.zero(n, name=name).with_curve(prior.torque_at)
     return thesis_training(n).learn(first, friction_motions(arm), trial).best
 
 
 declare(
-    Entry(
+    AgentEntry(
         name="bsn_static",
         title="static B-spline network",
         about="One B-spline network over speed per motor, learned from the feedback as in the thesis.",
@@ -259,10 +260,10 @@ declare(
         order=4,
         page="bspline.md",
         style=LawStyle(label="static B-spline network", colour="#CC79A7", marker="D"),
-        make=lambda setting: trained_as_in_thesis(StaticBSN, setting.arm, setting.trial),
+        make=lambda setting: train_as_in_thesis(StaticBSN, setting.arm, setting.trial),
         learns=True,
     ),
-    Entry(
+    AgentEntry(
         name="bsn_extended",
         title="extended B-spline network",
         about="Two B-spline networks per motor, for speeding up and for slowing down, as in the thesis.",
@@ -270,10 +271,10 @@ declare(
         order=5,
         page="bspline.md",
         style=LawStyle(label="extended B-spline network", colour="#E69F00", marker="v"),
-        make=lambda setting: trained_as_in_thesis(ExtendedBSN, setting.arm, setting.trial),
+        make=lambda setting: train_as_in_thesis(ExtendedBSN, setting.arm, setting.trial),
         learns=True,
     ),
-    Entry(
+    AgentEntry(
         name="bsn_extended_prior",
         title="extended B-spline network with prior",
         about="The extended network, begun from an estimated Coulomb torque and learned at two speeds.",
@@ -281,7 +282,7 @@ declare(
         order=6,
         page="bspline.md",
         style=LawStyle(label="B-spline network with prior", colour="#B8860B", marker="^", line="--"),
-        make=lambda setting: trained_with_prior(setting.arm, setting.trial, "bsn_extended_prior"),
+        make=lambda setting: train_with_prior(setting.arm, setting.trial, "bsn_extended_prior"),
         learns=True,
     ),
 )

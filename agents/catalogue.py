@@ -1,13 +1,13 @@
 """All agents by name. Each is declared beside its code (`ffgym.agents.declaration`).
 
-This module knows no family: those of this package stand in `ffgym.agents.families`, those of other packages are found
-by entry points in the group 'ffgym.agents'; both are imported when the catalogue is first asked (docs/extending.md).
+Families of this package stand in `ffgym.agents.families`; families of other packages are found by entry points in the
+group 'ffgym.agents'. Both are imported when the catalogue is first read (docs/extending.md).
 """
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from ffgym.agents.declaration import DECLARED, Entry, Setting
+from ffgym.agents.declaration import DECLARED, AgentEntry, AgentSetting
 from ffgym.agents.law_files import load_law
 from ffgym.control import FeedForwardLaw
 from ffgym.core.errors import FFGymError, check_choice
@@ -15,8 +15,8 @@ from ffgym.core.plugins import load_families
 from ffgym.simulation.plant import Machine, load_machine
 
 
-def declared() -> list[Entry]:
-    """Every agent, in the order of tables.
+def list_entries() -> list[AgentEntry]:
+    """List every agent, in the order of tables.
 
     Raises:
         FFGymError: if a package that declares some cannot be imported.
@@ -25,13 +25,13 @@ def declared() -> list[Entry]:
     return sorted(DECLARED.values(), key=lambda entry: entry.order)
 
 
-class Catalogue(Mapping[str, Entry]):
-    """Agents that commands make by their names, in the order of tables; found when first asked for."""
+class AgentCatalogue(Mapping[str, AgentEntry]):
+    """Agents that commands make by their names, in the order of tables; found when first read."""
 
-    def _members(self) -> dict[str, Entry]:
-        return {entry.name: entry for entry in declared() if entry.make is not None and entry.on_commands}
+    def _members(self) -> dict[str, AgentEntry]:
+        return {entry.name: entry for entry in list_entries() if entry.make is not None and entry.on_commands}
 
-    def __getitem__(self, name: str) -> Entry:
+    def __getitem__(self, name: str) -> AgentEntry:
         return self._members()[name]
 
     def __iter__(self) -> Iterator[str]:
@@ -41,21 +41,21 @@ class Catalogue(Mapping[str, Entry]):
         return len(self._members())
 
 
-CATALOGUE = Catalogue()
+CATALOGUE = AgentCatalogue()
 """Every agent that commands make by its name."""
 
 
-def entry_of(name: str) -> Entry:
-    """Entry by name.
+def find_entry(name: str) -> AgentEntry:
+    """Return the entry of an agent.
 
     Raises:
-        FFGymError: if there is none.
+        FFGymError: if there is no agent of that name.
     """
     return CATALOGUE[check_choice("agent", name, list(CATALOGUE))]
 
 
-def law_named(name: str, setting: Setting) -> FeedForwardLaw:
-    """Law of a catalogue entry, made for `setting`; of a machine file, as in model:machine.toml; or of a file .npz.
+def make_law(name: str, setting: AgentSetting) -> FeedForwardLaw:
+    """Make a law for `setting` from the name of an agent, model:machine.toml, or a learned law in a file .npz.
 
     Raises:
         FFGymError: if there is no such entry, or the file cannot be read.
@@ -65,12 +65,12 @@ def law_named(name: str, setting: Setting) -> FeedForwardLaw:
     entry, machine, law = _parts(name)
     if machine is not None and entry.make_from is not None:
         return entry.make_from(machine, setting, law)
-    assert entry.make is not None  # see Catalogue
+    assert entry.make is not None  # see AgentCatalogue
     return entry.make(setting)
 
 
-def name_of_law(name: str) -> str:
-    """Name of the law that `law_named` makes, without making it.
+def find_law_name(name: str) -> str:
+    """Find the name of the law that `make_law` makes, without making it.
 
     Raises:
         FFGymError: if there is no such entry, or the file cannot be read.
@@ -78,10 +78,10 @@ def name_of_law(name: str) -> str:
     return load_law(name).name if name.endswith(".npz") else _parts(name)[-1]
 
 
-def _parts(name: str) -> tuple[Entry, Machine | None, str]:
-    """Entry, the machine in the file that follows its name, and the name of the law."""
+def _parts(name: str) -> tuple[AgentEntry, Machine | None, str]:
+    """Split a name into its entry, the machine in the file after the colon, and the name of the law."""
     kind, colon, file = name.partition(":")
-    entry = entry_of(kind)
+    entry = find_entry(kind)
     if colon and not entry.takes_machine:
         takers = [f"{known}:FILE" for known, each in CATALOGUE.items() if each.takes_machine]
         raise FFGymError(f"Agent {kind!r} takes no file, got {name!r}; {', '.join(takers)} does.")

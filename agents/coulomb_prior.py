@@ -1,4 +1,4 @@
-"""First weights of a network from a constant friction torque: what thesis 5.5 proposes against speeds never trained on.
+"""First weights of a network from a constant friction torque, as thesis 5.5 proposes for speeds never trained on.
 
     f(v) = f_c tanh(beta v) + f_v v                 v: motor speed
 
@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from ffgym.agents.trials import Lesson, Trial, performed
+from ffgym.agents.trials import Lesson, Trial, run_trial
 from ffgym.core.errors import FFGymError, check_number, check_shape
 from ffgym.core.types import Array
 from ffgym.paths import Reference
@@ -25,7 +25,7 @@ STEEPNESS = 5.0
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class CoulombPrior:
-    """Coulomb and viscous friction with a smooth sign; `network.filled(prior.torque_at)` starts a network with it."""
+    """Coulomb and viscous friction with a smooth sign; a network starts as `network.with_curve(prior.torque_at)`."""
 
     coulomb: Array
     """f_c [N m], motor side, shape (N,)."""
@@ -41,25 +41,25 @@ class CoulombPrior:
             object.__setattr__(self, name, values)
 
     def torque_at(self, motor_dq: Array) -> Array:
-        """Friction [N m] at motor speed `motor_dq` [rad/s], shape (..., N)."""
+        """Compute friction [N m] at motor speed `motor_dq` [rad/s], shape (..., N)."""
         return np.asarray(self.coulomb * np.tanh(STEEPNESS * motor_dq) + self.viscous * motor_dq)
 
     @classmethod
-    def estimated(cls, references: Sequence[Reference], trial: Trial, viscous: bool = False) -> "CoulombPrior":
-        """Estimate from one trial without compensation (number 0); see `fitted`.
+    def from_trial(cls, references: Sequence[Reference], trial: Trial, viscous: bool = False) -> "CoulombPrior":
+        """Estimate friction from one trial without compensation (number 0); see `from_lessons`.
 
         Raises:
             FFGymError: if there is no reference, or the recordings lack the feedback torque.
         """
-        recordings = performed(trial, [Run(reference=reference) for reference in references], 0)
+        recordings = run_trial(trial, [Run(reference=reference) for reference in references], 0)
         lessons = [
             Lesson.of(reference, recording, "u_c") for reference, recording in zip(references, recordings, strict=True)
         ]
-        return cls.fitted(lessons, viscous)
+        return cls.from_lessons(lessons, viscous)
 
     @classmethod
-    def fitted(cls, lessons: Sequence[Lesson], viscous: bool = False) -> "CoulombPrior":
-        """Estimate from lessons with the signal u_c.
+    def from_lessons(cls, lessons: Sequence[Lesson], viscous: bool = False) -> "CoulombPrior":
+        """Estimate friction from lessons with the signal u_c, by non-negative least squares.
 
         Args:
             lessons: each with a constant of its own.
@@ -71,12 +71,14 @@ class CoulombPrior:
         """
         if not lessons:
             raise FFGymError("There is no lesson to estimate friction from; give one or more references.")
+        # regressors and missing torque of each lesson, without their means
         curves, targets = [], []
         for lesson in lessons:
             speed = lesson.motor_dq[lesson.moving]
             columns = [np.tanh(STEEPNESS * speed)] + [speed] * viscous
-            curves.append(_centred(np.stack(columns, axis=-1)))  # (T, N, 1 or 2)
-            targets.append(_centred((lesson.signal + lesson.added)[lesson.moving]))
+            curves.append(_centre(np.stack(columns, axis=-1)))  # (T, N, 1 or 2)
+            targets.append(_centre((lesson.signal + lesson.added)[lesson.moving]))
+        # one fit per joint over all lessons
         n_joints = targets[0].shape[1]
         fits = np.zeros((n_joints, 2))
         for joint in range(n_joints):
@@ -86,6 +88,6 @@ class CoulombPrior:
         return cls(coulomb=fits[:, 0], viscous=fits[:, 1])
 
 
-def _centred(rows: Array) -> Array:
-    """`rows` (T, ...) without their mean over T: least squares on them is least squares with a free constant."""
+def _centre(rows: Array) -> Array:
+    """Subtract the mean over T from `rows` (T, ...): least squares on them is least squares with a free constant."""
     return rows - rows.mean(axis=0)

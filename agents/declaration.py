@@ -16,29 +16,29 @@ from ffgym.robot import RigidArm, RobotDescription
 from ffgym.simulation.plant import Machine
 
 Track = Literal["causal", "causal, nominal parameters", "per task", "oracle"]
-"""What an agent may know: nothing but its trials; the nominal model too; trials of the very task; the truth."""
+"""Knowledge of an agent: its trials alone; the nominal model too; trials of the very task; the true parameters."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Setting:
-    """What a family gets to make a law from."""
+class AgentSetting:
+    """Robot, trials and motions that a family makes a law from."""
 
     arm: RigidArm
-    """Nominal model of the robot: what a controller knows."""
+    """Nominal model of the robot, on which a controller relies."""
     controller: RigidArm | None = None
-    """What the robot's existing controller was made for, its servo and rigid feed-forward; None is `arm`."""
+    """Model behind the existing controller, its servo and rigid feed-forward; defaults to `arm`."""
     trial: Trial
-    """Runs motions on the machine."""
+    """Trial procedure that runs motions on the machine."""
     references: Sequence[Reference] = ()
-    """Motions the law will be run on; per-task families learn on them, others must not look."""
+    """Motions that the law will be run on; per-task families learn on them, others must not read them."""
     truth: RobotDescription | None = None
-    """The machine's true parameters, for the oracle alone; None if nobody may know them."""
+    """The machine's true parameters, for the oracle alone; None if they are shut away."""
     seed: int = 0
-    """Of first weights that are drawn; noise of sensors has the seed of the trial."""
+    """Seed of first weights that are drawn; noise of sensors has the seed of the trial."""
 
     @classmethod
-    def of(cls, robot: RobotDescription, references: Sequence[Reference] = (), n_threads: int = 0) -> "Setting":
-        """A simulated robot whose nominal model is its own description."""
+    def of(cls, robot: RobotDescription, references: Sequence[Reference] = (), n_threads: int = 0) -> "AgentSetting":
+        """Make the setting of a simulated robot whose nominal model is its own description."""
         arm = RigidArm(robot)
         trial = SimulatedTrial(arm=arm, n_threads=n_threads)
         return cls(arm=arm, trial=trial, references=references, truth=robot)
@@ -50,61 +50,61 @@ class Setting:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Entry:
+class AgentEntry:
     """Declaration of one agent. Only `make` or `load` has to do with how it works."""
 
     name: str
-    """Also the name of its law."""
+    """Name of the agent and of its law."""
     title: str
     about: str
-    """One sentence for the leaderboard: what it does, and what it learned from."""
+    """One sentence for the leaderboard: method, and data that it learned from."""
     track: Track
     order: float
     """Place in tables, ascending: those of this package have 0 to 100, the oracle last."""
     page: str | None = None
-    """Its page below docs/agents."""
+    """Page below docs/agents."""
     style: LawStyle | None = None
-    """Look in figures; None takes a spare one."""
-    make: Callable[[Setting], FeedForwardLaw] | None = field(default=None, repr=False)
-    """Makes the law; learning families run their trials here. None is an agent that only its artefacts have."""
-    make_from: Callable[[Machine, Setting, str], FeedForwardLaw] | None = field(default=None, repr=False)
-    """Makes the law of a machine file that follows the name after a colon, with a name for it; None takes no file."""
+    """Style in figures; defaults to a spare one."""
+    make: Callable[[AgentSetting], FeedForwardLaw] | None = field(default=None, repr=False)
+    """Function that makes the law; learning families run their trials in it. None: it exists as artefacts only."""
+    make_from: Callable[[Machine, AgentSetting, str], FeedForwardLaw] | None = field(default=None, repr=False)
+    """Function that makes a law, with a name, from a machine file (name:FILE); None: the agent takes no file."""
     load: Callable[[Path, RigidArm], FeedForwardLaw | Policy] = field(
         default=lambda path, arm: load_law(path), repr=False
     )
-    """Reads an artefact of agents/trained, for a nominal model of the robot."""
+    """Function that reads an artefact of agents/trained, for a nominal model of the robot."""
     needs_arm: bool = False
-    """Whether it works only on a robot with a tool (TCP)."""
+    """True if it works only on a robot with a tool (TCP)."""
     package: str | None = None
-    """Package that it needs to learn, beside those of the core."""
+    """Package needed for learning, beside those of the core."""
     learns: bool = False
-    """Whether `scripts.train_laws` trains it with several seeds, and agents/trained has what it learned."""
+    """True if `scripts.train_laws` trains it with several seeds and agents/trained holds the results."""
     seeded: bool = False
-    """Whether a seed changes an agent that has no artefacts."""
+    """True if a seed changes an agent that has no artefacts."""
     base: str | None = None
     """Name of the law below a residual policy."""
     ranked: bool = True
     on_commands: bool = True
-    """Whether commands make it by its name."""
+    """True if commands make it by its name."""
     on_leaderboard: bool = True
 
     @property
     def takes_machine(self) -> bool:
-        """Whether a machine file may follow its name after a colon; without one it knows the nominal model."""
+        """True if a machine file may follow the name after a colon; without one the law has the nominal model."""
         return self.make_from is not None
 
     @property
     def is_available(self) -> bool:
-        """Whether all that it needs is installed."""
+        """True if the package that learning needs is installed."""
         return self.package is None or installed(self.package)
 
 
-DECLARED: dict[str, Entry] = {}
-"""Every agent that was declared so far, by name."""
+DECLARED: dict[str, AgentEntry] = {}
+"""All agents declared so far, by name."""
 
 
-def declare(*entries: Entry) -> None:
-    """Make agents known by their names, in tables, figures, commands and on the leaderboard.
+def declare(*entries: AgentEntry) -> None:
+    """Register agents by their names, for tables, figures, commands and the leaderboard.
 
     Raises:
         FFGymError: if there is an agent of that name.

@@ -24,7 +24,7 @@ Run it:
 
     ffgym demo --agents none lugre_dynamic elastic
 
-Logged: nothing, the law learns nothing; `ElasticLaw.motor_torque` says what it asks of the drives.
+Logged: nothing, the law learns nothing; `ElasticLaw.motor_torque` is the torque that the drives must give.
 """
 
 from dataclasses import dataclass
@@ -34,7 +34,7 @@ from typing import final
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from ffgym.agents.declaration import Entry, declare
+from ffgym.agents.declaration import AgentEntry, declare
 from ffgym.agents.flexible_joints import (
     Lead,
     friction_along,
@@ -54,11 +54,11 @@ from ffgym.robot import RigidArm, RobotDescription, robot_of
 
 
 def elastic_feedforward(parameters: RobotDescription | str | Path, *, compensate_friction: bool = True) -> "ElasticLaw":
-    """Elastic feed-forward with the parameters of a robot: a description, a name, or a file.
+    """Make elastic feed-forward with the parameters of a robot: a description, a name, or a file.
 
     Args:
         parameters: the robot.
-        compensate_friction: False leaves friction to the servo, to see what elasticity alone is worth.
+        compensate_friction: False leaves friction to the servo, to show the effect of elasticity alone.
 
     Raises:
         FFGymError: if the file cannot be read or is wrong, or the robot's springs are damped too strongly.
@@ -68,7 +68,7 @@ def elastic_feedforward(parameters: RobotDescription | str | Path, *, compensate
 
 
 def elastic_law(model: RigidArm, controller: RigidArm | None = None, name: str = "elastic") -> "ElasticLaw":
-    """Elastic feed-forward with dynamic LuGre friction of a model; arguments as in `ElasticLaw`."""
+    """Make elastic feed-forward with the dynamic LuGre friction of a model; arguments as in `ElasticLaw`."""
     return ElasticLaw(model=model, controller=controller, friction=DynamicLuGreExact(model.robot.friction), name=name)
 
 
@@ -77,13 +77,13 @@ def elastic_law(model: RigidArm, controller: RigidArm | None = None, name: str =
 class ElasticLaw(CausalLaw):
     """Flexible-joint inverse dynamics along the reference, added to the controller that is there.
 
-    Joints of infinite stiffness have no lead: what is left for them is friction, and the change of gravity.
+    Joints of infinite stiffness have no lead: friction and the change of gravity remain for them.
     """
 
     model: RigidArm
-    """What the law believes of the robot: links, springs, rotors."""
+    """Model of the robot in the law: links, springs, rotors."""
     controller: RigidArm | None = None
-    """What the existing controller was made for, its servo and its rigid feed-forward; None is `model`."""
+    """Model behind the existing controller, its servo and rigid feed-forward; defaults to `model`."""
     friction: DynamicLuGreExact | None
     """Friction of the motors; None leaves it to the servo."""
     preview: int = 4
@@ -116,12 +116,12 @@ class ElasticLaw(CausalLaw):
 
     @property
     def n_joints(self) -> int:
-        """See base class."""
+        """Number of motors N."""
         return self.model.robot.n_joints
 
     @property
     def known(self) -> RigidArm:
-        """What the existing controller was made for."""
+        """Model behind the existing controller."""
         return self.controller or self.model
 
     @property
@@ -132,7 +132,7 @@ class ElasticLaw(CausalLaw):
     # Along a whole reference
 
     def torque(self, reference: Reference) -> Array:
-        """See base class; what `step` gives one by one, for all samples at once."""
+        """Compute the torques of `step` for all samples at once."""
         needed, lead, integral = self._along(reference)
         motion = (reference.q, reference.motor_dq, reference.motor_ddq)
         torque = needed - given_torque(self.known, *motion, lead, integral)
@@ -140,7 +140,7 @@ class ElasticLaw(CausalLaw):
         return torque
 
     def motor_torque(self, reference: Reference) -> Array:
-        """All torque that the motors must give, gravity included [N m], shape (T, N).
+        """Compute all torque that the motors must give, gravity included [N m], shape (T, N).
 
         Beyond `drive.peak_torque` the drive clips it, and no feed-forward can help.
         """
@@ -151,87 +151,94 @@ class ElasticLaw(CausalLaw):
     def _along(self, reference: Reference) -> tuple[Array, Lead, Array]:
         """Torque that the motors need beyond gravity at the start [N m], lead, integral of the lead [rad s], (T, N)."""
         self.check_joints(reference)
+        # torque of the links beyond the load at the start
         dt, reach = reference.robot.servo.control_dt, self.preview - 2
         links = self.links(reference.q, reference.motor_dq, reference.motor_ddq)
         load = self.model.holding_torque(reference.q[:1])
         links -= load
+        # lead of the motors and its integral, as the servo sees it
         rows = np.pad(links, ((reach, reach + 1), (0, 0)), mode="edge")  # one sample more, which friction looks at
         ahead = self.lead(np.moveaxis(sliding_window_view(rows, 2 * reach + 1, axis=0), -1, -2), dt)
         speed = self.motor_speed(np.pad(reference.motor_dq, ((0, 1), (0, 0)), mode="edge"), ahead)
         lead = Lead(angle=ahead.angle[:-1], speed=ahead.speed[:-1], acceleration=ahead.acceleration[:-1])
         integral = wound_up_sums(0.5 * dt * (lead.angle[:-1] + lead.angle[1:]), self.known, load[0])
         friction = np.zeros_like(links) if self.friction is None else friction_along(self.friction, speed, dt)
-        return self._needed(links, reference.motor_ddq, lead, friction), lead, integral
+        return self._moving_torque(links, reference.motor_ddq, lead, friction), lead, integral
 
     # Sample by sample
 
     def initial_memory(self, window: Window) -> Array:
-        """See base class; what is remembered stands in `_remembered`."""
+        """Return the memory at rest before the motion, in the order of `_pack_memory`."""
         reach, dt = self.preview - 2, window.dt
         gravity = self.links(window.q[..., 0, :], *np.zeros((2, *window.q[..., 0, :].shape)))
+        # torque of the links around samples 0 and 1
         seen = slice(0, reach + 2)
         links = self.links(window.q[..., seen, :], window.motor_dq[..., seen, :], window.motor_ddq[..., seen, :])
         links = links - gravity[..., None, :]
         links = np.concatenate([np.repeat(links[..., :1, :], reach, axis=-2), links], axis=-2)  # it rested before
         first, second = self.lead(links[..., :-1, :], dt), self.lead(links[..., 1:, :], dt)
+        # friction of the first step
         dq, next_dq = (self.motor_speed(window.motor_dq[..., k, :], lead) for k, lead in enumerate((first, second)))
         _, friction, bristle = self._friction(np.zeros_like(gravity), dq, next_dq, dt)  # from relaxed bristles on
         integral = 0.5 * dt * (first.angle + second.angle)
-        return _remembered(gravity, links[..., 2:, :], second, integral, bristle, friction)
+        return _pack_memory(gravity, links[..., 2:, :], second, integral, bristle, friction)
 
     def step(self, memory: Array, window: Window) -> tuple[Array, Array]:
-        """See base class; `here` is sample 1, whose torque is wanted, `after` the next one."""
+        """Return the torque at sample 1 (`here`) and the memory one sample on; `after` is sample 2."""
+        # memory, in the order of `_pack_memory`
         dt, rows = window.dt, memory.reshape(*memory.shape[:-1], -1, self.n_joints)
-        gravity, links = rows[..., 0, :], rows[..., 1:-6, :]  # in the order of `_remembered`
+        gravity, links = rows[..., 0, :], rows[..., 1:-6, :]
         angle, speed, acceleration, integral, bristle, friction = (rows[..., k, :] for k in range(-6, 0))
         lead = Lead(angle=angle, speed=speed, acceleration=acceleration)
+        # lead at the next sample, from the newest torque of the links
         here, after, newest = (motion_at(window, k) for k in (1, 2, self.preview))
         links = np.concatenate([links, (self.links(*newest) - gravity)[..., None, :]], axis=-2)
         next_lead = self.lead(links, dt)
+        # friction within the step, and the torque that moves arm and motors at sample 1
         dq, next_dq = self.motor_speed(here[1], lead), self.motor_speed(after[1], next_lead)
         more, next_friction, next_bristle = self._friction(bristle, dq, next_dq, dt)
-        needed = self._needed(links[..., self.preview - 3, :], here[2], lead, friction + more)  # the row of sample 1
+        needed = self._moving_torque(links[..., self.preview - 3, :], here[2], lead, friction + more)
         next_integral = wound_up(integral + 0.5 * dt * (angle + next_lead.angle), self.known, gravity)
-        memory = _remembered(gravity, links[..., 1:, :], next_lead, next_integral, next_bristle, next_friction)
+        memory = _pack_memory(gravity, links[..., 1:, :], next_lead, next_integral, next_bristle, next_friction)
         return needed - given_torque(self.known, *here, lead, integral), memory
 
     def own_error(self, memory: Array) -> tuple[Array, Array]:
-        """See base class; motors lead their reference."""
+        """Return error and its rate that the law asks for: motors lead their reference."""
         rows = memory.reshape(*memory.shape[:-1], -1, self.n_joints)
         drive = self.model.robot.drive
-        return -drive.motor_angle(rows[..., -6, :]), -drive.motor_angle(rows[..., -5, :])  # as in `_remembered`
+        return -drive.motor_angle(rows[..., -6, :]), -drive.motor_angle(rows[..., -5, :])  # as in `_pack_memory`
 
     # Parts of the equation in the head of this file, shape (..., N)
 
     def links(self, q: Array, motor_dq: Array, motor_ddq: Array) -> Array:
-        """Torque of the links with the load they carry at rest, link side [N m]."""
+        """Compute the torque of the links with the load they carry at rest, link side [N m]."""
         return links_torque(self.model, q, motor_dq, motor_ddq, load=True)
 
     def lead(self, links: Array, dt: float) -> Lead:
-        """Lead at the middle one of samples of the links' torque [N m], (..., 2 w + 1, N)."""
+        """Compute the lead at the middle one of samples of the links' torque [N m], (..., 2 w + 1, N)."""
         return lead_between(links / self.model.robot.drive.joint_stiffness, self._relaxation, dt)
 
     def motor_speed(self, motor_dq: Array, lead: Lead) -> Array:
-        """Motor speed [rad/s] that keeps the arm on the reference."""
+        """Compute the motor speed [rad/s] that keeps the arm on the reference."""
         return motor_dq + self.model.robot.drive.motor_angle(lead.speed)
 
     def _friction(self, z: Array, dq: Array, next_dq: Array, dt: float) -> tuple[Array, Array, Array]:
-        """See `step_friction`."""
+        """Compute friction within a step as `step_friction` does; zero without a friction model."""
         if self.friction is None:
             return np.zeros_like(z), np.zeros_like(z), z
         return step_friction(self.friction, z, dq, next_dq, dt)
 
-    def _needed(self, links: Array, motor_ddq: Array, lead: Lead, friction: Array) -> Array:
-        """Torque that moves arm and motors [N m], beyond gravity at the start."""
+    def _moving_torque(self, links: Array, motor_ddq: Array, lead: Lead, friction: Array) -> Array:
+        """Compute the torque that moves arm and motors [N m], beyond gravity at the start."""
         drive = self.model.robot.drive
         rotor = drive.rotor_inertia * (motor_ddq + drive.motor_angle(lead.acceleration))
         return drive.motor_torque(links) + rotor + friction
 
 
-def _remembered(gravity: Array, links: Array, lead: Lead, integral: Array, bristle: Array, friction: Array) -> Array:
-    """Memory (..., (2 w + 7) N): gravity at the start, torque of the links around sample 1, and at sample 1 the lead.
+def _pack_memory(gravity: Array, links: Array, lead: Lead, integral: Array, bristle: Array, friction: Array) -> Array:
+    """Pack memory (..., (2 w + 7) N): gravity at the start, torque of the links around sample 1, the lead at sample 1.
 
-    Then integral and bristles there, and the friction of the step before it.
+    Integral and bristles at sample 1 follow, and the friction of the step before it.
     """
     last = (lead.angle, lead.speed, lead.acceleration, integral, bristle, friction)
     rows = np.concatenate([gravity[..., None, :], links, np.stack(last, axis=-2)], axis=-2)
@@ -239,7 +246,7 @@ def _remembered(gravity: Array, links: Array, lead: Lead, integral: Array, brist
 
 
 declare(
-    Entry(
+    AgentEntry(
         name="elastic",
         title="elastic feed-forward",
         about="Inverse dynamics with flexible joints and dynamic LuGre friction, nominal parameters.",

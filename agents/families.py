@@ -1,4 +1,4 @@
-"""The agents of this package: modules that declare some. Adding a family takes its file, and its name here."""
+"""Modules of this package that declare agents. A new family takes its file, and its name here."""
 
 from ffgym.agents import (
     baselines,
@@ -27,4 +27,4 @@ MODULES = (
     policy,
     oracle,
 )
-"""In the order of tables, which `Entry.order` says."""
+"""Modules in the order of tables, which `AgentEntry.order` sets."""

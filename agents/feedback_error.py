@@ -1,14 +1,14 @@
 """Feedback-error learning: a small multi-layer perceptron per motor in place of the B-spline network.
 
 Idea and source: Kawato, Furukawa & Suzuki (1987), Biological Cybernetics 57: the feedback torque is the error of the
-feed-forward, and trains it; thesis 3.2 names it as where LFFC comes from. With motor speed v and acceleration a of the
+feed-forward, and trains it; thesis 3.2 names it as the origin of LFFC. With motor speed v and acceleration a of the
 reference, in units of what breakaway torque f_s does (`ffgym.control.observation.Scales`),
 
     u_lff / f_s = d + sum_h c_h tanh(w_h v + m_h a + b_h)
 
-Offline, an update is the one of LFFC (`ffgym.agents.lffc`): the network is fitted to what it said plus the rate times
-what the feedback still did. Online, thesis (3.13) and (3.15): every sample moves all weights down the gradient of its
-own squared error, in the order of time (`adapted_in_order`).
+Offline, an update is the one of LFFC (`ffgym.agents.lffc`): the network is fitted to its own torque plus the rate times
+the torque that the feedback still gave. Online, thesis (3.13) and (3.15): every sample moves all weights down the
+gradient of its own squared error, in the order of time (`adapt_in_order`).
 
 Run it:
 
@@ -29,9 +29,9 @@ from typing import ClassVar, Self, final
 
 import numpy as np
 
-from ffgym.agents.declaration import Entry, declare
+from ffgym.agents.declaration import AgentEntry, declare
 from ffgym.agents.lffc import Network, thesis_training
-from ffgym.agents.trials import Lesson, Trial, evenly, every_speed
+from ffgym.agents.trials import Lesson, Trial, every_speed, pick_evenly
 from ffgym.control import LawStyle, Window
 from ffgym.control.observation import Scales
 from ffgym.core.errors import FFGymError, check_shape, check_whole
@@ -43,7 +43,7 @@ N_STEPS = 200
 
 
 STEP_SIZE = 0.02
-"""Of Adam. Chosen: at 0.005, learning takes twice the trials."""
+"""Step size of Adam. Chosen: at 0.005, learning takes twice the trials."""
 
 
 N_ROWS = 500
@@ -88,7 +88,7 @@ class MLP(Network):
 
     @classmethod
     def untrained(cls, robot: RobotDescription, rng: np.random.Generator, n_hidden: int = N_HIDDEN) -> Self:
-        """A network that adds nothing yet: hidden weights are drawn, output weights are 0.
+        """Draw a network that adds nothing yet: hidden weights are drawn, output weights are 0.
 
         Raises:
             FFGymError: if a parameter of the robot that gives a scale is 0.
@@ -110,39 +110,39 @@ class MLP(Network):
 
     @property
     def n_joints(self) -> int:
-        """See base class."""
+        """Number of motors N."""
         return len(self.offset)
 
     @property
     def weights(self) -> dict[str, Array]:
-        """See base class."""
+        """Weights of both layers."""
         return {"hidden": self.hidden, "bias": self.bias, "output": self.output, "offset": self.offset}
 
     def step(self, memory: Array, window: Window) -> tuple[Array, Array]:
-        """See base class; nothing is remembered."""
+        """Return the torque of the next sample; the network has no memory."""
         return self.torque_at(window.motor_dq[..., 1, :], window.motor_ddq[..., 1, :]), memory
 
     def torque_at(self, motor_dq: Array, motor_ddq: Array) -> Array:
-        """Torque [N m] at motor speed [rad/s] and acceleration [rad/s^2], all of shape (..., N)."""
+        """Compute the torque [N m] at motor speed [rad/s] and acceleration [rad/s^2], all of shape (..., N)."""
         v, a = motor_dq / self.scales[0], motor_ddq / self.scales[1]
         active = np.tanh(self.hidden[..., 0] * v[..., None] + self.hidden[..., 1] * a[..., None] + self.bias)
         return np.asarray(self.scales[2] * (self.offset + (self.output * active).sum(axis=-1)))
 
-    def adapted(self, lessons: Sequence[Lesson], rate: float) -> Self:
-        """See base class: fitted to its own torque plus `rate` times the signal, at some samples of each lesson."""
-        rows = [evenly(lesson.moving, N_ROWS) for lesson in lessons]
+    def adapt(self, lessons: Sequence[Lesson], rate: float) -> Self:
+        """Fit the network to its own torque plus `rate` times the signal, at `N_ROWS` samples of each lesson."""
+        rows = [pick_evenly(lesson.moving, N_ROWS) for lesson in lessons]
         dq, ddq, signal = (
             np.concatenate([getattr(lesson, name)[chosen] for lesson, chosen in zip(lessons, rows, strict=True)])
             for name in ("motor_dq", "motor_ddq", "signal")
         )
-        return self.fitted_to(dq, ddq, self.torque_at(dq, ddq) + rate * signal)
+        return self.fit_to(dq, ddq, self.torque_at(dq, ddq) + rate * signal)
 
-    def fitted_to(self, motor_dq: Array, motor_ddq: Array, wanted: Array) -> Self:
-        """After `N_STEPS` steps of Adam towards the least mean square error; arguments as for `adapted_in_order`."""
-        return self._descended(motor_dq, motor_ddq, wanted, None)
+    def fit_to(self, motor_dq: Array, motor_ddq: Array, wanted: Array) -> Self:
+        """Take `N_STEPS` steps of Adam towards the least mean square error; arguments as for `adapt_in_order`."""
+        return self._descend(motor_dq, motor_ddq, wanted, None)
 
-    def adapted_in_order(self, motor_dq: Array, motor_ddq: Array, wanted: Array, rate: float) -> Self:
-        """After samples one by one, each a step of `rate` down the gradient of its own squared error, thesis (3.15).
+    def adapt_in_order(self, motor_dq: Array, motor_ddq: Array, wanted: Array, rate: float) -> Self:
+        """Take a step of `rate` down the gradient of each sample's own squared error, in order of time, thesis (3.15).
 
         Args:
             motor_dq: motor speed [rad/s], shape (T, N).
@@ -150,10 +150,10 @@ class MLP(Network):
             wanted: torque that the network should give there [N m], shape (T, N).
             rate: learning rate for errors in units of the torque scale.
         """
-        return self._descended(motor_dq, motor_ddq, wanted, rate)
+        return self._descend(motor_dq, motor_ddq, wanted, rate)
 
-    def _descended(self, motor_dq: Array, motor_ddq: Array, wanted: Array, rate: float | None) -> Self:
-        """After steps down the gradient: of Adam on all samples, or of `rate` on each sample in the order of time."""
+    def _descend(self, motor_dq: Array, motor_ddq: Array, wanted: Array, rate: float | None) -> Self:
+        """Take steps down the gradient: of Adam on all samples, or of `rate` on each sample in the order of time."""
         try:
             import torch
         except ImportError as error:
@@ -162,11 +162,13 @@ class MLP(Network):
         threads = torch.get_num_threads()
         torch.set_num_threads(1)  # so that sums do not depend on the machine
         try:
+            # samples and weights as tensors, joints first
             x, y = torch.from_numpy(inputs.copy()), torch.from_numpy((wanted / self.scales[2]).T.copy())
             weights = {
                 name: torch.tensor(value, dtype=torch.float64, requires_grad=True)
                 for name, value in self.weights.items()
             }
+            # optimiser, and the samples of each of its steps
             steps: torch.optim.Optimizer
             if rate is None:
                 steps, share = torch.optim.Adam(weights.values(), lr=STEP_SIZE), 1.0
@@ -185,14 +187,14 @@ class MLP(Network):
             torch.set_num_threads(threads)
 
 
-def trained_mlp(arm: RigidArm, trial: Trial, seed: int = 0) -> Network:
-    """Member of the catalogue: on the motions of every speed, with rate and iterations of the thesis."""
+def train_mlp(arm: RigidArm, trial: Trial, seed: int = 0) -> Network:
+    """Train a perceptron on the motions of every speed, with rate and iterations of the thesis."""
     first = MLP.untrained(arm.robot, np.random.default_rng(seed))
     return thesis_training(arm.robot.n_joints).learn(first, every_speed(arm), trial).best
 
 
 declare(
-    Entry(
+    AgentEntry(
         name="mlp_fel",
         title="perceptron, feedback-error learning",
         about="A small perceptron per motor, learned from the feedback error.",
@@ -200,7 +202,7 @@ declare(
         order=7,
         page="feedback_error.md",
         style=LawStyle(label="perceptron", colour="#7F4F24", marker="X", line="-."),
-        make=lambda setting: trained_mlp(setting.arm, setting.trial, setting.seed),
+        make=lambda setting: train_mlp(setting.arm, setting.trial, setting.seed),
         package="torch",
         learns=True,
     )

@@ -1,4 +1,4 @@
-"""What a small added torque takes off the feedback of each motor along a reference: a linear model, no simulator.
+"""Linear model of the servo loops along a reference: effect of a small added torque on the feedback of each motor.
 
 Each motor stands for itself, with the link behind it, and moves a little (by theta) off the motion that follows the
 reference exactly. Motor side, with w = d theta / dt, and deflection d of the joint:
@@ -40,7 +40,7 @@ class FeedbackLoop:
 
     @classmethod
     def along(cls, arm: RigidArm, q: Array, motor_dq: Array, z: Array, dt: float) -> Self:
-        """Loops of motors that follow speeds `motor_dq` [rad/s] with bristles at `z` [rad]; by the trapezoidal rule.
+        """Linearise the loops about motor speeds `motor_dq` [rad/s] and bristles `z` [rad]; by the trapezoidal rule.
 
         Args:
             arm: nominal model of the robot.
@@ -58,14 +58,16 @@ class FeedbackLoop:
         return cls(servo=arm.robot.servo, transition=step[..., :-1].copy(), entry=step[..., -1:].copy())
 
     def loss(self, torque: Array, signal: Signal = "u_p") -> Array:
-        """What the learning signal loses to added torque [N m]; both motor side, shape (R, N, K) for K torques."""
+        """Compute the learning signal's loss to added torque [N m]; both motor side, shape (R, N, K) for K torques."""
         check_choice("learning signal", signal, SIGNALS)
+        # gains from state to learning signal
         read = np.zeros((len(self.servo.position_gain), 1, _STATES))
         read[:, 0, _ANGLE] = self.servo.position_gain
         if signal != "e_p":
             read[:, 0, _RATE] = self.servo.velocity_gain
         if signal == "u_c":
             read[:, 0, _INTEGRAL] = self.servo.integral_gain
+        # response of the loops, row by row
         midway = _midway(torque)[:, :, None]
         state = np.zeros((*self.transition.shape[1:3], torque.shape[2]))
         loss = np.zeros_like(torque)
@@ -76,7 +78,7 @@ class FeedbackLoop:
 
 
 def nominal_bristles(friction: LuGreParameters, motor_dq: Array, dt: float) -> Array:
-    """Bristle deflection [rad] of motors that follow speeds (R, N) [rad/s] every `dt` [s]; relaxed at first."""
+    """Integrate bristle deflection [rad] of motors at speeds (R, N) [rad/s] every `dt` [s]; relaxed at first."""
     keep, gain = friction.exact_bristle_factors(_midway(motor_dq), dt)
     z = np.zeros_like(motor_dq)
     for k in range(len(keep)):
@@ -85,7 +87,8 @@ def nominal_bristles(friction: LuGreParameters, motor_dq: Array, dt: float) -> A
 
 
 def _equations(robot: RobotDescription, link_inertia: Array, motor_dq: Array, z: Array) -> tuple[Array, Array]:
-    """Matrices (..., N, 6, 6) and (N, 6, 1) of dx/dt = system x + push tau at motor speeds and bristles (..., N)."""
+    """Build system (..., N, 6, 6) and push (N, 6, 1) of dx/dt = system x + push tau at speeds and bristles (..., N)."""
+    # inertias and spring of each joint, motor side; a rigid joint turns its link with the rotor
     drive, servo, friction = robot.drive, robot.servo, robot.friction
     elastic, square = ~drive.is_rigid, drive.gear_ratio**2
     link = link_inertia / square
@@ -93,7 +96,8 @@ def _equations(robot: RobotDescription, link_inertia: Array, motor_dq: Array, z:
     stiffness, damping = (np.where(elastic, x, 0.0) / square for x in (drive.joint_stiffness, drive.joint_damping))
     by_speed, by_bristle = friction.bristle_rate_slopes(z, motor_dq)
 
-    torque = np.zeros((*motor_dq.shape, _STATES))  # on the motor, by state
+    # torque on the motor per unit of each state
+    torque = np.zeros((*motor_dq.shape, _STATES))
     torque[..., _ANGLE] = -servo.position_gain
     torque[..., _RATE] = -(servo.velocity_gain + friction.viscous + friction.bristle_damping * by_speed)
     torque[..., _INTEGRAL] = -servo.integral_gain
@@ -101,6 +105,7 @@ def _equations(robot: RobotDescription, link_inertia: Array, motor_dq: Array, z:
     torque[..., _DEFLECTION] = stiffness
     torque[..., _DEFLECTION_RATE] = damping
 
+    # equations of motion: integrators, bristles, motor, and deflection behind it
     system, push = np.zeros((*motor_dq.shape, _STATES, _STATES)), np.zeros((robot.n_joints, _STATES, 1))
     system[..., _ANGLE, _RATE] = system[..., _INTEGRAL, _ANGLE] = system[..., _DEFLECTION, _DEFLECTION_RATE] = 1.0
     system[..., _BRISTLE, _RATE], system[..., _BRISTLE, _BRISTLE] = by_speed, by_bristle

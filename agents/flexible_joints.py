@@ -29,12 +29,12 @@ class Lead:
 
 
 def motion_at(window: Window, k: int) -> tuple[Array, Array, Array]:
-    """Position, motor speed and motor acceleration of the reference at sample `k`."""
+    """Return position, motor speed and motor acceleration of the reference at sample `k`."""
     return window.q[..., k, :], window.motor_dq[..., k, :], window.motor_ddq[..., k, :]
 
 
 def lead_between(bend: Array, relaxation: Array, dt: float) -> Lead:
-    r"""Lead at the middle one of an odd number of samples.
+    r"""Compute the lead at the middle one of an odd number of samples.
 
     It solves :math:`\Delta + T \dot\Delta = x` for the polynomial x through the samples, which has one solution that is
     a polynomial too: :math:`\Delta = x - T \dot x + T^2 \ddot x - \ldots`, a finite sum.
@@ -58,7 +58,7 @@ def lead_between(bend: Array, relaxation: Array, dt: float) -> Lead:
 
 @cache
 def _derivatives(reach: int) -> Array:
-    """Weights of the derivatives 0 to 2 w at the middle of 2 w + 1 samples with unit distance, a row each."""
+    """Compute weights of derivatives 0 to 2 w at the middle of 2 w + 1 samples with unit distance, a row each."""
     at = np.arange(-reach, reach + 1, dtype=np.float64)
     powers = np.linalg.inv(np.vander(at, increasing=True))  # from samples to coefficients of the polynomial
     return powers * np.array([[float(factorial(k))] for k in range(len(at))])
@@ -67,12 +67,12 @@ def _derivatives(reach: int) -> Array:
 def given_torque(
     controller: RigidArm, q: Array, motor_dq: Array, motor_ddq: Array, lead: Lead, integral: Array
 ) -> Array:
-    """Torque of the existing controller [N m], beyond gravity at the start, shape (..., N).
+    """Compute the torque of the existing controller [N m], beyond gravity at the start, shape (..., N).
 
     The servo sees the motor ahead of its reference by the lead, and pulls it back; it is in equilibrium at the start.
 
     Args:
-        controller: rigid dynamics and servo that it was made for.
+        controller: rigid dynamics and servo of the existing controller.
         q: joint position of the reference [rad], shape (..., N).
         motor_dq: motor speed of the reference [rad/s], shape (..., N).
         motor_ddq: motor acceleration of the reference [rad/s^2], shape (..., N).
@@ -87,12 +87,12 @@ def given_torque(
 
 
 def wound_up(integral: Array, controller: RigidArm, load: Array) -> Array:
-    """Integral of the lead as the servo knows it: its own integral ends where it alone would give the peak torque.
+    """Limit the integral of the lead as the servo does: its integral ends where it alone would give the peak torque.
 
     Args:
         integral: integral of the lead since the start, link side [rad s], shape (..., N).
         controller: rigid dynamics and servo of the existing controller.
-        load: what the links weigh at the start, which the servo's integral carries there, link side [N m], (..., N).
+        load: torque that holds the links at the start, carried by the servo's integral, link side [N m], (..., N).
     """
     drive, gain = controller.robot.drive, controller.robot.servo.integral_gain
     reach = np.divide(drive.peak_torque, gain, out=np.full_like(gain, np.inf), where=gain > 0)
@@ -104,7 +104,7 @@ def wound_up(integral: Array, controller: RigidArm, load: Array) -> Array:
 
 
 def wound_up_sums(increments: Array, controller: RigidArm, load: Array) -> Array:
-    """Running sums of `increments` (T, N) [rad s] from 0 on, each as `wound_up` leaves it, shape (T + 1, N)."""
+    """Sum `increments` (T, N) [rad s] from 0 on, each sum limited by `wound_up`, shape (T + 1, N)."""
     sums = np.zeros((len(increments) + 1, increments.shape[1]))
     np.cumsum(increments, axis=0, out=sums[1:])
     if np.array_equal(wound_up(sums, controller, np.broadcast_to(load, sums.shape)), sums):
@@ -115,9 +115,9 @@ def wound_up_sums(increments: Array, controller: RigidArm, load: Array) -> Array
 
 
 def links_torque(arm: RigidArm, q: Array, motor_dq: Array, motor_ddq: Array, *, load: bool) -> Array:
-    """Torque of the links, link side [N m], for a motion of any shape (..., N).
+    """Compute the torque of the links, link side [N m], for a motion of any shape (..., N).
 
-    `load` adds what must be carried at rest too: gravity, and springs between links.
+    `load` adds the torque at rest: gravity, and springs between links.
     """
     drive = arm.robot.drive
     motion = (q, drive.joint_angle(motor_dq), drive.joint_angle(motor_ddq))
@@ -129,7 +129,7 @@ def links_torque(arm: RigidArm, q: Array, motor_dq: Array, motor_ddq: Array, *, 
 
 
 def step_friction(law: DynamicLuGreExact, z: Array, dq: Array, next_dq: Array, dt: float) -> tuple[Array, Array, Array]:
-    """Friction within a control step, as parts of the torque at its two ends, and the bristles after it.
+    """Compute friction within a control step, as parts of the torque at its two ends, and the bristles after it.
 
     Args:
         law: friction model, and in how many sub-steps a step is resolved.
@@ -149,7 +149,7 @@ def step_friction(law: DynamicLuGreExact, z: Array, dq: Array, next_dq: Array, d
 def bristles_within(
     law: DynamicLuGreExact, z: Array, dq: Array, next_dq: Array, dt: float
 ) -> tuple[Array, Array, Array]:
-    """Bristles within a control step; arguments as in `step_friction`.
+    """Integrate the bristles within a control step; arguments as in `step_friction`.
 
     Returns:
         Deflection [rad] and motor speed [rad/s] in the middle of each sub-step, (S, ..., N), and the deflection at the
@@ -166,7 +166,7 @@ def bristles_within(
 
 
 def in_parts(torques: Array) -> tuple[Array, Array]:
-    """Parts of torques in the middle of S sub-steps (S, ..., N) that belong to the two ends of the step [N m]."""
+    """Split torques in the middle of S sub-steps (S, ..., N) into parts of the two ends of the step [N m]."""
     n = len(torques)
     torques = torques / n
     start, end = np.zeros_like(torques[0]), np.zeros_like(torques[0])
@@ -176,7 +176,7 @@ def in_parts(torques: Array) -> tuple[Array, Array]:
 
 
 def friction_along(law: DynamicLuGreExact, motor_dq: Array, dt: float) -> Array:
-    """Averaged friction at samples of the motor speed (T, N) [rad/s], from relaxed bristles on [N m], (T - 1, N).
+    """Average friction around samples of the motor speed (T, N) [rad/s], from relaxed bristles on [N m], (T - 1, N).
 
     The last sample has no step behind it, and is left out.
     """

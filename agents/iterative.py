@@ -1,4 +1,4 @@
-"""Iterative learning control: the torque of one motion, corrected from trial to trial by what the last one missed.
+"""Iterative learning control: the torque of one motion, corrected from trial to trial by the last error.
 
 Idea and source: norm-optimal iterative learning control (Amann, Owens, Rogers 1996, Int. J. Control 65(2)), on the
 linear answer of the controlled robot to added torque (`torque_response`). Trial j adds the torque u_j and measures the
@@ -31,11 +31,11 @@ from typing import Any
 
 import numpy as np
 
-from ffgym.agents.declaration import Entry, Setting, declare
+from ffgym.agents.declaration import AgentEntry, AgentSetting, declare
 from ffgym.agents.elastic import elastic_law
 from ffgym.agents.law_files import StateFile, digest
 from ffgym.agents.lugre import dynamic_lugre
-from ffgym.agents.task_torques import Task, TaskTorques, same_motion
+from ffgym.agents.task_torques import MotionTorque, TaskTorques, same_motion
 from ffgym.agents.torque_response import (
     TARGETS,
     NormOptimalStep,
@@ -43,12 +43,12 @@ from ffgym.agents.torque_response import (
     TorqueResponse,
     at_samples,
     circle_rms,
-    rms,
     task_error,
 )
-from ffgym.agents.trials import Trial, performed
+from ffgym.agents.trials import Trial, run_trial
 from ffgym.control import FeedForwardLaw, LawStyle, NoCompensation
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
+from ffgym.core.measures import rms_length
 from ffgym.core.types import Array, IntArray
 from ffgym.paths import Reference
 from ffgym.recordings import Recording
@@ -62,17 +62,17 @@ class Practice:
     """One motion after J trials."""
 
     torque: Array
-    """To be tried next, motor side [N m], shape (T, N)."""
+    """Torque of the next trial, motor side [N m], shape (T, N)."""
     best: Array
-    """The one that did best, shape (T, N)."""
+    """Torque of the trial with the least error, shape (T, N)."""
     motion_error: Array
     """RMS length of the error over the motion, shape (J,)."""
     circle_error: Array
-    """The same on each circle, shape (J, C)."""
+    """RMS length of the error on each circle, shape (J, C)."""
 
     @classmethod
     def begin(cls, torque: Array, n_circles: int) -> "Practice":
-        """Nothing tried yet."""
+        """Begin with the torque of the first trial."""
         first = torque.copy()
         first[0] = 0.0  # no torque is computed before t = 0
         return cls(torque=first, best=first, motion_error=np.zeros(0), circle_error=np.zeros((0, n_circles)))
@@ -95,7 +95,7 @@ the smallest circle at 100 mm/s. docs/agents/iterative.md shows what others do."
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LearningHistory:
-    """What each trial said: J trials, M motions, C circles."""
+    """Errors and robot time of J trials on M motions with C circles."""
 
     motions: tuple[str, ...]
     circles: tuple[str, ...]
@@ -115,7 +115,7 @@ class LearningHistory:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Learned:
-    """What iterative learning returns."""
+    """Law and history that iterative learning returns."""
 
     law: TaskTorques
     history: LearningHistory
@@ -128,11 +128,11 @@ class IterativeLearning:
     arm: RigidArm
     """Nominal model of the robot."""
     target: Target
-    """What must not stray: 'motor' positions, or the 'tcp'."""
+    """Position whose error is learned from: of the 'motor', or of the 'tcp'."""
     tolerance: float | None = None
-    """epsilon [rad], motor side, or [m]; larger learns more slowly and follows noise less. None takes TOLERANCES."""
+    """epsilon [rad], motor side, or [m]; larger learns more slowly and follows noise less. Defaults to TOLERANCES."""
     base: FeedForwardLaw = field(default_factory=NoCompensation)
-    """Law whose torque the first trial has; none is zero torque."""
+    """Law whose torque the first trial has; defaults to zero torque."""
 
     def __post_init__(self) -> None:
         check_choice("target", self.target, TARGETS)
@@ -163,7 +163,7 @@ class IterativeLearning:
         Args:
             references: motions of the robot, all different.
             trial: runs them all once.
-            trials: how often; the first has the base torque, and every torque that is returned has been tried.
+            trials: number of trials; the first has the base torque, and every torque that is returned has been tried.
             progress: called with the number of trials done and their total.
             state: file that is written after every trial; where it exists, learning goes on from there.
 
@@ -173,6 +173,7 @@ class IterativeLearning:
         """
         trials = check_whole("trials", trials, low=1)
         _check_motions(references, self.arm.robot.n_joints)
+        # corrections by the model, and practices, from the state file if there is one
         steps = [self._step(reference) for reference in references]
         practices = [Practice.begin(self.base.torque(reference), len(_circles(reference))) for reference in references]
         file = None
@@ -183,12 +184,13 @@ class IterativeLearning:
             if kept is not None:
                 names = range(len(practices))
                 practices = [Practice(**{f.name: kept[f"{f.name}_{i}"] for f in fields(Practice)}) for i in names]
+        # one trial of all motions, then a correction of each torque
         for number in range(practices[0].trials, trials):
             runs = [
                 Run(reference=reference, law=self._law([reference], [practice.torque]))
                 for reference, practice in zip(references, practices, strict=True)
             ]
-            recordings = performed(trial, runs, number)
+            recordings = run_trial(trial, runs, number)
             practices = [
                 self._after(practice, run.reference, recording, step)
                 for practice, run, recording, step in zip(practices, runs, recordings, steps, strict=True)
@@ -198,6 +200,7 @@ class IterativeLearning:
                 file.write({f"{name}_{i}": getattr(practice, name) for name, i, practice in rows})
             if progress is not None:
                 progress(number + 1, trials)
+        # law of the best torques, and history
         best = self._law(references, [practice.best for practice in practices])
         history = LearningHistory(
             motions=tuple(reference.name for reference in references),
@@ -209,7 +212,7 @@ class IterativeLearning:
         return Learned(law=best, history=history)
 
     def _step(self, reference: Reference) -> NormOptimalStep:
-        """Correction by the model at the middle of the motion's joint angles."""
+        """Make the correction by the model at the middle of the motion's joint angles."""
         middle = (reference.q.min(axis=0) + reference.q.max(axis=0)) / 2
         response = TorqueResponse.of(self.arm, middle, self.target)
         return NormOptimalStep.of(response, self.epsilon, self.arm.robot.friction.coulomb)
@@ -217,7 +220,7 @@ class IterativeLearning:
     def _settings(
         self, references: Sequence[Reference], steps: Sequence[NormOptimalStep], practices: Sequence[Practice]
     ) -> dict[str, Any]:
-        """All that learning depends on but the machine."""
+        """Return everything but the machine that learning depends on."""
         return {
             "target": self.target,
             "tolerance": self.epsilon,
@@ -229,17 +232,20 @@ class IterativeLearning:
 
     def _law(self, references: Sequence[Reference], torques: Sequence[Array]) -> TaskTorques:
         pairs = zip(references, torques, strict=True)
-        return TaskTorques(tasks=tuple(Task(name=r.name, q=r.q, torque=torque) for r, torque in pairs), name=self.name)
+        return TaskTorques(
+            tasks=tuple(MotionTorque(name=r.name, q=r.q, torque=torque) for r, torque in pairs), name=self.name
+        )
 
     def _after(self, practice: Practice, reference: Reference, recording: Recording, step: NormOptimalStep) -> Practice:
-        """What a motion has learned from the recording of its last torque."""
+        """Correct the torque of a motion by the recording of its last trial."""
         error = task_error(recording, reference, self.target)
         wanted = practice.torque + step.correction(error)
+        # torque that the drive has left beside its own control; more would never come, and pile up
         peak = self.arm.robot.drive.peak_torque
         own = recording.joint_array("feedforward.effort") + recording.joint_array("feedback.effort")
         control = at_samples(own, recording, reference)
-        following = np.clip(wanted, -peak - control, peak - control)  # or torque that never comes would pile up
-        motion_error = rms(error)
+        following = np.clip(wanted, -peak - control, peak - control)
+        motion_error = rms_length(error)
         is_best = not (motion_error >= practice.motion_error).any()
         return Practice(
             torque=following,
@@ -262,18 +268,18 @@ def _check_motions(references: Sequence[Reference], n_joints: int) -> None:
 
 
 def _circles(reference: Reference) -> tuple[str, ...]:
-    """Names of what is logged beside the motion."""
+    """Name the circles whose errors are logged beside that of the motion."""
     labels = circle_rms(np.zeros((len(reference.t), 1)), reference)
     return tuple(f"{reference.name}, {label}" for label in labels)
 
 
-def _practised(setting: Setting, target: Target, base: FeedForwardLaw) -> TaskTorques:
-    """What `TRIALS` trials make of a law."""
+def _practise(setting: AgentSetting, target: Target, base: FeedForwardLaw) -> TaskTorques:
+    """Learn torques in `TRIALS` trials, from those of a law."""
     return IterativeLearning(arm=setting.arm, target=target, base=base).learn(setting.references, setting.trial).law
 
 
 declare(
-    Entry(
+    AgentEntry(
         name="ilc_motor",
         title="iterative learning on motor positions",
         about="Iterative learning of each motion from its motor errors: ten trials of every circle that is scored.",
@@ -281,9 +287,9 @@ declare(
         order=10,
         page="iterative.md",
         style=LawStyle(label="iterative learning, motors", colour="#3B0F70", marker="<", line=":"),
-        make=lambda setting: _practised(setting, "motor", dynamic_lugre(setting.robot)),
+        make=lambda setting: _practise(setting, "motor", dynamic_lugre(setting.robot)),
     ),
-    Entry(
+    AgentEntry(
         name="ilc_tcp",
         title="iterative learning on the tool's position",
         about="Iterative learning of each motion from the tool's errors: ten trials of every circle that is scored.",
@@ -291,7 +297,7 @@ declare(
         order=11,
         page="iterative.md",
         style=LawStyle(label="iterative learning, tool", colour="#3B0F70", marker=">"),
-        make=lambda setting: _practised(setting, "tcp", elastic_law(setting.arm, setting.controller)),
+        make=lambda setting: _practise(setting, "tcp", elastic_law(setting.arm, setting.controller)),
         needs_arm=True,
     ),
 )

@@ -18,7 +18,7 @@ class LawAgent:
 
     law: CausalLaw
     layout: ObservationLayout
-    """Of the environment it acts in; observations may be longer, e.g. with a history behind the newest."""
+    """Layout of the environment it acts in; observations may be longer, e.g. with a history behind the newest."""
     control_dt: float
     """Time between samples [s]."""
 
@@ -56,11 +56,11 @@ class LawAgent:
         episode_start: Any = None,
         deterministic: bool = True,
     ) -> tuple[Array, Any]:
-        """Actions for observations (..., D), shape (..., N), and what to remember for the next call, shape (..., M).
+        """Compute actions (..., N) for observations (..., D), and the state for the next call, shape (..., M).
 
         Args:
             observation: one observation, or a batch of them.
-            state: what the last call returned, None at first.
+            state: state that the last call returned, None at first.
             episode_start: True where an episode begins, shape (...,); None is nowhere.
             deterministic: without effect, nothing is random.
 
@@ -87,7 +87,7 @@ class LawAgent:
         return torque / self.layout["added_torque"].scale, memory
 
     def window(self, observation: Array) -> Window:
-        """What observations (..., D) show of the reference."""
+        """Read the reference from observations (..., D)."""
 
         def read(name: str) -> Array:
             steps = range(self.law.preview + 1)
@@ -102,7 +102,7 @@ class LawAgent:
 
 
 def acting_in(env: Any) -> tuple[ObservationLayout, float]:
-    """Layout of the observations of an environment of ffgym, and its control step [s].
+    """Return the layout of the observations of an environment of ffgym, and its control step [s].
 
     Raises:
         FFGymError: if the environment is another one, normalises observations, or decides less often than the
@@ -124,7 +124,7 @@ def acting_in(env: Any) -> tuple[ObservationLayout, float]:
 
 
 def attribute_of(env: Any, name: str) -> Any:
-    """Attribute of an environment below its wrappers: single, vector, or stable-baselines3's."""
+    """Return an attribute of an environment below its wrappers: single, vector, or stable-baselines3's."""
     is_sb3 = hasattr(env, "get_attr") and not hasattr(env, "single_action_space")
     return env.get_attr(name)[0] if is_sb3 else getattr(env.unwrapped, name)
 
@@ -136,14 +136,14 @@ nominal robot (`ffgym.envs.settings`); chosen: twice that, as identified machine
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LawPolicy:
-    """A causal law as what `ffgym.control.Policy` describes."""
+    """Policy (`ffgym.control.Policy`) that runs a causal law."""
 
     make: Callable[[RobotDescription], FeedForwardLaw]
     preview: int
     action_scale: float = ACTION_SCALE
 
     def agent(self, robot: RobotDescription, layout: ObservationLayout) -> Agent:
-        """See `ffgym.control.Policy`.
+        """Make the agent of a robot, see `ffgym.control.Policy`.
 
         Raises:
             FFGymError: if the law does not fit the robot.
@@ -152,10 +152,10 @@ class LawPolicy:
 
 
 def causal(law: FeedForwardLaw) -> CausalLaw:
-    """The law, if it runs sample by sample.
+    """Return the law if it runs sample by sample.
 
     Raises:
-        FFGymError: if not.
+        FFGymError: if it does not.
     """
     if not isinstance(law, CausalLaw):
         raise FFGymError(f"Law {law.name!r} does not run sample by sample, so that it cannot act on observations.")

@@ -1,4 +1,4 @@
-"""Learned laws, and states of learning, as files: one NPZ with the arrays and a JSON header that says what they are.
+"""Learned laws, and states of learning, as files: one NPZ with the arrays and a JSON header that describes them.
 
 Learning that goes on from a file of its state comes to the same bits as if it had never stopped.
 """
@@ -46,17 +46,17 @@ class StoredLaw:
                 raise FFGymError(f"{cls.__qualname__}: {known.__qualname__} has files of kind {cls.kind!r} already.")
 
     def parts(self) -> tuple[dict[str, Any], dict[str, Array]]:
-        """Settings that JSON can hold, and arrays of numbers; the fields of a dataclass where nothing else is said."""
+        """Split the law into settings that JSON can hold and arrays; by default the fields of a dataclass."""
         values = {each.name: getattr(self, each.name) for each in fields(self)}  # type: ignore[arg-type]
         arrays = {name: value for name, value in values.items() if isinstance(value, np.ndarray)}
         return {name: value for name, value in values.items() if name not in arrays}, arrays
 
     @classmethod
     def from_parts(cls, settings: Mapping[str, Any], arrays: Mapping[str, Array]) -> Self:
-        """The law of these parts.
+        """Rebuild the law from its parts.
 
         Raises:
-            FFGymError: if they make no law.
+            FFGymError: if a part is missing or wrong.
         """
         missing = {each.name for each in fields(cls)} - {*settings, *arrays}  # type: ignore[arg-type]
         if missing:
@@ -84,7 +84,7 @@ def save_law(path: str | os.PathLike[str], law: StoredLaw, meta: Mapping[str, An
 
 
 def npz_target(path: str | os.PathLike[str], what: str) -> Path:
-    """File to be written.
+    """Check the name of a file to be written, and return its path.
 
     Raises:
         FFGymError: if it cannot be written, or its name does not end in .npz.
@@ -119,12 +119,12 @@ def load_law(path: str | os.PathLike[str]) -> FeedForwardLaw:
 
 
 def pack(header: Mapping[str, Any], arrays: Mapping[str, Array]) -> bytes:
-    """A NPZ file with a JSON header; equal contents give equal bytes."""
+    """Encode an NPZ file with a JSON header; equal contents give equal bytes."""
     return encode_arrays({"header": np.array(json.dumps(header, sort_keys=True, allow_nan=False)), **arrays})
 
 
 def unpack(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str, Array]]:
-    """Header and arrays of a file that `pack` made.
+    """Read header and arrays of a file that `pack` made.
 
     Raises:
         FFGymError: if the file is missing, damaged, or of another format.
@@ -143,7 +143,7 @@ def unpack(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str, Arra
 
 
 def digest(*arrays: Array) -> str:
-    """Short text that is equal for arrays of equal shapes and bits."""
+    """Hash arrays to a short text, equal for equal shapes and bits."""
     total = sha256()
     for array in arrays:
         total.update(repr(array.shape).encode())
@@ -153,13 +153,13 @@ def digest(*arrays: Array) -> str:
 
 @dataclass(frozen=True, kw_only=True)
 class StateFile:
-    """Arrays of some learning on disk, written whole or not at all."""
+    """State of learning on disk, written whole or not at all."""
 
     path: Path
     kind: str
     """Kind of the file, beside those of laws."""
     settings: Mapping[str, Any]
-    """What must be the same for learning to go on; JSON can hold it."""
+    """Settings that must be the same for learning to go on; JSON can hold them."""
 
     def __post_init__(self) -> None:
         check_writable(self.path)
@@ -174,10 +174,10 @@ class StateFile:
         write_bytes(self.path, pack(header, arrays))
 
     def read(self) -> dict[str, Array] | None:
-        """Arrays of the file; None where there is no file yet.
+        """Read the arrays of the file; return None where there is no file yet.
 
         Raises:
-            FFGymError: if the file is damaged, or of learning with other settings; the message says which.
+            FFGymError: if the file is damaged, or of learning with other settings; the message names them.
         """
         if not self.path.exists():
             return None
@@ -194,7 +194,7 @@ def check_same(theirs: Mapping[str, Any], ours: Mapping[str, Any], place: Path, 
     """Check that settings kept in a file or folder are those asked for; else it holds `what`, e.g. another training.
 
     Raises:
-        FFGymError: if they differ; the message says in what.
+        FFGymError: if they differ; the message names the settings.
     """
 
     def short(value: Any) -> str:
@@ -212,7 +212,7 @@ def check_same(theirs: Mapping[str, Any], ours: Mapping[str, Any], place: Path, 
 
 
 def _flat(values: Mapping[str, Any]) -> dict[str, Any]:
-    """Entries of tables in tables by one name each."""
+    """Flatten nested tables to entries by one name each."""
     flat: dict[str, Any] = {}
     for name, value in values.items():
         if isinstance(value, Mapping):

@@ -1,10 +1,10 @@
-"""Learning feed-forward control: a network adapted after every trial by what the feedback still had to do.
+"""Learning feed-forward control: a network adapted after every trial by the torque that the feedback still gave.
 
 Idea and source: thesis 5.2 and (5.5)-(5.7). The torque that feedback adds along a motion is torque that feed-forward
 lacked. After each trial the network learns it as a function of the reference, and the next trial runs with the result.
 
     trial 0         the network as given; with zero weights, no compensation
-    trial k         the network after k updates, each `network.adapted(lessons, rate)`; (5.5) for B-spline networks
+    trial k         the network after k updates, each `network.adapt(lessons, rate)`; (5.5) for B-spline networks
 
 Run it:
 
@@ -37,7 +37,7 @@ from typing import Any, Self
 import numpy as np
 
 from ffgym.agents.law_files import StateFile, StoredLaw, digest
-from ffgym.agents.trials import SIGNALS, Lesson, Signal, Trial, performed
+from ffgym.agents.trials import SIGNALS, Lesson, Signal, Trial, run_trial
 from ffgym.control import CausalLaw
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_shape, check_whole
 from ffgym.core.types import Array, BoolArray, IntArray
@@ -54,15 +54,15 @@ class Network(CausalLaw, StoredLaw):
         """Learned numbers by name; the first axis of each counts joints, shape (N, ...)."""
 
     def with_weights(self, weights: Mapping[str, Array]) -> Self:
-        """The same network with other weights."""
+        """Return the network with other weights."""
         return replace(self, **weights)  # type: ignore[type-var]
 
     @abstractmethod
-    def adapted(self, lessons: Sequence[Lesson], rate: float) -> Self:
-        """What the network is after one update from the lessons of one trial, at learning rate `rate`."""
+    def adapt(self, lessons: Sequence[Lesson], rate: float) -> Self:
+        """Return the network after one update from the lessons of one trial, at learning rate `rate`."""
 
-    def merged(self, other: Self, joints: BoolArray) -> Self:
-        """This network, with the weights of `other` on `joints` (N,)."""
+    def merge(self, other: Self, joints: BoolArray) -> Self:
+        """Return this network with the weights of `other` on `joints` (N,)."""
         theirs, mixed = other.weights, {}
         for name, own in self.weights.items():
             mixed[name] = np.where(joints.reshape(-1, *[1] * (own.ndim - 1)), theirs[name], own)
@@ -74,9 +74,9 @@ class Learning:
     """Learning after K trials; every trial makes a new one."""
 
     network: Network
-    """To be tried next."""
+    """Network of the next trial."""
     best: Network
-    """On each joint the weights that had the lowest mean square error."""
+    """Network with the weights of the lowest mean square error on each joint."""
     error: Array
     """Mean square motor position error of each trial and motion [rad^2], shape (K, M, N), thesis (5.6)."""
     signal: Array
@@ -90,7 +90,7 @@ class Learning:
 
     @classmethod
     def begin(cls, network: Network, n_motions: int) -> "Learning":
-        """Before the first trial with M motions."""
+        """Begin before the first trial with M motions."""
         n = network.n_joints
         return cls(
             network=network,
@@ -108,16 +108,17 @@ class Learning:
         return len(self.error)
 
     def after(self, lessons: Sequence[Lesson], *, rate: float, tolerance: float, patience: int) -> "Learning":
-        """After a trial of `network` that gave `lessons`; see `ffgym.agents.lffc` for the rule."""
+        """Learn from the `lessons` of a trial of `network`, by the rule in the head of this file."""
         error = np.concatenate([self.error, [[_mean_square(lesson, lesson.error) for lesson in lessons]]])
         signal = np.concatenate([self.signal, [[_mean_square(lesson, lesson.signal) for lesson in lessons]]])
         cost = relative(error)
+        # joints with their lowest error so far, and joints that no longer improve
         is_best = ~self.locked & (cost[-1] <= cost.min(axis=0))
-        best = self.best.merged(self.network, is_best)
+        best = self.best.merge(self.network, is_best)
         stale = np.where(_fell(cost, tolerance) & _fell(relative(signal), tolerance), 0, self.stale + 1)
         locked = self.locked | (stale >= patience)
         return Learning(
-            network=self.network.adapted(lessons, rate).merged(best, locked),
+            network=self.network.adapt(lessons, rate).merge(best, locked),
             best=best,
             error=error,
             signal=signal,
@@ -128,21 +129,21 @@ class Learning:
 
 
 def relative(mean_square: Array) -> Array:
-    """Mean squares (K, M, N) over those of the first trial, averaged over motions, shape (K, N).
+    """Divide mean squares (K, M, N) by those of the first trial, and average over motions, shape (K, N).
 
-    A joint that had none at first, as one that never moves, has 0.
+    A joint whose first is 0, as one that never moves, gets 0.
     """
     first = mean_square[:1]
     return np.asarray(np.divide(mean_square, first, out=np.zeros_like(mean_square), where=first > 0).mean(axis=1))
 
 
 def _mean_square(lesson: Lesson, values: Array) -> Array:
-    """Of values (T, N) of a lesson without standstill, shape (N,)."""
+    """Compute the mean square of values (T, N) of a lesson without standstill, shape (N,)."""
     return np.asarray(np.mean(values[lesson.moving] ** 2, axis=0))
 
 
 def _fell(history: Array, tolerance: float) -> BoolArray:
-    """Where the last row of `history` (K, N) is lower than the one before by more than a share of it, thesis (5.7)."""
+    """Find joints whose last row of `history` (K, N) fell by more than a share of the one before, thesis (5.7)."""
     if len(history) < 2:
         return np.ones(history.shape[1], dtype=np.bool_)
     return np.asarray(history[-1] < (1 - tolerance) * history[-2])
@@ -152,7 +153,8 @@ _ROWS = ("error", "signal", "best_trial", "stale", "locked")
 _NETWORKS = ("network", "best")
 
 
-def _unpacked(first: Network, n_motions: int, arrays: Mapping[str, Array]) -> Learning:
+def _restore_learning(first: Network, n_motions: int, arrays: Mapping[str, Array]) -> Learning:
+    """Rebuild learning from the arrays of a state file."""
     n = first.n_joints
     network, best = (
         first.with_weights({name: arrays[f"{role}.{name}"] for name in first.weights}) for role in _NETWORKS
@@ -172,7 +174,7 @@ def _unpacked(first: Network, n_motions: int, arrays: Mapping[str, Array]) -> Le
 
 
 Watch = Callable[[Learning, int], None]
-"""Called after every trial with what is known by then, and how many trials there will be at most."""
+"""Function that is called after every trial with the state of learning, and the largest number of trials."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -210,11 +212,11 @@ class LFFC:
         """Learn from trials along `references`; the learned law is `best` of what is returned.
 
         Args:
-            network: to begin with.
-            references: motions of one trial.
-            trial: runs them on the machine.
+            network: network of the first trial.
+            references: motions of each trial.
+            trial: procedure that runs them on the machine.
             state: file that is written after every trial; where it exists, learning goes on from there.
-            machine: text that tells machines apart, so that a file is not used for another one.
+            machine: text that identifies the machine, so that a file is not used for another one.
             watch: called after every trial.
 
         Raises:
@@ -227,8 +229,9 @@ class LFFC:
         file = None if state is None else StateFile(path=state, kind="learning", settings=settings)
         learning = self._begin(network, len(references), file)
         while learning.trials <= self.iterations and not learning.locked.all():
+            # one trial of all motions, and the update from it
             runs = [Run(reference=reference, law=learning.network) for reference in references]
-            pairs = zip(references, performed(trial, runs, learning.trials), strict=True)
+            pairs = zip(references, run_trial(trial, runs, learning.trials), strict=True)
             lessons = [Lesson.of(reference, recording, self.signal) for reference, recording in pairs]
             learning = learning.after(lessons, rate=self.rate, tolerance=self.tolerance, patience=self.patience)
             if file is not None:
@@ -247,7 +250,7 @@ class LFFC:
         if file is None or arrays is None:
             return Learning.begin(network, n_motions)
         try:
-            learning = _unpacked(network, n_motions, arrays)
+            learning = _restore_learning(network, n_motions, arrays)
         except (KeyError, FFGymError) as error:
             reason = str(error).rstrip(".")
             raise FFGymError(
@@ -261,7 +264,7 @@ class LFFC:
         return learning
 
     def _settings(self, network: Network, references: Sequence[Reference], machine: str) -> dict[str, Any]:
-        """What must not change while learning; more iterations may be asked for later."""
+        """Return the settings that must not change while learning; iterations may be added later."""
         settings, arrays = network.parts()
         return {
             "rate": self.rate,
@@ -277,10 +280,10 @@ class LFFC:
 
 
 def thesis_training(n_joints: int) -> LFFC:
-    """Rate and iterations of thesis 5.3.1 for one axis, of 5.3.2 for a robot."""
+    """Make training with rate and iterations of thesis 5.3.1 for one axis, of 5.3.2 for a robot."""
     return LFFC(rate=0.8, iterations=15) if n_joints == 1 else LFFC(rate=0.95, iterations=10)
 
 
 def robot_seconds(references: Sequence[Reference], trials: int) -> float:
-    """Time that the machine moved in so many trials [s]."""
+    """Compute the time that the machine moves in a number of trials [s]."""
     return trials * sum(reference.duration for reference in references)

@@ -1,7 +1,7 @@
 """LuGre friction compensation: the torque that the friction model gives at the speed of the reference.
 
 Idea and source: thesis 4.1 (static) and 4.2 (dynamic), after Canudas de Wit et al. (1995). Friction is computed from
-the reference, not from the measured speed, so that no noise enters and the law knows what comes.
+the reference, not from the measured speed, so that no noise enters and the torque comes in time.
 
 Run it:
 
@@ -15,18 +15,18 @@ Logged: nothing; the laws learn nothing. Departures from the source: the bristle
 
 from pathlib import Path
 
-from ffgym.agents.declaration import Entry, declare
+from ffgym.agents.declaration import AgentEntry, declare
 from ffgym.control import DynamicLuGre, DynamicLuGreEuler, DynamicLuGreExact, LawStyle, StaticLuGre
 from ffgym.core.errors import check_choice
 from ffgym.robot import RobotDescription, robot_of
 from ffgym.robot.friction import LuGreParameters
 
 DISCRETISATIONS = {"exact": DynamicLuGreExact, "euler": DynamicLuGreEuler}
-"""How the bristles of the dynamic model are integrated."""
+"""Integration methods of the bristles of the dynamic model, by name."""
 
 
 def static_lugre(parameters: LuGreParameters | RobotDescription | str | Path) -> StaticLuGre:
-    """Static LuGre, thesis (4.1), with the friction of a robot: a description, a name, or a file.
+    """Make static LuGre, thesis (4.1), with the friction of a robot: a description, a name, or a file.
 
     Raises:
         FFGymError: if the file cannot be read or is wrong.
@@ -37,7 +37,7 @@ def static_lugre(parameters: LuGreParameters | RobotDescription | str | Path) ->
 def dynamic_lugre(
     parameters: LuGreParameters | RobotDescription | str | Path, discretisation: str = "exact"
 ) -> DynamicLuGre:
-    """Dynamic LuGre, thesis (4.3), with the friction of a robot: a description, a name, or a file.
+    """Make dynamic LuGre, thesis (4.3), with the friction of a robot: a description, a name, or a file.
 
     Raises:
         FFGymError: if the file cannot be read or is wrong, or the discretisation is unknown.
@@ -47,14 +47,14 @@ def dynamic_lugre(
 
 
 def friction_of(parameters: LuGreParameters | RobotDescription | str | Path) -> LuGreParameters:
-    """Friction parameters themselves, of a description, of a built-in robot, or in a file."""
+    """Return friction parameters as given, or those of a description, a built-in robot, or a file."""
     if isinstance(parameters, LuGreParameters):
         return parameters
     return robot_of(parameters, "friction parameters").friction
 
 
 declare(
-    Entry(
+    AgentEntry(
         name="lugre_static",
         title="static LuGre",
         about="Friction of the static LuGre model at the speed of the reference, nominal parameters.",
@@ -64,7 +64,7 @@ declare(
         style=LawStyle(label="static LuGre", colour="#D55E00", marker="s"),
         make=lambda setting: static_lugre(setting.robot),
     ),
-    Entry(
+    AgentEntry(
         name="lugre_dynamic",
         title="dynamic LuGre",
         about="Friction of the dynamic LuGre model along the reference, nominal parameters.",

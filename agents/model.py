@@ -35,7 +35,7 @@ from typing import final
 
 import numpy as np
 
-from ffgym.agents.declaration import Entry, declare
+from ffgym.agents.declaration import AgentEntry, declare
 from ffgym.agents.elastic import ElasticLaw, elastic_law
 from ffgym.agents.flexible_joints import Lead, bristles_within, given_torque, in_parts, motion_at, wound_up
 from ffgym.agents.model_springs import Carried, Past, Springs, Start, unpacked
@@ -271,7 +271,7 @@ FITTED = "model_fitted"
 """Row of feed-forward from models that were fitted to recordings of the workcell."""
 
 declare(
-    Entry(
+    AgentEntry(
         name="model",
         title="feed-forward from a machine file",
         about="Elastic feed-forward from a machine file, with the effects that stand in it.",
@@ -283,7 +283,7 @@ declare(
         make_from=lambda machine, setting, name: model_law(machine, setting.controller or setting.arm, name),
         on_leaderboard=False,  # without a file it is elastic
     ),
-    Entry(
+    AgentEntry(
         name=FITTED,
         title="fitted and diagnosed model",
         about="Elastic feed-forward from a model whose friction, rotors, masses and springs were fitted to 88 s of "

@@ -28,7 +28,7 @@ from typing import Any, ClassVar, Self, final
 
 import numpy as np
 
-from ffgym.agents.declaration import Entry, declare
+from ffgym.agents.declaration import AgentEntry, declare
 from ffgym.agents.law_files import StoredLaw
 from ffgym.agents.supervised import MotorRecord, Supervised, learn
 from ffgym.agents.trials import Trial, every_speed
@@ -50,15 +50,15 @@ class NARX(CausalLaw, StoredLaw):
 
     @property
     def n_joints(self) -> int:
-        """See base class."""
+        """Number of motors N."""
         return self.model.n_joints
 
     def initial_memory(self, window: Window) -> Array:
-        """Speed at the start, relaxed slip elements, outputs of zero, shape (..., N M)."""
+        """Return speed at the start, relaxed slip elements, outputs of zero, shape (..., N M)."""
         return self.model.remembered(window.motor_dq[..., 0, :])
 
     def step(self, memory: Array, window: Window) -> tuple[Array, Array]:
-        """See base class.
+        """Run the networks one sample on, on their own outputs.
 
         Raises:
             FFGymError: if the reference is sampled at another time step than the network was fitted at.
@@ -71,23 +71,24 @@ class NARX(CausalLaw, StoredLaw):
         return self.model.advanced(memory, window.motor_dq[..., 1, :])
 
     def parts(self) -> tuple[dict[str, Any], dict[str, Array]]:
-        """See base class."""
+        """Return name, regressors and time step, and the weights."""
         settings = {"name": self.name, "regressors": asdict(self.model.regressors), "dt": self.model.dt}
         return settings, {name: getattr(self.model, name) for name in ARRAYS}
 
     @classmethod
     def from_parts(cls, settings: Mapping[str, Any], arrays: Mapping[str, Array]) -> Self:
-        """See base class."""
+        """Rebuild the network from `parts`."""
         regressors = Regressors(**settings["regressors"])
         return cls(name=settings["name"], model=NarxModel(regressors=regressors, dt=settings["dt"], **arrays))
 
 
 N_EVALUATIONS = 200
-"""Of the residual at most, per start. Chosen: 1000, as in thesis 6.2.3, simulate no better and take far longer."""
+"""Largest number of evaluations of the residual per start. Chosen: 1000, as in thesis 6.2.3, simulate no better and
+take far longer."""
 N_STARTS = 5
-"""Chosen: fits from different starts end in different minima."""
+"""Random starts of the fit. Chosen: fits from different starts end in different minima."""
 N_TRIALS = 2
-"""Chosen, as for the residual torque model."""
+"""Trials to learn from. Chosen, as for the residual torque model."""
 
 
 def learn_narx(
@@ -97,7 +98,7 @@ def learn_narx(
     structure: Structure | None = None,
     n_trials: int = N_TRIALS,
 ) -> Supervised[NARX]:
-    """NARX network of a machine, from trials along `references`; `rng` draws the starts of the fits.
+    """Learn the NARX network of a machine from trials along `references`; `rng` draws the starts of the fits.
 
     Raises:
         FFGymError: if there is no motion, or a number is out of range.
@@ -112,7 +113,7 @@ def learn_narx(
 
 
 def samples_of(record: MotorRecord) -> Samples:
-    """What a trial showed, as the fit takes it: standstill is simulated, but not scored."""
+    """Turn a record into samples of the fit: standstill is simulated, but not scored."""
     return Samples(
         dt=record.dt,
         motor_dq=record.motor_dq,
@@ -123,7 +124,7 @@ def samples_of(record: MotorRecord) -> Samples:
 
 
 declare(
-    Entry(
+    AgentEntry(
         name="narx",
         title="NARX network",
         about="A recurrent network of three neurons per motor, fitted to the torque that was missing.",

@@ -14,7 +14,7 @@ Run it (the weights are the agent's state, one set per sub-environment; they out
     action, state = agent.predict(observation, state, episode_start)
     network = agent.network_of(state)
 
-Logged: nothing; `network_of` shows what was learned, as a law of its own.
+Logged: nothing; `network_of` returns the learned network as a law.
 
 Departures from the source: none in the update; the rate is smaller than that of (5.5), since it is applied 250 times a
 second and not once a motion.
@@ -38,10 +38,10 @@ RATE = 0.1
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class OnlineLFFC:
-    """An agent that learns; nothing in it changes, what it has learned is the state that `predict` returns."""
+    """An agent that learns; it never changes, its learned weights are the state that `predict` returns."""
 
     agent: LawAgent
-    """Acts with the network to begin with."""
+    """Agent with the first network."""
     servo: Servo
     """Gains of the drive."""
     rate: float = RATE
@@ -63,7 +63,7 @@ class OnlineLFFC:
 
     @property
     def network(self) -> BSplineNetwork:
-        """What every sub-environment begins with."""
+        """Network that every sub-environment begins with."""
         network = self.agent.law
         assert isinstance(network, BSplineNetwork)
         return network
@@ -75,12 +75,12 @@ class OnlineLFFC:
         episode_start: Any = None,
         deterministic: bool = True,
     ) -> tuple[Array, Any]:
-        """Actions for observations (..., D), shape (..., N), and the weights after this sample, shape (..., N H S).
+        """Compute actions (..., N) for observations (..., D), and the weights after this sample, shape (..., N H S).
 
         Args:
             observation: one observation, or a batch of them.
-            state: what the last call returned, None at first.
-            episode_start: without effect, what was learned is kept.
+            state: weights that the last call returned, None at first.
+            episode_start: without effect, weights outlive episodes.
             deterministic: without effect, nothing is random.
         """
         window = self.agent.window(observation)
@@ -89,6 +89,7 @@ class OnlineLFFC:
             weights = np.tile(first.reshape(n, -1), (*batch, 1, 1))
         else:
             weights = check_shape("state", state, (*batch, first.size)).reshape(*batch, n, -1).copy()
+        # update of the weights at the speed of this sample
         error, error_rate = (self.agent.layout.read(observation, name) for name in ("error", "error_rate"))
         u_p = servo_torque(self.servo, error, error_rate, np.zeros_like(error)).u_p
         dq, ddq = window.motor_dq, window.motor_ddq
@@ -96,11 +97,12 @@ class OnlineLFFC:
         missing = np.where(dq[..., 0, :] == 0, 0.0, u_p)
         learned = np.take_along_axis(weights, places, axis=-1) + self.rate * missing[..., None] * values
         np.put_along_axis(weights, places, learned, axis=-1)
+        # torque of the new weights at the speed of the next sample
         values, places = self.network.active(dq[..., 1, :], ddq[..., 1, :])
         torque = (values * np.take_along_axis(weights, places, axis=-1)).sum(axis=-1)
         action = torque / self.agent.layout["added_torque"].scale
         return action, weights.reshape(*weights.shape[:-2], -1)
 
     def network_of(self, state: Array) -> BSplineNetwork:
-        """What one sub-environment has learned; `state` is its row, shape (N H S,)."""
+        """Return the network that one sub-environment has learned; `state` is its row, shape (N H S,)."""
         return self.network.with_weights({"coefficients": state.reshape(self.network.coefficients.shape)})

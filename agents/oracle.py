@@ -1,8 +1,8 @@
-"""Oracle: elastic feed-forward that knows the machine's true parameters; what no real controller can know.
+"""Oracle: elastic feed-forward with the machine's true parameters, which no real controller has.
 
 Idea: the same law as in `ffgym.agents.elastic`, made with the true masses, springs, rotors and friction of the machine,
-where any other law has a nominal model. It shows what a model without error is worth; the rest is what the law itself
-leaves. It is shown beside the others and never ranked. Reading the truth is allowed here and nowhere else.
+where any other law has a nominal model. Its remaining error is the error of the law itself, without any error of the
+model. It is shown beside the others and never ranked. Reading the truth is allowed here and nowhere else.
 
 Run it:
 
@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ffgym.agents.declaration import Entry, declare
+from ffgym.agents.declaration import AgentEntry, declare
 from ffgym.agents.elastic import ElasticLaw, elastic_law
 from ffgym.agents.law_agent import LawAgent, acting_in, attribute_of
 from ffgym.control import LawStyle, ObservationLayout
@@ -29,15 +29,15 @@ if TYPE_CHECKING:
 
 
 def oracle_law(truth: RobotDescription | None, controller: RigidArm) -> ElasticLaw:
-    """Elastic feed-forward for a machine that is `truth`, whose existing controller was made for `controller`."""
+    """Make elastic feed-forward for a machine that is `truth`, whose existing controller was made for `controller`."""
     return elastic_law(RigidArm(known_truth(truth)), controller, name="oracle")
 
 
 def known_truth(truth: RobotDescription | None) -> RobotDescription:
-    """What a machine is, where that may be known.
+    """Return the true description of a machine.
 
     Raises:
-        FFGymError: if it may not.
+        FFGymError: if it is shut away.
     """
     if truth is None:
         raise FFGymError("The oracle needs the truth, which is shut away on this machine; leave it out.")
@@ -46,16 +46,16 @@ def known_truth(truth: RobotDescription | None) -> RobotDescription:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class OracleAgent:
-    """The oracle in an environment: at each step it looks up which robots are simulated, also randomised ones."""
+    """The oracle in an environment: at each step it looks up the simulated robots, also randomised ones."""
 
     core: "TrackingCore"
     """Engine of the environment."""
     layout: ObservationLayout
-    """Of its observations."""
+    """Layout of its observations."""
     control_dt: float
     """Time between samples [s]."""
     _agents: dict[int, tuple[RobotDescription, LawAgent]] = field(default_factory=dict, init=False, repr=False)
-    """By identity, for the robots of the present episodes."""
+    """Agents by identity of the robot, for the robots of the present episodes."""
 
     @classmethod
     def for_env(cls, env: Any) -> "OracleAgent":
@@ -70,7 +70,7 @@ class OracleAgent:
     def predict(
         self, observation: Array, state: Any = None, episode_start: Any = None, deterministic: bool = True
     ) -> tuple[Array, Any]:
-        """See `LawAgent.predict`; the observations must be of all sub-environments, (B, D), or of the only one, (D,).
+        """Act as `LawAgent.predict`; observations must be of all sub-environments, (B, D), or of the only one, (D,).
 
         Raises:
             FFGymError: if there are observations of fewer or more, one of the robots is not for this law, or the truth
@@ -90,7 +90,7 @@ class OracleAgent:
         return action.reshape(*shape, -1), np.stack(memory).reshape(*shape, -1)
 
     def _teams(self) -> list[tuple[LawAgent, list[int]]]:
-        """An agent for each distinct robot, and the sub-environments where that is simulated."""
+        """Return an agent for each distinct robot, and the sub-environments where it is simulated."""
         rows: dict[int, list[int]] = {}
         for i, machine in enumerate(self.core.plant.machines):
             robot = known_truth(machine.truth)
@@ -105,7 +105,7 @@ class OracleAgent:
 
 
 declare(
-    Entry(
+    AgentEntry(
         name="oracle",
         title="elastic feed-forward with the true parameters",
         about="Elastic feed-forward with the machine's true parameters, which no controller knows. Not ranked.",

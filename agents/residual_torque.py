@@ -1,6 +1,6 @@
-"""Residual torque model: the torque that is missing as a function of what a motor does, learned from two trials.
+"""Residual torque model: the missing torque as a function of a motor's motion, learned from two trials.
 
-Idea and source: regression on the difference between what a model predicts and what a machine does is common for
+Idea and source: regression on the difference between the prediction of a model and the machine is common for
 inverse dynamics (Nguyen-Tuong & Peters 2011, Cognitive Processing 12, "Model learning for robot control"); here the
 model is the drive's own feed-forward, and the difference is friction before all. Per motor
 
@@ -12,12 +12,12 @@ of the samples seen,
 
     g(x) = sum_i alpha_i exp(-|x - x_i|^2 / (2 l^2))
 
-It is zero far from all that was seen, where the linear part alone answers: shrinking to the mean is what the process
+It is zero far from all samples, where the linear part alone answers: shrinking to the mean is what the process
 does where its variance is back at that of the prior.
 
 Motions differ in how much of their torque no feature of one motor explains: at 100 mm/s the links swing on their
 gearboxes with more torque than all friction. Each motion counts with that spread as its noise (`MotorRecord.noise`),
-or the fastest would drown what the slowest says of friction.
+or the fastest would drown the friction that the slowest shows.
 
 Run it:
 
@@ -39,10 +39,10 @@ from typing import ClassVar, final
 
 import numpy as np
 
-from ffgym.agents.declaration import Entry, declare
+from ffgym.agents.declaration import AgentEntry, declare
 from ffgym.agents.law_files import StoredLaw
 from ffgym.agents.supervised import MotorRecord, Supervised, learn, least_squares, linear_features
-from ffgym.agents.trials import Trial, evenly, every_speed
+from ffgym.agents.trials import Trial, every_speed, pick_evenly
 from ffgym.control import CausalLaw, LawStyle, Window
 from ffgym.core.errors import FFGymError, check_shape, check_whole
 from ffgym.core.types import Array
@@ -93,22 +93,22 @@ class ResidualTorque(CausalLaw, StoredLaw):
 
     @property
     def n_joints(self) -> int:
-        """See base class."""
+        """Number of motors N."""
         return len(self.coefficients)
 
     def initial_memory(self, window: Window) -> Array:
-        """Slip elements at the start, shape (..., N W): relaxed."""
+        """Return relaxed slip elements, shape (..., N W)."""
         return np.zeros((*window.q.shape[:-2], self.n_joints * len(self.widths)))
 
     def step(self, memory: Array, window: Window) -> tuple[Array, Array]:
-        """See base class; remembered are the slip elements."""
+        """Advance the slip elements, which are the memory, and return the torque of the next sample."""
         slip = memory.reshape(*memory.shape[:-1], self.n_joints, len(self.widths))
         now, then = window.motor_dq[..., 0, :], window.motor_dq[..., 1, :]
         slip = advance_slip(slip, now, then, window.dt, self.widths)
         return self.at(slip, then, window.motor_ddq[..., 1, :]), slip.reshape(memory.shape)
 
     def at(self, slip: Array, motor_dq: Array, motor_ddq: Array) -> Array:
-        """Torque [N m] with slip elements (..., N, W), at motor speed [rad/s] and acceleration [rad/s^2] (..., N)."""
+        """Compute torque [N m] at slip elements (..., N, W), motor speed [rad/s], acceleration [rad/s^2] (..., N)."""
         mean = (self.coefficients * linear_features(slip, motor_dq, motor_ddq)).sum(axis=-1)
         x = bell_features(slip, motor_dq, self.top_speed)
         square = np.zeros((*motor_dq.shape, self.alpha.shape[1]))
@@ -119,13 +119,13 @@ class ResidualTorque(CausalLaw, StoredLaw):
 
 
 def bell_features(slip: Array, motor_dq: Array, top_speed: Array) -> Array:
-    """Where the process is asked, x of shape (..., N, W + 1), each number within [-1, 1] up to the top speed."""
+    """Compute the inputs x (..., N, W + 1) of the process, each number within [-1, 1] up to the top speed."""
     stretched = np.arcsinh(motor_dq / (KNEE * top_speed)) / np.arcsinh(1 / KNEE)
     return np.concatenate([slip, stretched[..., None]], axis=-1)
 
 
 N_TRIALS = 2
-"""Chosen: a third changes the motor error by less than 5 % (docs/agents/residual_torque.md)."""
+"""Trials to learn from. Chosen: a third changes the motor error by less than 5 % (docs/agents/residual_torque.md)."""
 N_POINTS = 300
 """Samples of a motor that the process keeps. Chosen: 0.1 ms per control step on six motors."""
 LENGTHS = (0.3, 30.0)
@@ -137,27 +137,29 @@ AMPLITUDES = (1e-4, 10.0)
 def learn_residual_torque(
     trial: Trial, references: Sequence[Reference], n_trials: int = N_TRIALS, n_points: int = N_POINTS
 ) -> Supervised[ResidualTorque]:
-    """Residual torque model of a machine, from trials along `references`.
+    """Learn the residual torque model of a machine from trials along `references`.
 
     Raises:
         FFGymError: if scikit-learn is missing, there is no motion, or a number is out of range.
     """
     _require_sklearn()
     check_whole("n_points", n_points, low=len(references))
-    return learn(trial, references, lambda records: fitted(records, n_points), n_trials)
+    return learn(trial, references, lambda records: fit_residual_torque(records, n_points), n_trials)
 
 
-def fitted(records: Sequence[MotorRecord], n_points: int = N_POINTS) -> ResidualTorque:
-    """The model of the motors in `records`, with about `n_points` samples of each kept."""
+def fit_residual_torque(records: Sequence[MotorRecord], n_points: int = N_POINTS) -> ResidualTorque:
+    """Fit the model of the motors in `records`, with about `n_points` samples of each kept."""
     n_joints = records[0].torque.shape[1]
     top_speed = np.max([np.abs(record.motor_dq).max(axis=0) for record in records], axis=0)
-    top_speed = np.where(top_speed > 0, top_speed, 1.0)  # of a motor that stood still nothing is asked
+    top_speed = np.where(top_speed > 0, top_speed, 1.0)  # any, for a motor that stood still
+    # linear part of each motor, then the samples that the processes keep
     coefficients, rest = zip(*(_line(records, joint) for joint in range(n_joints)), strict=True)
-    kept = [evenly(record.moving, n_points // len(records)) for record in records]
+    kept = [pick_evenly(record.moving, n_points // len(records)) for record in records]
     points = np.concatenate(
         [bell_features(r.slip[k], r.motor_dq[k], top_speed) for r, k in zip(records, kept, strict=True)]
     ).swapaxes(0, 1)
     noise = np.concatenate([np.tile(r.noise, (len(k), 1)) for r, k in zip(records, kept, strict=True)])
+    # Gaussian process of each motor on the torque that the linear part leaves
     process = []
     for joint in range(n_joints):
         left = np.concatenate([part[k] for part, k in zip(rest[joint], kept, strict=True)])
@@ -173,7 +175,7 @@ def fitted(records: Sequence[MotorRecord], n_points: int = N_POINTS) -> Residual
 
 
 def _line(records: Sequence[MotorRecord], joint: int) -> tuple[Array, list[Array]]:
-    """Coefficients of the linear part of one motor, and the torque it leaves at all samples of each record."""
+    """Fit the linear part of one motor; return coefficients and the torque left at all samples of each record."""
     features = [linear_features(r.slip, r.motor_dq, r.motor_ddq)[:, joint] for r in records]
     pairs = list(zip(features, records, strict=True))
     matrix = np.concatenate([x[r.moving] / r.noise[joint] for x, r in pairs])
@@ -183,10 +185,10 @@ def _line(records: Sequence[MotorRecord], joint: int) -> tuple[Array, list[Array
 
 
 def _process(points: Array, left: Array, noise: Array) -> tuple[Array, float]:
-    """Heights of the bells [N m] and their width: the process with the greatest marginal likelihood.
+    """Fit the process with the greatest marginal likelihood; return heights of the bells [N m] and their width.
 
     Args:
-        points: where samples are, shape (P, D).
+        points: inputs of the samples, shape (P, D).
         left: torque there that the linear part leaves [N m], shape (P,).
         noise: standard deviation of each [N m], shape (P,).
     """
@@ -213,7 +215,7 @@ def _require_sklearn() -> ModuleType:
 
 
 declare(
-    Entry(
+    AgentEntry(
         name="residual_gp",
         title="residual torque model",
         about="A line and a Gaussian process per motor, fitted to the torque that was missing.",

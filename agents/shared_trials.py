@@ -1,7 +1,7 @@
-"""Trials of many learners at once: what all of them want to run next goes through the machine's simulation together.
+"""Trials of many learners at once: the next runs of all of them go through the machine's simulation together.
 
 A simulation with effects computes these for a whole batch at little more cost than for one motion, and no recording
-depends on what runs beside it: thirty learners side by side learn what each would alone, in a tenth of the time.
+depends on what runs beside it: thirty learners side by side learn as each would alone, in a tenth of the time.
 """
 
 import threading
@@ -20,8 +20,8 @@ Learned = TypeVar("Learned")
 
 
 @dataclass(kw_only=True, eq=False)
-class _Wish:
-    """What one learner wants to run."""
+class _Request:
+    """Runs that one learner requests."""
 
     runs: Sequence[Run]
     noise: Sequence[np.random.Generator]
@@ -30,45 +30,45 @@ class _Wish:
 
 @dataclass(kw_only=True, eq=False)
 class SharedRig:
-    """A rig that runs when every learner that still learns has said what it wants."""
+    """A rig that runs once every learner that still learns has requested its runs."""
 
     rig: Rig
     learners: int
-    """Those that have not ended."""
+    """Number of learners that have not ended."""
     record_dt: float = RECORD_DT
     n_threads: int = 0
-    _wishes: list[_Wish] = field(default_factory=list, init=False, repr=False)
+    _requests: list[_Request] = field(default_factory=list, init=False, repr=False)
     _failure: BaseException | None = field(default=None, init=False, repr=False)
     turn: threading.Condition = field(default_factory=threading.Condition, init=False, repr=False)
     """Held by the learner that computes: one at a time, since they share the model of the arm and its work space."""
 
     def trial(self, seed: int) -> Trial:
-        """Trials of one learner, with the same noise as `RigTrial` of that seed."""
+        """Make the trials of one learner, with the same noise as `RigTrial` of that seed."""
 
         def run(runs: Sequence[Run], number: int) -> list[Recording]:
             own = int(np.random.SeedSequence([seed, number]).generate_state(1)[0])
-            wish = _Wish(runs=runs, noise=np.random.default_rng(own).spawn(len(runs)))
-            self._wishes.append(wish)
+            request = _Request(runs=runs, noise=np.random.default_rng(own).spawn(len(runs)))
+            self._requests.append(request)
             self._run_if_complete()
-            self.turn.wait_for(lambda: wish.recordings is not None or self._failure is not None)
-            if wish.recordings is None:
+            self.turn.wait_for(lambda: request.recordings is not None or self._failure is not None)
+            if request.recordings is None:
                 raise RuntimeError("the trial of another learner failed") from self._failure
-            return wish.recordings
+            return request.recordings
 
         return run
 
     def leave(self) -> None:
-        """One learner has ended, in its turn."""
+        """Count out a learner that has ended, in its turn."""
         self.learners -= 1
         self._run_if_complete()
 
     def _run_if_complete(self) -> None:
-        """Run what all want, in the thread of the last one to say so."""
-        if not self._wishes or len(self._wishes) < self.learners:
+        """Run the requests of all learners, in the thread of the last one to request."""
+        if not self._requests or len(self._requests) < self.learners:
             return
-        wishes, self._wishes = self._wishes, []
-        runs = [run for wish in wishes for run in wish.runs]
-        noise = [rng for wish in wishes for rng in wish.noise]
+        requests, self._requests = self._requests, []
+        runs = [run for request in requests for run in request.runs]
+        noise = [rng for request in requests for rng in request.noise]
         try:
             recordings = self.rig.run(runs, seed=noise, record_dt=self.record_dt, n_threads=self.n_threads)
         except BaseException as error:
@@ -76,19 +76,19 @@ class SharedRig:
             raise
         finally:
             self.turn.notify_all()
-        for wish in wishes:
-            wish.recordings, recordings = recordings[: len(wish.runs)], recordings[len(wish.runs) :]
+        for request in requests:
+            request.recordings, recordings = recordings[: len(request.runs)], recordings[len(request.runs) :]
 
 
 def learn_together(
     rig: Rig, learners: Mapping[Any, tuple[int, Callable[[Trial], Learned]]], n_threads: int = 0
 ) -> dict[Any, Learned]:
-    """What each learner learns on a rig, by key.
+    """Let learners learn side by side on a rig; return their results by key.
 
     Args:
         rig: the machine.
-        learners: by key, the seed of the sensors' noise and what learns from trials.
-        n_threads: of the engine, 0 for all cores.
+        learners: by key, the seed of the sensors' noise and the function that learns from trials.
+        n_threads: threads of the engine, 0 for all cores.
 
     Raises:
         FFGymError: if one of them cannot learn.

@@ -1,14 +1,14 @@
-r"""How fast B-spline networks may learn, from the robot's description alone: stability of thesis (5.5).
+r"""Stability of learning with B-spline networks, thesis (5.5), predicted from the robot's description alone.
 
-Along a given motion, what the feedback has to give is nearly linear in the weights of a joint, and so is one iteration:
+Along a given motion, the torque of the feedback is nearly linear in the weights of a joint, and so is one iteration:
 
 .. math::
     u_p(w) = u_p(0) - G B w, \qquad w_+ = w + \gamma N B^T u_p(w) = (I - \gamma L) w + const, \qquad L = N B^T G B
 
-B holds the splines along the motion, N is diagonal with one over the sum of each spline, and G is what added torque
-takes off the feedback (`ffgym.agents.feedback_loop`). A pattern of weights that is an eigenvector of L
-changes by the factor 1 - gamma lambda in each iteration. Learning is stable while no factor is larger than 1. Thesis
-7.2 leaves this open.
+B holds the splines along the motion, N is diagonal with one over the sum of each spline, and G is the effect of added
+torque on the feedback (`ffgym.agents.feedback_loop`). A pattern of weights that is an eigenvector of L changes by the
+factor 1 - gamma lambda in each iteration. Learning is stable while no factor is larger than 1. Thesis 7.2 leaves this
+open.
 
 Run it:
 
@@ -17,8 +17,8 @@ Run it:
 Reported per motion and joint: `largest_rate`, the largest gamma with |1 - gamma lambda| <= 1.001 for all lambda;
 `growth`, max |1 - gamma lambda| at the given rate; and the RMS of the learning signal predicted to be left.
 
-Departures from the source: none. Limits: each joint by itself, small deviations from the reference; how far this
-carries, `docs/agents/learning_stability.md` shows against simulation.
+Departures from the source: none. Limits: each joint by itself, small deviations from the reference;
+`docs/agents/learning_stability.md` compares with simulation.
 """
 
 from collections.abc import Sequence
@@ -45,8 +45,7 @@ from ffgym.simulation import RECORD_DT
 
 STABLE_GROWTH = 1.001
 """Growth per iteration that still counts as stable. Chosen: doubling takes 700 iterations, more than any training; and
-what rounding makes of patterns without effect, whose factor is 1, passes."""
-
+patterns without effect, whose factor is 1 but for rounding, pass."""
 
 _STEPS = 4
 """Least number of model steps in a control step (1 ms). Chosen: four times as many change no largest stable rate on the
@@ -58,23 +57,23 @@ class LearningMap:
     """Learning of one joint, from T rows in which K of its splines are met."""
 
     average: "scipy.sparse.csr_array"
-    """N B^T: from the learning signal to the change of weights at rate 1, shape (K, T)."""
+    """N B^T, which maps the learning signal to the change of weights at rate 1, shape (K, T)."""
     loss: Array
-    """G B: what the learning signal loses to each weight, shape (T, K)."""
+    """G B, the loss of the learning signal to each weight, shape (T, K)."""
     signal: Array
     """Learning signal with the weights that learning starts from, as predicted, motor side [N m], shape (T,)."""
 
     @cached_property
     def eigenvalues(self) -> ComplexArray:
-        """Of L = N B^T G B, shape (K,)."""
+        """Eigenvalues of L = N B^T G B, shape (K,)."""
         return np.linalg.eigvals(self.average @ self.loss).astype(np.complex128)
 
     def fastest(self, rate: float) -> complex:
-        """Eigenvalue of the pattern of weights that grows fastest (or shrinks slowest) at a learning rate."""
+        """Find the eigenvalue of the pattern of weights that grows fastest (or shrinks slowest) at a learning rate."""
         return complex(self.eigenvalues[np.abs(1 - rate * self.eigenvalues).argmax()])
 
     def growth(self, rate: float) -> float:
-        """Factor by which that pattern changes in each iteration; 1 or less is stable."""
+        """Compute the factor by which that pattern changes in each iteration; 1 or less is stable."""
         return abs(1 - rate * self.fastest(rate))
 
     @property
@@ -85,7 +84,7 @@ class LearningMap:
         return float(np.divide(root, square, out=np.full(len(root), np.inf), where=square > 0).min())
 
     def mean_squares(self, rate: float, iterations: int) -> Array:
-        """Predicted mean square of the learning signal [(N m)^2], at first and after each of I iterations, (I + 1,)."""
+        """Predict mean squares of the learning signal [(N m)^2], at first and after each of I iterations, (I + 1,)."""
         weights, history = np.zeros(self.loss.shape[1]), np.empty(iterations + 1)
         for i in range(iterations + 1):
             rest = self.signal - self.loss @ weights
@@ -96,13 +95,13 @@ class LearningMap:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LearningStability:
-    """What learning along some motions will do at any rate, joint by joint."""
+    """Prediction of learning along some motions at any rate, joint by joint."""
 
     joints: tuple[str, ...]
     maps: tuple[LearningMap, ...]
-    """One per joint."""
+    """Learning map of each joint."""
     cure: str = ""
-    """What may stop a pattern that grows at every rate; empty if nothing is known."""
+    """Advice against a pattern that grows at every rate; empty if there is none."""
 
     @classmethod
     def of(
@@ -114,13 +113,13 @@ class LearningStability:
         signal: Signal = "u_p",
         record_dt: float = RECORD_DT,
     ) -> Self:
-        """Predict how `network` will learn.
+        """Predict the learning of `network`.
 
         Args:
-            network: with the weights that learning starts from.
+            network: network with the weights that learning starts from.
             arm: nominal model of the robot.
             references: the motions of one trial.
-            signal: what is learned from.
+            signal: learning signal.
             record_dt: time between the rows that are learned from [s]; it divides the control step.
 
         Raises:
@@ -139,12 +138,14 @@ class LearningStability:
         ]
         met = [np.flatnonzero(part.sum(axis=0)) for part in splines]
         losses = np.concatenate([motion.losses(network, arm, met, signal) for motion in motions])
+        # average and loss of each joint on the splines that are met
         maps = []
         for joint, (part, columns) in enumerate(zip(splines, met, strict=True)):
             own = scipy.sparse.csr_array(part[:, columns])
             average = scipy.sparse.csr_array(scipy.sparse.diags_array(1 / own.sum(axis=0)) @ own.T)
             loss = losses[:, joint, : len(columns)].copy()
             maps.append(LearningMap(average=average, loss=loss, signal=losses[:, joint, -1].copy()))
+        # advice by the cause of growth
         cure = ""
         if signal == "e_p":  # the angle lags behind the torque, whatever the rows
             cure = ", learning from u_p may stop it"
@@ -158,16 +159,16 @@ class LearningStability:
         return np.array([each.largest_rate for each in self.maps])
 
     def growth(self, rate: float) -> Array:
-        """Factor by which the fastest growing pattern of each joint changes in an iteration, shape (N,)."""
+        """Compute the factor by which the fastest growing pattern of each joint changes in an iteration, shape (N,)."""
         check_number("learning rate", rate, low=0.0)
         return np.array([each.growth(rate) for each in self.maps])
 
     def mean_squares(self, rate: float, iterations: int) -> Array:
-        """Predicted mean square of the learning signal [(N m)^2], at first and after each iteration, (I + 1, N)."""
+        """Predict the mean square of the learning signal [(N m)^2], at first and after each iteration, (I + 1, N)."""
         return np.stack([each.mean_squares(rate, iterations) for each in self.maps], axis=1)
 
     def warning(self, rate: float) -> str | None:
-        """One sentence if `rate` is above the largest stable one of a joint, else None."""
+        """Return a warning if `rate` is above the largest stable one of a joint, else None."""
         limits, growth = self.largest_rate, self.growth(rate)
         above = [f"{joint} {limit:.2g}" for joint, limit in zip(self.joints, limits, strict=True) if rate > limit]
         if not above:
@@ -197,7 +198,7 @@ class _Motion:
 
     @classmethod
     def along(cls, reference: Reference, record_dt: float) -> Self:
-        """Rows every `record_dt`, and more between them if the model needs them."""
+        """Sample a reference every `record_dt`, and between these rows if the model needs more."""
         servo = reference.robot.servo
         check_number("record_dt", record_dt, unit="s", low=0.0, open_low=True)
         recorded = round(servo.control_dt / record_dt)
@@ -213,7 +214,7 @@ class _Motion:
         _, motor_dq, motor_ddq = setpoints.at_rows(recorded * stride)
         rows = np.arange(0, motor_dq.shape[1], stride)
         t, moving = np.arange(len(rows), dtype=np.float64) * record_dt, np.zeros(len(rows), dtype=np.bool_)
-        for phase in reference.phases:  # as lessons say
+        for phase in reference.phases:  # as in lessons
             if phase.kind != "standstill":
                 moving |= (t >= phase.start) & (t < phase.end)
         return cls(
@@ -225,17 +226,18 @@ class _Motion:
         )
 
     def splines(self, network: BSplineNetwork, joint: int) -> "scipy.sparse.csr_array":
-        """Splines of a joint at the rows that are learned from, shape (T, S)."""
+        """Return the splines of a joint at the rows that are learned from, shape (T, S)."""
         return network.design_matrix(self.motor_dq[self.learned, joint], self.motor_ddq[self.learned, joint])
 
     def losses(self, network: BSplineNetwork, arm: RigidArm, met: Sequence[IntArray], signal: Signal) -> Array:
-        """What the signal loses to each weight that is met, zeros, and last what it is at first; (T, N, K + 1).
+        """Compute the signal's loss to each weight that is met, zeros, and last the signal at first; (T, N, K + 1).
 
         The signal at first is the loss to friction that the network does not compensate.
         """
         reference, friction = self.reference, arm.robot.friction
         dt = reference.robot.servo.control_dt / self.rows_per_step
         z = nominal_bristles(friction, self.motor_dq, dt)
+        # torque of each spline, and last the friction that the network does not compensate
         torque = np.zeros((*reference.q.shape, max(len(columns) for columns in met) + 1))
         for joint, columns in enumerate(met):
             splines = network.design_matrix(reference.motor_dq[:, joint], reference.motor_ddq[:, joint])
@@ -244,6 +246,7 @@ class _Motion:
         torque[0] = 0.0  # no torque is computed before t = 0
         between = torque_at_rows(torque.reshape(len(torque), -1), self.rows_per_step).reshape(-1, *torque.shape[1:])
         between[:, :, -1] += friction.torque(z, self.motor_dq)
+        # response of the feedback loops to all of them
         loop = FeedbackLoop.along(arm, reference.q.mean(axis=0), self.motor_dq, z, dt)
         return loop.loss(between, signal)[self.learned]
 
@@ -257,15 +260,15 @@ def learning_curves(
     *,
     signal: Signal = "u_p",
 ) -> list[LearningCurves]:
-    """Predicted and simulated mean square of the learning signal, joint by joint, for `learning_figure`.
+    """Compute the mean square of the learning signal, predicted and simulated, joint by joint, for `learning_figure`.
 
     Args:
-        network: with the weights that learning starts from.
-        trial: simulates motions; its nominal model predicts.
+        network: network with the weights that learning starts from.
+        trial: simulated trials; their nominal model predicts.
         reference: the motion.
-        rates: learning rates; learning at each of them is left alone, whether it grows or falls.
+        rates: learning rates; learning at each of them runs to the end, whether it grows or falls.
         iterations: updates after the first trial.
-        signal: what is learned from.
+        signal: learning signal.
     """
     stability = LearningStability.of(network, trial.arm, [reference], signal=signal, record_dt=trial.record_dt)
     predicted = np.stack([stability.mean_squares(rate, iterations) for rate in rates])

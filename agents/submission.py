@@ -1,11 +1,11 @@
-"""Agents of this package as submissions: which file or name is of which kind, and how each is made from it."""
+"""Agents of this package as submissions: kinds of files and names, and the making of an agent from each."""
 
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ffgym.agents.catalogue import CATALOGUE, entry_of, law_named
-from ffgym.agents.declaration import Setting
+from ffgym.agents.catalogue import CATALOGUE, find_entry, make_law
+from ffgym.agents.declaration import AgentSetting
 from ffgym.agents.law_agent import LawPolicy, causal
 from ffgym.agents.law_files import load_law, unpack
 from ffgym.agents.residual.policy import KIND, load_policy
@@ -23,8 +23,8 @@ LOADERS: Mapping[str, str] = {
 """Module whose `load` makes an agent, by its kind."""
 
 
-def submitted(agent: str) -> tuple[AgentSource, bytes | None]:
-    """What a submission of `agent` consists of, and the content of its file if it has one.
+def resolve_agent(agent: str) -> tuple[AgentSource, bytes | None]:
+    """Resolve an agent into the source of a submission, and the content of its file if it has one.
 
     Args:
         agent: name in the catalogue, model:machine.toml, or a path: .npz of a law or a residual policy, .py.
@@ -38,7 +38,7 @@ def submitted(agent: str) -> tuple[AgentSource, bytes | None]:
         kind = "policy" if unpack(agent)[0].get("kind") == KIND else "law"
         return AgentSource(kind=kind, file="agent.npz"), read_bytes(agent)
     name, colon, file = agent.partition(":")
-    entry = entry_of(name)
+    entry = find_entry(name)
     if name not in SUBMITTED:
         raise FFGymError(
             f"Agent {name!r} cannot be submitted by its name, it learns, or is no law that runs sample by sample. "
@@ -52,7 +52,7 @@ def submitted(agent: str) -> tuple[AgentSource, bytes | None]:
 
 
 def load(source: Mapping[str, Any], folder: Path, robot: RobotDescription) -> Policy:
-    """Policy from a source and the folder with its file.
+    """Load a policy from a source and the folder with its file.
 
     Raises:
         FFGymError: if the file is damaged, or holds something else.
@@ -66,11 +66,11 @@ def load(source: Mapping[str, Any], folder: Path, robot: RobotDescription) -> Po
     if name not in SUBMITTED:
         raise FFGymError(f"law = {name!r} must be one of {', '.join(SUBMITTED)}.")
     full = name if file is None else f"{name}:{folder / str(file)}"
-    preview = causal(law_named(full, Setting.of(robot))).preview
-    return LawPolicy(make=lambda robot: law_named(full, Setting.of(robot)), preview=preview)
+    preview = causal(make_law(full, AgentSetting.of(robot))).preview
+    return LawPolicy(make=lambda robot: make_law(full, AgentSetting.of(robot)), preview=preview)
 
 
 SUBMITTED = tuple(
     name for name, entry in CATALOGUE.items() if entry.track == "causal, nominal parameters" and entry.package is None
 )
-"""Laws that are made from the robot's description alone."""
+"""Names of laws that are made from the robot's description alone."""

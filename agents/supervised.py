@@ -1,10 +1,9 @@
-"""Supervised learning of the torque that is missing: run, see what the motors did, fit, run again with the fit.
+"""Supervised learning of the missing torque: run, fit to the motion that was measured, run again with the fit.
 
-A trial shows pairs of what a motor did and what torque that took beyond the drive's own feed-forward. They are labelled
-with the motion that was *realised*, not with the one that was asked for: before anything is learned a motor sticks
-where its reference reverses, and friction is a function of what it did. A law that is fitted to these pairs is run on
-the reference. Feedback error learning (`ffgym.agents.lffc`) pairs with the reference instead, and needs more
-trials for it.
+A trial shows pairs of a motor's motion and the torque that it took beyond the drive's own feed-forward. They are
+labelled with the motion that was *realised*, not with the reference: before anything is learned a motor sticks where
+its reference reverses, and friction is a function of its motion. A law that is fitted to these pairs is run on the
+reference. Feedback error learning (`ffgym.agents.lffc`) pairs with the reference instead, and needs more trials for it.
 """
 
 from collections.abc import Callable, Sequence
@@ -13,7 +12,7 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
-from ffgym.agents.trials import Lesson, Trial, performed
+from ffgym.agents.trials import Lesson, Trial, run_trial
 from ffgym.control import CausalLaw, FeedForwardLaw, NoCompensation
 from ffgym.core.errors import FFGymError, check_whole
 from ffgym.core.measures import rms
@@ -29,7 +28,7 @@ NOISE_FLOOR = 1e-6
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MotorRecord:
-    """What the motors did in one motion and what torque it took, at T control samples, motor side."""
+    """Motion of the motors along one reference and its torque, at T control samples, motor side."""
 
     dt: float
     """Time between samples [s]."""
@@ -44,7 +43,7 @@ class MotorRecord:
     moving: BoolArray
     """False at standstill, shape (T,)."""
     noise: Array
-    """Spread of the torque that is no linear function of what the motor did [N m], shape (N,)."""
+    """Spread of the torque that is no linear function of the motor's motion [N m], shape (N,)."""
     error: Array
     """RMS of the motor position error while moving [rad], shape (N,)."""
 
@@ -52,12 +51,13 @@ class MotorRecord:
     def of(cls, reference: Reference, recording: Recording) -> "MotorRecord":
         """Read a recording of a run along `reference`.
 
-        The torque is what the law added plus all of the feedback, less an offset: at rest the integral part carries
-        what the gravity model misses at this place, which is no property of the motors.
+        The torque is that of the law plus all of the feedback, less an offset: at rest the integral part carries
+        the error of the gravity model at this pose, which is no property of the motors.
 
         Raises:
             FFGymError: if the recording lacks a column, or belongs to another reference.
         """
+        # realised motion and total added torque, at the control samples
         lesson = Lesson.of(reference, recording, "u_c")
         dt = reference.robot.servo.control_dt
         rows = slice(None, None, round(dt / recording.dt))
@@ -90,7 +90,7 @@ Law = TypeVar("Law", bound=CausalLaw)
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Supervised(Generic[Law]):
-    """A law that was fitted to trials, and what was seen on the way; arrays of shape (trials, motions, N)."""
+    """A law that was fitted to trials, with its errors on the way; arrays of shape (trials, motions, N)."""
 
     law: Law
     error: Array
@@ -107,13 +107,13 @@ def learn(
     fit: Callable[[Sequence[MotorRecord]], Law],
     n_trials: int,
 ) -> Supervised[Law]:
-    """Run all motions without a law, fit; run them with the fit, fit to what that showed; and so on.
+    """Run all motions without a law and fit; run them with the fit and fit again; and so on.
 
     Args:
-        trial: runs motions on the machine.
+        trial: procedure that runs motions on the machine.
         references: motions to learn on.
-        fit: makes a law from the records of the newest trial.
-        n_trials: 1 or more; the second sees motions without the sticking of the first.
+        fit: function that makes a law from the records of the newest trial.
+        n_trials: number of trials, 1 or more; the second sees motions without the sticking of the first.
 
     Raises:
         FFGymError: if there is no motion, or no trial.
@@ -124,7 +124,7 @@ def learn(
     law: FeedForwardLaw = NoCompensation()
     errors, noises = [], []
     for number in range(n_trials):
-        recordings = performed(trial, [Run(reference=reference, law=law) for reference in references], number)
+        recordings = run_trial(trial, [Run(reference=reference, law=law) for reference in references], number)
         records = [MotorRecord.of(*pair) for pair in zip(references, recordings, strict=True)]
         errors.append([record.error for record in records])
         noises.append([record.noise for record in records])
@@ -138,12 +138,12 @@ def learn(
 
 
 def linear_features(slip: Array, motor_dq: Array, motor_ddq: Array) -> Array:
-    """What the torque of a motor is (nearly) linear in, shape (..., N, W + 2): slip elements, speed, acceleration."""
+    """Stack the features of the linear part, (..., N, W + 2): slip elements, speed, acceleration."""
     return np.concatenate([slip, motor_dq[..., None], motor_ddq[..., None]], axis=-1)
 
 
 def least_squares(matrix: Array, target: Array) -> Array:
-    """Smallest solution x of min |matrix x - target| in units of the columns; a column of zeros gets 0."""
+    """Solve min |matrix x - target| for the smallest x in units of the columns; a column of zeros gets 0."""
     size = np.abs(matrix).max(axis=0)
     size[size == 0] = 1.0
     return np.asarray(np.linalg.lstsq(matrix / size, target, rcond=None)[0] / size)

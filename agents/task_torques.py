@@ -1,4 +1,4 @@
-"""Torques for given motions, sample by sample: what per-task learning ends in."""
+"""Torques for given motions, sample by sample: the result of per-task learning."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ reach of 1 m, a thousandth of the smallest circle of the tests; an observation k
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Task:
+class MotionTorque:
     """One motion and its torque."""
 
     name: str
@@ -33,7 +33,7 @@ class Task:
 
 
 def same_motion(one: Array, other: Array) -> bool:
-    """Whether two references (T, N) [rad] are the same motion."""
+    """Compare two references (T, N) [rad]: True if they are the same motion."""
     return one.shape == other.shape and bool(np.abs(one - other).max() < SAME)
 
 
@@ -42,11 +42,11 @@ def same_motion(one: Array, other: Array) -> bool:
 class TaskTorques(CausalLaw, StoredLaw):
     """A torque for each of the motions it has, and none for any other.
 
-    A reference is recognised by what it is, not by its name. Sample by sample, the law runs one task: motions of a work
-    area begin alike, at rest, so that the samples ahead do not tell which one it will be; `task` chooses.
+    A reference is recognised by its samples, not by its name. Sample by sample, the law runs one task: motions of a
+    work area begin alike, at rest, so that the samples ahead do not tell which one it will be; `task` chooses.
     """
 
-    tasks: tuple[Task, ...]
+    tasks: tuple[MotionTorque, ...]
     name: str = "task_torques"
     kind: ClassVar[str] = "task_torques"
 
@@ -57,11 +57,11 @@ class TaskTorques(CausalLaw, StoredLaw):
 
     @property
     def n_joints(self) -> int:
-        """See base class."""
+        """Number of motors N."""
         return self.tasks[0].q.shape[1]
 
     def torque(self, reference: Reference) -> Array:
-        """See base class.
+        """Return the torque of the motion that the reference is.
 
         Raises:
             FFGymError: if the reference is none of the motions.
@@ -69,7 +69,7 @@ class TaskTorques(CausalLaw, StoredLaw):
         return self._find(reference).torque.copy()
 
     def task(self, reference: Reference) -> Self:
-        """The law for one of its motions alone, which runs sample by sample.
+        """Return the law for one of its motions alone, which runs sample by sample.
 
         Raises:
             FFGymError: if the reference is none of the motions.
@@ -77,12 +77,12 @@ class TaskTorques(CausalLaw, StoredLaw):
         return type(self)(tasks=(self._find(reference),), name=self.name)
 
     def initial_memory(self, window: Window) -> Array:
-        """Number of the sample that is now, shape (..., 1)."""
+        """Return the number of the present sample, 0, shape (..., 1)."""
         self._only()
         return np.zeros((*window.q.shape[:-2], 1))
 
     def step(self, memory: Array, window: Window) -> tuple[Array, Array]:
-        """See base class; remembered is the number of the sample. After the motion its last torque stays.
+        """Return the torque of the next sample; the memory counts samples. After the motion its last torque stays.
 
         Raises:
             FFGymError: if the law has several tasks, or the reference is not where the task is.
@@ -102,20 +102,20 @@ class TaskTorques(CausalLaw, StoredLaw):
         return task.torque[samples[..., 1]], memory + 1.0
 
     def parts(self) -> tuple[dict[str, Any], dict[str, Array]]:
-        """See base class."""
+        """Return the names of law and motions, and the arrays of each motion."""
         arrays = {f"{part}_{i}": getattr(task, part) for i, task in enumerate(self.tasks) for part in ("q", "torque")}
         return {"name": self.name, "tasks": [task.name for task in self.tasks]}, arrays
 
     @classmethod
     def from_parts(cls, settings: Mapping[str, Any], arrays: Mapping[str, Array]) -> Self:
-        """See base class."""
+        """Rebuild the law from `parts`."""
         tasks = (
-            Task(name=str(name), q=arrays[f"q_{i}"], torque=arrays[f"torque_{i}"])
+            MotionTorque(name=str(name), q=arrays[f"q_{i}"], torque=arrays[f"torque_{i}"])
             for i, name in enumerate(settings["tasks"])
         )
         return cls(tasks=tuple(tasks), name=str(settings["name"]))
 
-    def _find(self, reference: Reference) -> Task:
+    def _find(self, reference: Reference) -> MotionTorque:
         for task in self.tasks:
             if same_motion(task.q, reference.q):
                 return task
@@ -124,7 +124,7 @@ class TaskTorques(CausalLaw, StoredLaw):
             f"learn this motion too, or take a law for any motion."
         )
 
-    def _only(self) -> Task:
+    def _only(self) -> MotionTorque:
         if len(self.tasks) > 1:
             raise FFGymError(
                 f"{self.name} holds torques of {len(self.tasks)} motions, which begin alike: choose one for a run "
@@ -133,5 +133,5 @@ class TaskTorques(CausalLaw, StoredLaw):
         return self.tasks[0]
 
 
-def _names(tasks: Sequence[Task]) -> str:
+def _names(tasks: Sequence[MotionTorque]) -> str:
     return ", ".join(repr(task.name) for task in tasks) or "none"

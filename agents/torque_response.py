@@ -1,4 +1,4 @@
-"""The answer of the controlled robot to a small added torque, and the torque correction that is best by it.
+"""Linear response of the controlled robot to a small added torque, and the torque correction that is optimal for it.
 
 The model comes from the nominal description: motors (rotor inertia, servo with its integral, viscous friction) and
 links (mass matrix, joint stiffness and damping) at one posture, all joints coupled. Of friction, only the viscous part
@@ -19,6 +19,7 @@ import numpy as np
 import scipy
 
 from ffgym.core.errors import FFGymError, check_choice, check_number
+from ffgym.core.measures import rms_length
 from ffgym.core.types import Array
 from ffgym.paths import Reference
 from ffgym.recordings import Recording
@@ -27,7 +28,7 @@ from ffgym.robot import RigidArm, RobotDescription
 
 Target = Literal["motor", "tcp"]
 TARGETS: tuple[Target, ...] = ("motor", "tcp")
-"""What is observed: motor positions [rad], motor side, m = N numbers; or the TCP position [m], world, m = 3."""
+"""Observed positions: motors [rad], motor side, m = N numbers; or the TCP [m], world, m = 3."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -51,7 +52,7 @@ class TorqueResponse:
 
     @classmethod
     def of(cls, arm: RigidArm, q: Array, target: Target) -> "TorqueResponse":
-        """Model at joint angles `q` (N,), link side [rad].
+        """Linearise the robot at joint angles `q` (N,), link side [rad].
 
         Raises:
             FFGymError: if the target is unknown, or is the TCP of a robot without tool.
@@ -60,11 +61,13 @@ class TorqueResponse:
         system, push = _motion(arm, q)
         states, motors = push.shape
         dt = arm.robot.servo.control_dt
+        # exact discretisation for torque that runs straight between samples
         ramp = np.zeros((states + 2 * motors, states + 2 * motors))  # state, torque, and its slope per step
         ramp[:states, :states], ramp[:states, states : states + motors] = system * dt, push * dt
         ramp[states : states + motors, states + motors :] = np.eye(motors)
         step = scipy.linalg.expm(ramp)[:states]
         transition, held, ramped = np.split(step, [states, states + motors], axis=1)
+        # output: motor positions or TCP
         links = _links(arm.robot)
         rows = (
             arm.robot.drive.matrix @ np.eye(*links.shape) if target == "motor" else arm.jacobian(q[None])[0, :3] @ links
@@ -78,7 +81,7 @@ class TorqueResponse:
         )
 
     def along(self, torque: Array) -> Array:
-        """Answer (T, m) to torque samples (T, N) [N m], from rest."""
+        """Simulate the answer (T, m) to torque samples (T, N) [N m], from rest."""
         state = np.zeros(len(self.transition))
         answer = np.empty((len(torque), len(self.output)))
         for k, u in enumerate(torque):
@@ -88,21 +91,24 @@ class TorqueResponse:
 
 
 def _motion(arm: RigidArm, q: Array) -> tuple[Array, Array]:
-    """Matrices of ds/dt = A s + B u; s holds positions, their rates, and the integrals of the position error.
+    """Build A and B of ds/dt = A s + B u; s holds positions, their rates, and the integrals of the position error.
 
     Positions are those of motors (divided by gear ratio) and deflections; a link turns by their sum.
     """
     robot = arm.robot
     drive, servo = robot.drive, robot.servo
     elastic = ~drive.is_rigid
+    # inertia, stiffness and damping on positions
     links = _links(robot)
     inertia = links.T @ arm.mass_matrix(q[None])[0] @ links
     inertia += _blocks(robot, drive.rotor_inertia, np.zeros(elastic.sum()))
     stiffness = _blocks(robot, servo.position_gain, drive.joint_stiffness[elastic])
     damping = _blocks(robot, servo.velocity_gain + robot.friction.viscous, drive.joint_damping[elastic])
     motors = np.eye(robot.n_joints, len(inertia)).T @ drive.matrix.T  # motor torque on positions; transposed, angles
+    # servo integrals, where there are some
     kept = servo.integral_gain > 0
     integrals = motors[:, kept] * servo.integral_gain[kept]
+    # first-order form
     n, m = len(inertia), int(kept.sum())
     system = np.zeros((2 * n + m, 2 * n + m))
     system[:n, n : 2 * n] = np.eye(n)
@@ -114,12 +120,12 @@ def _motion(arm: RigidArm, q: Array) -> tuple[Array, Array]:
 
 
 def _links(robot: RobotDescription) -> Array:
-    """Link angles from motor angles and deflections: their sum; rigid joints have no deflection."""
+    """Map motor angles and deflections to link angles: their sum; rigid joints have no deflection."""
     return np.hstack([np.eye(robot.n_joints), np.eye(robot.n_joints)[:, ~robot.drive.is_rigid]])
 
 
 def _blocks(robot: RobotDescription, motors: Array, deflections: Array) -> Array:
-    """Matrix on positions, of coefficients of the motors, motor side (N,), and of the deflections, link side."""
+    """Build the matrix on positions of coefficients of motors, motor side (N,), and of deflections, link side."""
     gear = robot.drive.matrix
     return scipy.linalg.block_diag(gear.T @ (motors[:, None] * gear), np.diag(deflections))
 
@@ -140,9 +146,9 @@ class NormOptimalStep:
     inverse: Array
     """Inverse of the cost of a torque, its consequences included, shape (N, N)."""
     from_error: Array
-    """What an error asks of the torque of its sample, D^T / epsilon^2, shape (N, m)."""
+    """Gradient of the cost by the torque of an error's own sample, D^T / epsilon^2, shape (N, m)."""
     to_costate: Array
-    """What an error asks of all torques before it, (C - D K)^T / epsilon^2, shape (S, m)."""
+    """Gradient of the cost by the state before an error, (C - D K)^T / epsilon^2, shape (S, m)."""
 
     @classmethod
     def of(cls, response: TorqueResponse, tolerance: float, torque_scale: Array) -> "NormOptimalStep":
@@ -179,13 +185,15 @@ class NormOptimalStep:
         )
 
     def correction(self, error: Array) -> Array:
-        """Torque to add [N m], shape (T, N), for an error (T, m); zero at sample 0, before which none is set."""
+        """Compute the torque to add [N m], shape (T, N), for an error (T, m); zero at sample 0, where none is set."""
         asked, before = error @ self.from_error.T, error @ self.to_costate.T
+        # backward in time: costate
         costate = np.zeros(len(self.closed))
         push = np.zeros_like(asked)
         for k in range(len(error) - 1, 0, -1):
             push[k] = self.inverse @ (self.entry.T @ costate + asked[k])
             costate = self.closed.T @ costate + before[k]
+        # forward in time: optimal feedback on the state
         state = np.zeros(len(self.closed))
         correction = np.zeros_like(push)
         for k in range(1, len(error)):
@@ -195,9 +203,9 @@ class NormOptimalStep:
 
 
 def task_error(recording: Recording, reference: Reference, target: Target) -> Array:
-    """Error, reference minus measured, at every sample of the reference, shape (T, m).
+    """Compute the error, reference minus measured, at every sample of the reference, shape (T, m).
 
-    Of motors [rad], motor side, m = N; or of the TCP [m], world, m = 3, without its offset at the first standstill.
+    Motors [rad], motor side, m = N; or the TCP [m], world, m = 3, without its offset at the first standstill.
 
     Raises:
         FFGymError: if the recording lacks what is asked, or is not of this reference.
@@ -209,10 +217,10 @@ def task_error(recording: Recording, reference: Reference, target: Target) -> Ar
 
 
 def at_samples(rows: Array, recording: Recording, reference: Reference) -> Array:
-    """Weighted means (T, m) of recorded rows around each control sample; the weight falls to 0 one sample away.
+    """Average recorded rows around each control sample, (T, m); the weight falls to 0 one sample away.
 
-    Symmetric, so that nothing is late. Rows with NaN, which a tracker did not see, lie on straight lines between their
-    neighbours first.
+    Weights are symmetric, so that they add no delay. Rows with NaN, which a tracker did not see, are interpolated
+    first.
 
     Raises:
         FFGymError: if the recording is not of this reference, or has no row that was seen.
@@ -234,14 +242,9 @@ def at_samples(rows: Array, recording: Recording, reference: Reference) -> Array
 
 
 def circle_rms(error: Array, reference: Reference) -> dict[str, float]:
-    """RMS length of the error (T, m) on each circle of the reference, by label; on the motion where it has none."""
+    """Compute the RMS length of an error (T, m) on each circle, by label; on the whole motion where there is none."""
     circles = [phase for phase in reference.phases if phase.kind == "circle"]
     if not circles:
-        return {"motion": rms(error)}
+        return {"motion": rms_length(error)}
     inside = {phase.label: (reference.t >= phase.start) & (reference.t < phase.end) for phase in circles}
-    return {label: rms(error[rows]) for label, rows in inside.items()}
-
-
-def rms(error: Array) -> float:
-    """Root mean square over time of the length of the error (T, m)."""
-    return float(np.sqrt((error**2).sum(axis=1).mean()))
+    return {label: rms_length(error[rows]) for label, rows in inside.items()}

@@ -1,4 +1,4 @@
-"""Trials on the machine that is learned from: the motions, the runs, and what recordings say about each motor."""
+"""Trials on the machine that is learned from: motions, runs, and lessons for each motor from recordings."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -19,16 +19,15 @@ from ffgym.studies import circle_references, sine_references
 from ffgym.studies.one_axis import FREQUENCIES
 
 Trial = Callable[[Sequence[Run], int], Sequence[Recording]]
-"""Runs motions on a machine and returns what was recorded, one recording a run; the number counts trials from 0."""
+"""Function that runs motions on a machine and returns one recording for each; the number counts trials from 0."""
 
 Signal = Literal["u_p", "u_c", "e_p"]
 SIGNALS: tuple[Signal, ...] = ("u_p", "u_c", "e_p")
-"""What the feedback says of the missing torque, thesis 5.2.1: without its integral part, all of it, or K_p times the
-position error."""
+"""Learning signals, thesis 5.2.1: feedback without its integral part, all of it, or K_p times the position error."""
 
 
-def performed(trial: Trial, runs: Sequence[Run], number: int) -> list[Recording]:
-    """Recordings of a trial, one per run.
+def run_trial(trial: Trial, runs: Sequence[Run], number: int) -> list[Recording]:
+    """Run a trial; return its recordings, one per run.
 
     Raises:
         FFGymError: if the machine returned another number of recordings.
@@ -49,7 +48,7 @@ class RigTrial:
     n_threads: int = 0
 
     def __call__(self, runs: Sequence[Run], number: int) -> list[Recording]:
-        """Run them; see `Trial`.
+        """Run motions on the rig; see `Trial`.
 
         Raises:
             FFGymError: if a run is for another number of joints, or cannot be simulated.
@@ -58,8 +57,8 @@ class RigTrial:
         return self.rig.run(runs, seed=seed, record_dt=self.record_dt, n_threads=self.n_threads)
 
 
-def measured(rig: Rig) -> Rig:
-    """The rig with the sensors that its robot has: whoever learns on a machine sees it through them."""
+def add_sensors(rig: Rig) -> Rig:
+    """Return the rig with the sensors of its robot, through which every learner sees a machine."""
     return replace(rig, sensors=sensors_of(rig.robot)) if isinstance(rig, SimulatedRig) else rig
 
 
@@ -68,7 +67,7 @@ class SimulatedTrial:
     """Trials on a simulated robot; as `RigTrial`."""
 
     arm: RigidArm
-    """Of the robot that moves, whatever model of it the references were made with."""
+    """Model of the robot that moves; references may have been made with another one."""
     options: ModelOptions | None = None
     sensors: Sequence[Sensor] = ()
     seed: int = 0
@@ -102,7 +101,7 @@ class CountedTrial:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Lesson:
-    """What one recording says about each motor: T rows in time order, motor side."""
+    """Lesson of one recording for each motor: T rows in time order, motor side."""
 
     reference: Reference
     t: Array
@@ -112,7 +111,7 @@ class Lesson:
     motor_ddq: Array
     """Motor acceleration of the reference [rad/s^2], shape (T, N)."""
     signal: Array
-    """Torque that was missing, as the feedback shows it [N m], shape (T, N)."""
+    """Missing torque, as the feedback shows it [N m], shape (T, N)."""
     added: Array
     """Torque that the law added [N m], shape (T, N)."""
     error: Array
@@ -148,8 +147,8 @@ class Lesson:
         )
 
 
-def evenly(moving: BoolArray, count: int) -> IntArray:
-    """Indices of at most `count` rows, spread evenly over those that move."""
+def pick_evenly(moving: BoolArray, count: int) -> IntArray:
+    """Pick at most `count` rows, spread evenly over those that move; return their indices."""
     rows = np.flatnonzero(moving)
     if len(rows) <= count:
         return rows
@@ -157,7 +156,7 @@ def evenly(moving: BoolArray, count: int) -> IntArray:
 
 
 def learning_signal(recording: Recording, servo: Servo, signal: Signal = "u_p") -> Array:
-    """Missing torque as the feedback shows it, motor side [N m], shape (T, N).
+    """Compute the missing torque as the feedback shows it, motor side [N m], shape (T, N).
 
     Raises:
         FFGymError: if the signal is unknown, or the recording lacks a column.
@@ -170,20 +169,20 @@ def learning_signal(recording: Recording, servo: Servo, signal: Signal = "u_p") 
 
 
 def thesis_motions(arm: RigidArm) -> list[Reference]:
-    """The one motion that chapter 5 learns on: circles at p1 at 10 mm/s, or the sine of 1 Hz on one axis."""
+    """Make the one motion that chapter 5 learns on: circles at p1 at 10 mm/s, or the sine of 1 Hz on one axis."""
     return training_motions(arm, speeds=SPEEDS[:1], frequencies=FREQUENCIES[:1])
 
 
 def every_speed(arm: RigidArm) -> list[Reference]:
-    """The motions at every speed of the tests: at p1 at 10, 40 and 100 mm/s, or the sines of 1 and 3 Hz on one axis.
+    """Make the motions at every speed of the tests: p1 at 10, 40 and 100 mm/s, or sines of 1 and 3 Hz on one axis.
 
-    A network trained on them has met all speeds it will meet, which thesis 5.5 misses at higher speeds than trained.
+    They cover all speeds that a network will meet; thesis 5.5 finds networks weak above their training speed.
     """
     return training_motions(arm, speeds=SPEEDS, frequencies=FREQUENCIES)
 
 
 def friction_motions(arm: RigidArm) -> list[Reference]:
-    """Motions on which friction is most of what the feedback does: p1 at 10 and 40 mm/s, or the sines of 1 and 3 Hz.
+    """Make motions whose feedback is mostly friction: p1 at 10 and 40 mm/s, or the sines of 1 and 3 Hz.
 
     At 100 mm/s the elastic joints ask for more torque than friction does, and a network over speed would learn that as
     friction: with it in training, the tool strays further at 100 mm/s than without (see docs/agents/bspline.md).
@@ -197,13 +196,13 @@ def training_motions(
     speeds: Sequence[float] = SPEEDS[:1],
     frequencies: Sequence[float] = FREQUENCIES[:1],
 ) -> list[Reference]:
-    """Test motions of the robot: circles on one with a work area, sines on one with a single joint.
+    """Make test motions of the robot: circles on one with a work area, sines on one with a single joint.
 
     Args:
         arm: nominal model of the robot.
-        positions: names in the work area (circles only); None is the first, p1 in thesis 5.3.2: others are held out.
-        speeds: of the TCP [m/s] (circles only).
-        frequencies: [Hz] (sines only).
+        positions: names in the work area (circles only); by default the first, p1 in thesis 5.3.2: others are held out.
+        speeds: speeds of the TCP [m/s] (circles only).
+        frequencies: frequencies [Hz] (sines only).
 
     Raises:
         FFGymError: if the robot has neither a work area nor one joint alone, or cannot follow a motion.

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from shutil import copyfile
 
-from ffgym.agents.artefacts import TRAINED, add_artefacts, described
+from ffgym.agents.artefacts import TRAINED, add_artefacts, describe_artefact
 from ffgym.agents.model import FITTED
 from ffgym.cli.improve import run as improve
 from ffgym.cli.log_options import Improve
@@ -60,7 +60,7 @@ def store(seed: int, folder: Path, out: Path) -> None:
     file = f"{THESIS_WORKCELL.replace(':', '_')}/seed_{seed}.toml"
     (out / FITTED / file).parent.mkdir(parents=True, exist_ok=True)
     copyfile(folder / "extended.toml", out / FITTED / file)
-    entry = described(
+    entry = describe_artefact(
         FITTED,
         file,
         out,

@@ -92,8 +92,8 @@ def compare(robot: RobotDescription, rng: np.random.Generator, n_sweeps: int = N
     still = np.zeros_like(speed)  # so slow that there is no acceleration to speak of
     perceptron = MLP.untrained(robot, rng)
     for _ in range(N_UPDATES):
-        perceptron = perceptron.fitted_to(speed, still, friction(speed))
-    first: dict[str, StaticBSN | MLP] = {"bsn_static": StaticBSN.zero(1).filled(friction), "mlp_fel": perceptron}
+        perceptron = perceptron.fit_to(speed, still, friction(speed))
+    first: dict[str, StaticBSN | MLP] = {"bsn_static": StaticBSN.zero(1).with_curve(friction), "mlp_fel": perceptron}
     up = np.linspace(SEEN_FROM, TOP_SPEED, N_SAMPLES)[:, None]
     sweeps = np.concatenate([up if i % 2 == 0 else up[::-1] for i in range(n_sweeps)])
     second = {name: _in_order(network, sweeps, CHANGE * friction(sweeps)) for name, network in first.items()}
@@ -112,7 +112,7 @@ def _in_order(network: StaticBSN | MLP, motor_dq: Array, wanted: Array) -> Stati
     """A network of one motor after samples (T, 1) one by one, thesis (3.15)."""
     still = np.zeros_like(motor_dq)
     if isinstance(network, MLP):
-        return network.adapted_in_order(motor_dq, still, wanted, MLP_RATE)
+        return network.adapt_in_order(motor_dq, still, wanted, MLP_RATE)
     values, places = network.active(motor_dq, still)
     weights = network.coefficients.ravel().copy()
     for mu, at, torque in zip(values[:, 0], places[:, 0], wanted[:, 0], strict=True):

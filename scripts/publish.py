@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import tyro
 
-from ffgym.agents.artefacts import ANYWHERE, TRAINED, Artefact, Manifest, described, write_manifest
+from ffgym.agents.artefacts import ANYWHERE, TRAINED, Artefact, ArtefactManifest, describe_artefact, write_manifest
 from ffgym.agents.residual.plan import Training
 from ffgym.agents.residual.policy import RESIDUALS, ResidualPolicy, load_policy
 from ffgym.cli.train_policy import options_of
@@ -36,7 +36,7 @@ class Config:
     """Folder of the artefacts."""
 
 
-def main(config: Config) -> Manifest:
+def main(config: Config) -> ArtefactManifest:
     """Copy the policies, write their manifest, and remove what else was published under that name.
 
     Raises:
@@ -59,7 +59,7 @@ def main(config: Config) -> Manifest:
     with made_folder(config.out / config.name / ANYWHERE) as folder:
         for seed, policy in policies.items():
             write_bytes(folder / files[seed], read_bytes(places[seed]))
-            entry = described(
+            entry = describe_artefact(
                 config.name,
                 f"{ANYWHERE}/{files[seed]}",
                 config.out,
@@ -70,7 +70,7 @@ def main(config: Config) -> Manifest:
                 env_steps=int(policy.meta["env_steps"]),
             )
             artefacts.append(entry)
-        manifest = Manifest(
+        manifest = ArtefactManifest(
             name=config.name,
             command=command,
             artefacts=tuple(artefacts),

@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from ffgym.agents.artefacts import TRAINED, Artefact, add_artefacts, described
-from ffgym.agents.catalogue import declared, law_named
-from ffgym.agents.declaration import Setting
+from ffgym.agents.artefacts import TRAINED, Artefact, add_artefacts, describe_artefact
+from ffgym.agents.catalogue import list_entries, make_law
+from ffgym.agents.declaration import AgentSetting
 from ffgym.agents.law_files import StoredLaw, save_law
 from ffgym.agents.shared_trials import learn_together
-from ffgym.agents.trials import CountedTrial, Trial, measured
+from ffgym.agents.trials import CountedTrial, Trial, add_sensors
 from ffgym.control import FeedForwardLaw
 from ffgym.core.errors import FFGymError
 from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL, plant_named
@@ -27,7 +27,7 @@ COMMAND = "python -m scripts.train_laws"
 class Config:
     """What to train."""
 
-    agents: tuple[str, ...] = tuple(entry.name for entry in declared() if entry.learns)
+    agents: tuple[str, ...] = tuple(entry.name for entry in list_entries() if entry.learns)
     """Names in the catalogue."""
     plants: tuple[str, ...] = (NOMINAL, THESIS_WORKCELL)
     """Where."""
@@ -44,7 +44,7 @@ Learned = tuple[FeedForwardLaw, float]
 def main(config: Config) -> None:
     """Train and write."""
     for plant in config.plants:
-        rig = measured(plant_named(plant).rig)
+        rig = add_sensors(plant_named(plant).rig)
         learners: dict[tuple[str, int], tuple[int, Callable[[Trial], Learned]]] = {
             (name, seed): (seed, partial(learned, name, rig, seed)) for name in config.agents for seed in config.seeds
         }
@@ -57,7 +57,7 @@ def main(config: Config) -> None:
 def learned(name: str, rig: Rig, seed: int, trial: Trial) -> Learned:
     """A member of the catalogue, trained."""
     counted = CountedTrial(trial)
-    law = law_named(name, Setting(arm=rig.arm, trial=counted, seed=seed))
+    law = make_law(name, AgentSetting(arm=rig.arm, trial=counted, seed=seed))
     return law, counted.robot_seconds
 
 
@@ -78,7 +78,7 @@ def store(name: str, plant: str, fingerprint: str, laws: dict[int, Learned], out
             "robot_seconds": robot_seconds,
             "env_steps": 0,
         }
-        entries.append(described(name, file, out, **what))
+        entries.append(describe_artefact(name, file, out, **what))
     add_artefacts(name, COMMAND, entries, out)
 
 

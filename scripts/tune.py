@@ -74,9 +74,9 @@ def check_runs(training: Training, plants: int) -> None:
     Raises:
         FFGymError: if the environment cannot be made, or the robot has no such places.
     """
-    from ffgym.agents.residual.environment import environment_of
+    from ffgym.agents.residual.environment import make_environment
 
-    environment_of(training, n_envs=1).close()
+    make_environment(training, n_envs=1).close()
     own = (training.action_scale, training.preview)
     base_errors(training.base, training.machine, *own, training.robot, plants)
 

@@ -1,1 +1,1 @@
-"""Learned residual policies: what they see, their networks, and how stable-baselines3 trains them (in `learning`)."""
+"""Learned residual policies: features, networks, and training by stable-baselines3 (in `training`)."""

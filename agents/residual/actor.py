@@ -1,4 +1,4 @@
-r"""The network of a residual policy in numpy: what remains of a trained one when nobody wants torch.
+r"""Network of a residual policy in numpy, which runs a trained policy without torch.
 
 With features x of one motor (`factored`) or of all, layers h = f(W h + b), a last linear layer, and residuals
 
@@ -21,16 +21,16 @@ from ffgym.core.types import Array, BoolArray
 ACTIVATIONS: Mapping[str, Callable[[Array], Array]] = MappingProxyType(
     {"tanh": np.tanh, "relu": lambda x: np.maximum(x, 0.0)}
 )
-"""Between layers."""
+"""Activations between layers, by name."""
 OUTPUTS: Mapping[str, Callable[[Array], Array]] = MappingProxyType(
     {"clip": lambda x: np.clip(x, -1.0, 1.0), "tanh": np.tanh}
 )
-"""How residuals are kept within [-1, 1]: as PPO does, as SAC and TQC do."""
+"""Functions that keep residuals within [-1, 1]: `clip` as in PPO, `tanh` as in SAC and TQC."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Layer:
-    """W x + b."""
+class LinearLayer:
+    """Linear layer W x + b."""
 
     weight: Array
     """Shape (outputs, inputs)."""
@@ -38,7 +38,7 @@ class Layer:
     """Shape (outputs,)."""
 
     def __call__(self, x: Array) -> Array:
-        """Of inputs (..., inputs), shape (..., outputs)."""
+        """Apply the layer to inputs (..., inputs), shape (..., outputs)."""
         # products row by row: a matrix product would round by the number of rows
         return np.asarray((x[..., None, :] * self.weight).sum(axis=-1)) + self.bias
 
@@ -47,18 +47,18 @@ class Layer:
 class LSTM:
     """One layer of long short-term memory with H cells; rows of the gates in torch's order i, f, g, o."""
 
-    inputs: Layer
-    """Of the features, 4 H outputs."""
-    hidden: Layer
-    """Of its own last output, 4 H outputs."""
+    inputs: LinearLayer
+    """Layer on the features, 4 H outputs."""
+    hidden: LinearLayer
+    """Layer on its own last output, 4 H outputs."""
 
     @property
     def cells(self) -> int:
-        """H."""
+        """Number of cells H."""
         return self.hidden.weight.shape[1]
 
     def step(self, x: Array, state: Array) -> tuple[Array, Array]:
-        """Outputs (..., H) and new state for features (..., F); the state is output and cells, shape (..., 2, H)."""
+        """Compute outputs (..., H) and new state for features (..., F); the state is output and cells, (..., 2, H)."""
         h, c = state[..., 0, :], state[..., 1, :]
         i, f, g, o = np.split(self.inputs(x) + self.hidden(h), 4, axis=-1)
         c = _sigmoid(f) * c + _sigmoid(i) * np.tanh(g)
@@ -68,20 +68,20 @@ class LSTM:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Actor:
-    """From features to residuals, for any number of robots at once."""
+    """Network from features to residuals, for any number of robots at once."""
 
     n_motors: int
-    """N."""
-    layers: tuple[Layer, ...]
-    """All but the last are followed by the activation."""
+    """Number of motors N."""
+    layers: tuple[LinearLayer, ...]
+    """Layers; all but the last are followed by the activation."""
     activation: str
     """Key of ACTIVATIONS."""
     output: str
     """Key of OUTPUTS."""
     factored: bool
-    """Whether one network of each motor's own features serves all motors, or one network sees all of them."""
+    """True: one network of each motor's own features serves all motors. False: one network sees all of them."""
     lstm: LSTM | None = None
-    """In front of the layers."""
+    """LSTM in front of the layers."""
 
     def __post_init__(self) -> None:
         check_choice("activation", self.activation, list(ACTIVATIONS))
@@ -104,21 +104,21 @@ class Actor:
 
     @property
     def n_features(self) -> int:
-        """Of all motors together."""
+        """Number of features of all motors together."""
         first = self.layers[0] if self.lstm is None else self.lstm.inputs
         return first.weight.shape[1] * (self.n_motors if self.factored else 1)
 
     def initial_state(self, shape: tuple[int, ...] = ()) -> Array:
-        """What is remembered when an episode begins, shape (*shape, 2, H); H is 0 without an LSTM."""
+        """Return the state when an episode begins, shape (*shape, 2, H); H is 0 without an LSTM."""
         return np.zeros((*shape, 2, 0 if self.lstm is None else self.lstm.cells))
 
     def act(self, features: Array, state: Array, begins: BoolArray | None = None) -> tuple[Array, Array]:
-        """Residuals (..., N) in [-1, 1] for features (..., N F), and what to remember.
+        """Compute residuals (..., N) in [-1, 1] for features (..., N F), and the next state.
 
         Args:
-            features: of all motors, those of the first in front; rounded to float32, as in training.
-            state: what the last call returned, or `initial_state`.
-            begins: where an episode begins, shape (...,); None is nowhere.
+            features: numbers of all motors, the first motor's in front; rounded to float32, as in training.
+            state: state that the last call returned, or `initial_state`.
+            begins: True where an episode begins, shape (...,); None is nowhere.
         """
         x = np.asarray(features, dtype=np.float32).astype(np.float64)
         if begins is not None:
@@ -135,12 +135,12 @@ class Actor:
     # As parts of a file
 
     def settings(self) -> dict[str, Any]:
-        """What JSON can hold of it."""
+        """Return the settings that JSON can hold."""
         own = {name: getattr(self, name) for name in ("n_motors", "activation", "output", "factored")}
         return own | {"layers": len(self.layers), "lstm": self.lstm is not None}
 
     def arrays(self) -> dict[str, Array]:
-        """Weights by name, float32."""
+        """Return the weights by name, float32."""
         named = {f"layer_{k}": layer for k, layer in enumerate(self.layers)}
         if self.lstm is not None:
             named |= {"lstm_inputs": self.lstm.inputs, "lstm_hidden": self.lstm.hidden}
@@ -149,14 +149,14 @@ class Actor:
 
     @classmethod
     def from_parts(cls, settings: Mapping[str, Any], arrays: Mapping[str, Array]) -> "Actor":
-        """The actor of `settings` and `arrays`.
+        """Rebuild the actor from `settings` and `arrays`.
 
         Raises:
-            FFGymError: if they make none.
+            FFGymError: if shapes do not fit.
         """
 
-        def layer(name: str) -> Layer:
-            return Layer(
+        def layer(name: str) -> LinearLayer:
+            return LinearLayer(
                 weight=check_shape(f"{name}_weight", arrays[f"{name}_weight"], (None, None)),
                 bias=check_shape(f"{name}_bias", arrays[f"{name}_bias"], (None,)),
             )
@@ -168,7 +168,7 @@ class Actor:
         return cls(layers=layers, lstm=lstm, **own)
 
 
-def _check_layer(name: str, layer: Layer, inputs: int | None, outputs: int | None) -> None:
+def _check_layer(name: str, layer: LinearLayer, inputs: int | None, outputs: int | None) -> None:
     weight = check_shape(f"weight of {name}", layer.weight, (outputs, inputs))
     check_shape(f"bias of {name}", layer.bias, (weight.shape[0],))
 

@@ -1,4 +1,4 @@
-"""Laws that a residual policy can stand on: each is made from what the controller knows of its robot."""
+"""Base laws below a residual policy, each made from the nominal model of the robot."""
 
 import tomllib
 from collections.abc import Callable, Mapping
@@ -27,7 +27,7 @@ _MADE: Mapping[str, Callable[[RobotDescription], CausalLaw | None]] = MappingPro
 )
 
 BASES = (*_MADE, MODEL)
-"""Names of all of them, as in `ffgym.agents.catalogue`."""
+"""Names of all bases, as in `ffgym.agents.catalogue`."""
 
 ACTION_SCALES: Mapping[str, float] = MappingProxyType(
     {"none": 30.0, "lugre_static": 30.0, "lugre_dynamic": 30.0, "elastic": 110.0, MODEL: 110.0}
@@ -37,7 +37,7 @@ robot and a residual on top; laws that bend springs ask for far more than fricti
 
 
 def base_named(base: str) -> tuple[str, str | None]:
-    """Name of a base, and the text of its machine file, of 'elastic' or 'model:machine.toml'.
+    """Split a base as in 'elastic' or 'model:machine.toml' into its name and the text of its machine file.
 
     Raises:
         FFGymError: if there is no such base, or its file cannot be read.
@@ -56,12 +56,12 @@ def base_named(base: str) -> tuple[str, str | None]:
 
 
 def base_law(name: str, machine: str | None, robot: RobotDescription) -> CausalLaw | None:
-    """The law for a robot; None adds nothing.
+    """Make the law for a robot; None adds nothing.
 
     Args:
         name: one of BASES.
         machine: text of a machine file, for `model` alone.
-        robot: what the controller knows.
+        robot: nominal description, on which the controller relies.
 
     Raises:
         FFGymError: if there is no such base, or it cannot be made for the robot.
@@ -76,7 +76,7 @@ def base_law(name: str, machine: str | None, robot: RobotDescription) -> CausalL
 
 
 def _check_whole(text: str, where: str) -> dict[str, object]:
-    """Tables of a machine file that needs no other file."""
+    """Check that a machine file needs no other file, and return its tables."""
     try:
         tree = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:

@@ -1,4 +1,4 @@
-"""A policy on top of a feed-forward law: what both see, remember and add, the same in training and in use.
+"""Composition of a feed-forward law and a policy on top: features, memory and action, alike in training and in use.
 
 All numbers of a motor are scaled by its own nominal friction, servo and rotor, so that one small network can serve all
 motors alike, and nothing has to be normalised by statistics of the data.
@@ -29,23 +29,23 @@ _PER_AHEAD = 3
 
 
 def per_motor(memory: int) -> int:
-    """Numbers F per motor with so many samples of errors and residuals."""
+    """Count the numbers F per motor for so many samples of errors and residuals."""
     return _PER_SAMPLE * memory + _PER_AHEAD * len(AHEAD)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Features:
-    """F numbers for each of N motors, from an observation and what is remembered of those before it.
+    """F numbers for each of N motors, from an observation and the memory of those before it.
 
-    Of each remembered sample, the newest first: position error in tenths of f_s / K_p, speed error in tenths of
-    f_s / K_v, both without what the law below asks for itself, and residual torque in its bound; of each sample ahead:
+    Of each remembered sample, the newest first: position error in tenths of f_s / K_p, speed error in tenths of f_s /
+    K_v, both without the errors that the law below asks for, and residual torque in its bound; of each sample ahead:
     tanh of the speed in Stribeck velocities, speed in f_s / f_v, acceleration in f_s / J_m.
     """
 
     layout: ObservationLayout
-    """Of the observations."""
+    """Layout of the observations."""
     stribeck_velocity: Array
-    """Of the nominal friction, motor side [rad/s], shape (N,)."""
+    """Stribeck velocity of the nominal friction, motor side [rad/s], shape (N,)."""
     memory: int = 1
     """Samples M of errors and residuals that are seen, the present one included."""
 
@@ -59,16 +59,16 @@ class Features:
 
     @property
     def size(self) -> int:
-        """All numbers, N F."""
+        """Number of all features, N F."""
         return self.layout.n_joints * per_motor(self.memory)
 
     def sample(self, observation: Array, own: tuple[Array, Array], residual: Array) -> Array:
-        """What is remembered of observations (..., D), shape (..., 3, N).
+        """Compute the sample to remember of observations (..., D), shape (..., 3, N).
 
         Args:
-            observation: of the environment.
-            own: errors [rad], [rad/s], motor side, that the law below asks for now, shape (..., N) each.
-            residual: what the policy added on the way here, in [-1, 1], shape (..., N).
+            observation: observation of the environment.
+            own: errors [rad], [rad/s], motor side, which the law below asks for now, shape (..., N) each.
+            residual: residual that the policy added on the way here, in [-1, 1], shape (..., N).
         """
         rows = []
         for name, asked in zip(("error", "error_rate"), own, strict=True):
@@ -77,7 +77,7 @@ class Features:
         return np.stack([*rows, residual], axis=-2)
 
     def read(self, memory: Array, observation: Array) -> Array:
-        """Features, shape (..., N F): all numbers of the first motor, then those of the next."""
+        """Compute features (..., N F): all numbers of the first motor, then those of the next."""
         past = memory.reshape(*memory.shape[:-3], _PER_SAMPLE * self.memory, memory.shape[-1])
         rows = [past]
         unit = self.layout["reference_velocity"].scale / self.stribeck_velocity  # of speeds, in Stribeck velocities
@@ -91,16 +91,16 @@ class Features:
         return features.reshape(*features.shape[:-2], self.size)
 
     def _seen(self, observation: Array, name: str) -> Array:
-        """An entry of observations as it stands there, shape (..., N)."""
+        """Return an entry of observations in its scale, shape (..., N)."""
         return np.asarray(observation[..., self.layout[name].slice])
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Memory:
-    """What is remembered from one decision to the next, in B sub-environments."""
+class CompositionMemory:
+    """Memory from one decision to the next, in B sub-environments."""
 
     law: Array
-    """Of the law below, shape (B, K)."""
+    """Memory of the law below, shape (B, K)."""
     own: tuple[Array, Array]
     """Errors [rad], [rad/s] that the law asks for at the next sample, motor side, shape (B, N) each."""
     past: Array
@@ -108,14 +108,14 @@ class Memory:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Seen:
-    """What is known when a policy decides."""
+class PolicyInput:
+    """Input of a policy's decision: features, action of the law below, memory."""
 
     features: Array
-    """Shape (B, N F)."""
+    """Features, shape (B, N F)."""
     base: Array
     """Action of the law below, shape (B, N)."""
-    memory: Memory
+    memory: CompositionMemory
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -138,12 +138,12 @@ class Composition:
         memory: int,
         bound: float,
     ) -> "Composition":
-        """A composition for an environment.
+        """Compose a law and features for an environment.
 
         Args:
-            law: the base.
-            robot: what the controller knows.
-            layout: of the environment's observations.
+            law: the base; None adds nothing.
+            robot: nominal description, on which the controller relies.
+            layout: layout of the environment's observations.
             memory: samples of errors and residuals that the policy sees.
             bound: largest residual torque, in units of each joint's breakaway torque f_s.
 
@@ -158,44 +158,44 @@ class Composition:
             share=bound * robot.friction.static / layout["added_torque"].scale,
         )
 
-    def begin(self, observation: Array) -> Seen:
-        """What is known when episodes begin with observations (B, D)."""
+    def begin(self, observation: Array) -> PolicyInput:
+        """Compute the input when episodes begin with observations (B, D)."""
         still = np.zeros((len(observation), self.features.layout.n_joints))
         sample = self.features.sample(observation, (still, still), still)
         law = np.zeros((len(observation), 0))
         if self.base is not None:
             law = self.base.law.initial_memory(self.base.window(observation))
         past = np.repeat(sample[:, None], self.features.memory, axis=1)  # the first sample stands for those before it
-        memory = Memory(law=law, own=(still, still), past=past)
+        memory = CompositionMemory(law=law, own=(still, still), past=past)
         return self._seen(memory, observation)
 
-    def follow(self, memory: Memory, observation: Array, residual: Array) -> Seen:
-        """What is known after residuals (B, N) in [-1, 1] led to observations (B, D)."""
+    def follow(self, memory: CompositionMemory, observation: Array, residual: Array) -> PolicyInput:
+        """Compute the input after residuals (B, N) in [-1, 1] led to observations (B, D)."""
         sample = self.features.sample(observation, memory.own, residual)
         past = np.concatenate([sample[:, None], memory.past[:, : self.features.memory - 1]], axis=1)  # newest in front
         return self._seen(replace(memory, past=past), observation)
 
-    def action(self, seen: Seen, residual: Array) -> Array:
-        """Actions of both together, shape (B, N), within [-1, 1]."""
+    def action(self, seen: PolicyInput, residual: Array) -> Array:
+        """Add law and residual to actions (B, N), clipped to [-1, 1]."""
         return np.clip(seen.base + self.share * residual, -1.0, 1.0)
 
-    def _seen(self, memory: Memory, observation: Array) -> Seen:
+    def _seen(self, memory: CompositionMemory, observation: Array) -> PolicyInput:
         features = self.features.read(memory.past, observation)
         if self.base is None:
-            return Seen(features=features, base=np.zeros((len(observation), len(self.share))), memory=memory)
+            return PolicyInput(features=features, base=np.zeros((len(observation), len(self.share))), memory=memory)
         action, law = self.base.predict(observation, memory.law)
         known = replace(memory, law=law, own=self.base.law.own_error(memory.law))
-        return Seen(features=features, base=action, memory=known)
+        return PolicyInput(features=features, base=action, memory=known)
 
 
-def chosen(where: BoolArray, fresh: Seen, old: Seen) -> Seen:
-    """`fresh` in the sub-environments where an episode has begun, `old` elsewhere."""
+def take_where(where: BoolArray, fresh: PolicyInput, old: PolicyInput) -> PolicyInput:
+    """Take `fresh` in the sub-environments where an episode has begun, `old` elsewhere."""
 
     def pick(new: Array, kept: Array) -> Array:
         return np.where(where.reshape(-1, *[1] * (kept.ndim - 1)), new, kept)
 
     a, b = fresh.memory, old.memory
-    memory = Memory(
+    memory = CompositionMemory(
         law=pick(a.law, b.law), own=(pick(a.own[0], b.own[0]), pick(a.own[1], b.own[1])), past=pick(a.past, b.past)
     )
-    return Seen(features=pick(fresh.features, old.features), base=pick(fresh.base, old.base), memory=memory)
+    return PolicyInput(features=pick(fresh.features, old.features), base=pick(fresh.base, old.base), memory=memory)

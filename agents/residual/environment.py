@@ -1,4 +1,4 @@
-"""The environment that a residual policy is trained in: features in, residuals out, the law below in between."""
+"""Training environment of residual policies: features in, residuals out, the law below in between."""
 
 from typing import Any
 
@@ -7,7 +7,7 @@ from gymnasium import spaces
 from stable_baselines3.common.vec_env import VecEnvWrapper
 
 from ffgym.agents.residual.bases import base_law
-from ffgym.agents.residual.composition import LIMIT, Composition, Seen, chosen
+from ffgym.agents.residual.composition import LIMIT, Composition, PolicyInput, take_where
 from ffgym.agents.residual.plan import ENCODER_BITS, ENVIRONMENT, POSITION, Training
 from ffgym.core.types import Array
 from ffgym.envs import Sensing
@@ -26,45 +26,47 @@ class ResidualVecEnv(VecEnvWrapper):
             action_space=spaces.Box(-1.0, 1.0, shape=(n,), dtype=np.float32),
         )
         self.composition = composition
-        self._seen: Seen | None = None
+        self._seen: PolicyInput | None = None
         self._residual = np.zeros((venv.num_envs, n))
 
     def reset(self) -> Array:
-        """See base class."""
+        """Begin episodes, and return their features."""
         self._seen = self.composition.begin(self.venv.reset())  # type: ignore[arg-type]
         return self._seen.features.astype(np.float32)
 
     def step_async(self, actions: Array) -> None:
-        """See base class."""
+        """Send residuals on top of the law's actions."""
         assert self._seen is not None  # reset comes first
         self._residual = np.clip(np.asarray(actions, dtype=np.float64), -1.0, 1.0)
         self.venv.step_async(self.composition.action(self._seen, self._residual))
 
     def step_wait(self) -> tuple[Array, Array, Array, list[dict[str, Any]]]:
-        """See base class; last observations of episodes are features too."""
+        """Return features, rewards and ends; last observations of episodes are features too."""
         observation, reward, done, infos = self.venv.step_wait()
         assert isinstance(observation, np.ndarray)
         assert self._seen is not None
+        # features before episodes begin anew
         last = observation
         if done.any():
             last = observation.copy()
             for i in np.flatnonzero(done):
                 last[i] = infos[i]["terminal_observation"]
         seen = self.composition.follow(self._seen.memory, last, self._residual)
+        # features of new episodes
         if done.any():
             for i in np.flatnonzero(done):
                 infos[i]["terminal_observation"] = seen.features[i].astype(np.float32)
-            seen = chosen(done, self.composition.begin(observation), seen)
+            seen = take_where(done, self.composition.begin(observation), seen)
         self._seen = seen
         return seen.features.astype(np.float32), reward, done, infos
 
 
-def environment_of(training: Training, n_envs: int | None = None, **changes: Any) -> ResidualVecEnv:
-    """The environment of a training.
+def make_environment(training: Training, n_envs: int | None = None, **changes: Any) -> ResidualVecEnv:
+    """Make the environment of a training.
 
     Args:
-        training: what is trained.
-        n_envs: robots side by side; None is the training's.
+        training: the training.
+        n_envs: robots side by side; defaults to the training's.
         changes: keyword arguments of the environment in place of the training's.
     """
     robot = training.known()

@@ -1,4 +1,4 @@
-"""Hyper-parameters of the algorithms that train residual policies: which there are, and within which limits."""
+"""Hyper-parameters of the algorithms that train residual policies, and their limits."""
 
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
@@ -10,13 +10,13 @@ from ffgym.agents.residual.actor import ACTIVATIONS
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
 
 FILE = Path(__file__).with_suffix(".toml")
-"""A table for each algorithm, every number with its reason."""
+"""File with a table for each algorithm, every number with its reason."""
 Value = float | int | str | tuple[int, ...]
-"""Of a hyper-parameter."""
+"""Value of a hyper-parameter."""
 
 
 Check = Callable[[str, Any], Value]
-"""Returns the value of a hyper-parameter, given its name and what was said; raises FFGymError if it is out of range."""
+"""Function that checks the value of a hyper-parameter, given its name; raises FFGymError if it is out of range."""
 
 
 def _number(low: float, high: float, *, open_low: bool = False) -> Check:
@@ -28,7 +28,7 @@ def _count(low: int, high: int = 10**9) -> Check:
 
 
 def _widths(name: str, value: Any) -> Value:
-    """Widths of the hidden layers of a network."""
+    """Check the widths of the hidden layers of a network."""
     if not isinstance(value, list | tuple) or not 1 <= len(value) <= 4:
         raise FFGymError(f"{name} = {value!r} must be a list of one to four widths, e.g. [32, 32].")
     return tuple(check_whole(name, width, low=1, high=4096) for width in value)
@@ -78,11 +78,11 @@ ALGORITHMS: Mapping[str, Mapping[str, Check]] = MappingProxyType(
         "recurrent_ppo": _ALL | _ON_POLICY | {"lstm_cells": _count(1, 4096)},
     }
 )
-"""Algorithms, and what may be said of each."""
+"""Algorithms, and the checks of their hyper-parameters."""
 
 
 def hyperparameters(algorithm: str, changes: Sequence[str] = ()) -> dict[str, Value]:
-    """Hyper-parameters of an algorithm as its table has them, some changed as in ['gamma=0.95', 'hidden=[64,64]'].
+    """Read the hyper-parameters of an algorithm, some changed as in ['gamma=0.95', 'hidden=[64,64]'].
 
     Raises:
         FFGymError: if there is no such algorithm, or a change is no name=value, named twice, or not valid.
@@ -101,11 +101,11 @@ def hyperparameters(algorithm: str, changes: Sequence[str] = ()) -> dict[str, Va
             values[name] = tomllib.loads(f"value = {text}")["value"]
         except tomllib.TOMLDecodeError:
             values[name] = text  # a word
-    return checked(algorithm, values)
+    return check_hyperparameters(algorithm, values)
 
 
-def checked(algorithm: str, values: Mapping[str, Any]) -> dict[str, Value]:
-    """Hyper-parameters of an algorithm, all of them, each within its limits.
+def check_hyperparameters(algorithm: str, values: Mapping[str, Any]) -> dict[str, Value]:
+    """Check that hyper-parameters of an algorithm are complete, each within its limits.
 
     Raises:
         FFGymError: if one is unknown, missing or out of range, or some do not fit each other.

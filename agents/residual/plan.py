@@ -1,4 +1,4 @@
-"""What a training of a residual policy is: everything that decides its result, bit for bit."""
+"""Plan of a training of a residual policy: everything that decides its result, bit for bit."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
@@ -6,18 +6,18 @@ from typing import Any
 
 from ffgym.agents.residual.bases import ACTION_SCALES, base_law
 from ffgym.agents.residual.composition import AHEAD
-from ffgym.agents.residual.hyperparameters import ALGORITHMS, Value, checked, hyperparameters
+from ffgym.agents.residual.hyperparameters import ALGORITHMS, Value, check_hyperparameters, hyperparameters
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
 from ffgym.robot import ModelOptions, RobotDescription, compile_model, load_robot, physics_fingerprint
 
 ENVIRONMENT = "ffgym/CirclePath-v0"
-"""Id of the environment that is trained in."""
+"""Id of the training environment."""
 POSITION = "p1"
-"""Where circles are trained on; all other named positions are held out, so this is no option."""
+"""Position of the training circles; all other named positions are held out, so this is no option."""
 ENCODER_BITS = 16
-"""Of the resolvers that a policy sees motors through: per turn of the motor, as of industrial resolvers."""
+"""Bits of the resolvers that a policy sees motors through, per turn of the motor, as of industrial resolvers."""
 DEFAULT_STEPS: Mapping[str, int] = {"ppo": 983_040, "recurrent_ppo": 983_040, "sac": 196_608, "tqc": 196_608}
-"""Whole segments; chosen: where learning curves are flat, within minutes."""
+"""Control steps by default, in whole segments; chosen: learning curves are flat there, within minutes."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,9 +31,9 @@ class Training:
     machine: str | None = field(default=None, repr=False)
     """Text of the machine file of the base 'model'."""
     robot: str = "irb4600_60_205"
-    """What the controller knows, and around which robots are drawn: a built-in robot with a work area."""
+    """Nominal robot of the controller, around which robots are drawn: a built-in robot with a work area."""
     factored: bool = True
-    """Whether one network of each motor's own numbers serves all motors, or one network sees all of them."""
+    """True: one network of each motor's own numbers serves all motors. False: one network sees all of them."""
     memory: int = 1
     """Samples of errors and residuals that the policy sees."""
     bound: float = 0.6
@@ -41,12 +41,12 @@ class Training:
     reward: str = "relative_path_error"
     """Name of a reward of the environment; privileged ones are for training alone, the policy does not see them."""
     randomization: bool = True
-    """Whether each episode has a robot drawn around the nominal one (`PlantDistribution()`), or all the nominal."""
+    """True: each episode has a robot drawn around the nominal one (`PlantDistribution()`). False: all the nominal."""
     seed: int = 0
     steps: int | None = None
-    """Control steps of all robots together, rounded up to whole updates; None is that of DEFAULT_STEPS."""
+    """Control steps of all robots together, rounded up to whole updates; defaults to DEFAULT_STEPS."""
     hyperparameters: Mapping[str, Value] = field(default_factory=dict)
-    """All of them; none given is those of the algorithm's file."""
+    """All hyper-parameters; defaults to those of the algorithm's file."""
 
     def __post_init__(self) -> None:
         check_choice("algorithm", self.algorithm, list(ALGORITHMS))
@@ -56,7 +56,7 @@ class Training:
         check_whole("seed", self.seed, low=0)
         if self.factored and self.algorithm == "recurrent_ppo":
             raise FFGymError("The LSTM of recurrent_ppo sees all motors at once: train it with factored=False.")
-        own = checked(self.algorithm, self.hyperparameters or hyperparameters(self.algorithm))
+        own = check_hyperparameters(self.algorithm, self.hyperparameters or hyperparameters(self.algorithm))
         object.__setattr__(self, "hyperparameters", own)
         steps = DEFAULT_STEPS[self.algorithm] if self.steps is None else self.steps
         object.__setattr__(self, "steps", check_whole("steps", steps, low=1))
@@ -68,7 +68,7 @@ class Training:
 
     @property
     def total(self) -> int:
-        """Control steps at least."""
+        """Least number of control steps."""
         assert self.steps is not None  # see __post_init__
         return self.steps
 
@@ -88,24 +88,24 @@ class Training:
         return AHEAD[-1]
 
     def number(self, name: str) -> float:
-        """A hyper-parameter."""
+        """Return a hyper-parameter."""
         return float(self.hyperparameters[name])  # type: ignore[arg-type]
 
     def integer(self, name: str) -> int:
-        """A hyper-parameter that is whole."""
+        """Return a hyper-parameter that is whole."""
         return int(self.hyperparameters[name])  # type: ignore[arg-type]
 
     def widths(self, name: str) -> list[int]:
-        """A hyper-parameter that is widths of layers."""
+        """Return a hyper-parameter that is widths of layers."""
         return list(self.hyperparameters[name])  # type: ignore[arg-type]
 
     def learning_rate(self, segment: int) -> float:
-        """Learning rate of a segment: from the first to the final one in even steps."""
+        """Compute the learning rate of a segment: from the first to the final one in even steps."""
         first, final = self.number("learning_rate"), self.number("final_learning_rate")
         return first + (final - first) * segment / max(self.n_segments - 1, 1)
 
     def known(self) -> RobotDescription:
-        """What the controller knows.
+        """Load the nominal robot of the controller.
 
         Raises:
             FFGymError: if it has no place to train at, or the base cannot be made for it.
@@ -119,13 +119,13 @@ class Training:
         return robot
 
     def document(self) -> dict[str, Any]:
-        """All of it, for JSON."""
+        """Return all settings for JSON."""
         values = asdict(self)
         own = {name: list(v) if isinstance(v, tuple) else v for name, v in self.hyperparameters.items()}
         return values | {"hyperparameters": own}
 
     def origin(self) -> dict[str, Any]:
-        """What else decides the result: environment and physics."""
+        """Return the rest that decides the result: environment and physics."""
         model = compile_model(self.known(), ModelOptions(looks=False))
         return {
             "environment": ENVIRONMENT,

@@ -1,11 +1,11 @@
-r"""Residual policies: reinforcement learning on top of a feed-forward law that knows the nominal robot.
+r"""Residual policies: reinforcement learning on top of a feed-forward law with nominal parameters.
 
 Idea: a law made from nominal parameters leaves an error because the machine differs from them. A small network sees
-that error, what it did about it, and the reference ahead, and adds a bounded torque; with f_s the breakaway torque,
+that error, its own last torques, and the reference ahead, and adds a bounded torque; with f_s the breakaway torque,
 
 .. math:: u_{lff} = u_{base} + \beta f_s r(x), \qquad r \in [-1, 1]^N, \quad r = 0 \text{ before training}
 
-It is trained on robots drawn around the nominal one, so that it learns to adapt by what it sees, not one machine.
+It is trained on robots drawn around the nominal one, so that it learns to adapt to what it observes, not one machine.
 
 Source: residual policy learning (Silver et al. 2018, arXiv:1812.06298; Johannink et al., ICRA 2019); PPO (Schulman et
 al. 2017), SAC (Haarnoja et al. 2018), TQC (Kuznetsov et al. 2020) as in stable-baselines3 and sb3-contrib. Departures:
@@ -29,11 +29,11 @@ from typing import Any
 
 import numpy as np
 
-from ffgym.agents.declaration import Entry, declare
+from ffgym.agents.declaration import AgentEntry, declare
 from ffgym.agents.law_files import FORMAT, npz_target, pack, unpack
 from ffgym.agents.residual.actor import Actor
 from ffgym.agents.residual.bases import base_law
-from ffgym.agents.residual.composition import AHEAD, Composition, Memory, chosen
+from ffgym.agents.residual.composition import AHEAD, Composition, CompositionMemory, take_where
 from ffgym.control import ObservationLayout
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
 from ffgym.core.files import write_bytes
@@ -44,11 +44,11 @@ from ffgym.robot import RobotDescription
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class AgentState:
-    """What a residual agent remembers from one decision to the next."""
+    """State of a residual agent from one decision to the next."""
 
-    memory: Memory
+    memory: CompositionMemory
     residual: Array
-    """What it added last, in [-1, 1], shape (B, N)."""
+    """Last residual, in [-1, 1], shape (B, N)."""
     network: Array
     """State of the network, see `Actor.initial_state`."""
 
@@ -75,11 +75,11 @@ class ResidualAgent:
         episode_start: Any = None,
         deterministic: bool = True,
     ) -> tuple[Array, AgentState]:
-        """Actions for observations (B, D) or (D,), shape (B, N) or (N,), and what to remember for the next call.
+        """Compute actions (B, N) or (N,) for observations (B, D) or (D,), and the state for the next call.
 
         Args:
             observation: one observation, or a batch of them.
-            state: what the last call returned, None at first.
+            state: state that the last call returned, None at first.
             episode_start: True where an episode begins, shape (B,) or (); None is nowhere.
             deterministic: without effect, a trained policy does not explore.
 
@@ -93,6 +93,7 @@ class ResidualAgent:
                 f"Observations must have {size} numbers each, as those of the environment that this agent was made "
                 f"for, got shape {seen_now.shape}."
             )
+        # input of the policy: at the beginning of episodes, or after the last residual
         rows = np.atleast_2d(seen_now)
         if state is None:
             seen, network = self.composition.begin(rows), self.actor.initial_state((len(rows),))
@@ -111,7 +112,8 @@ class ResidualAgent:
                 )
             seen, network = self.composition.follow(state.memory, rows, state.residual), state.network
             if begins.any():
-                seen = chosen(begins, self.composition.begin(rows), seen)
+                seen = take_where(begins, self.composition.begin(rows), seen)
+        # residual of the network, and action of both together
         residual, network = self.actor.act(seen.features, network, begins)
         action = self.composition.action(seen, residual)
         known = AgentState(memory=seen.memory, residual=residual, network=network)
@@ -119,12 +121,12 @@ class ResidualAgent:
 
 
 KIND = "residual_policy"
-"""In the header of a file."""
+"""Kind in the header of a policy's file."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ResidualPolicy:
-    """A base law by name, and a network; `ffgym.control.Policy` describes how it is used."""
+    """A base law by name and a network, as an `ffgym.control.Policy`."""
 
     base: str
     """One of `ffgym.agents.residual.bases.BASES`."""
@@ -132,15 +134,15 @@ class ResidualPolicy:
     """Text of the machine file that the base 'model' is made from."""
     actor: Actor = field(repr=False)
     memory: int
-    """Samples of errors and residuals that it sees."""
+    """Samples of errors and residuals among the features."""
     bound: float
     """Largest residual torque, in units of each joint's breakaway torque."""
     action_scale: float
     """Torque of an action of 1 in breakaway torques, as the environment's keyword argument."""
     meta: Mapping[str, Any] = field(default_factory=dict, repr=False)
-    """Where it comes from: algorithm, hyper-parameters, seed, steps, environment, versions, learning curve."""
+    """Origin: algorithm, hyper-parameters, seed, steps, environment, versions, learning curve."""
     preview: int = AHEAD[-1]
-    """Samples of the reference that it sees, as the environment's keyword argument."""
+    """Samples of the reference that are observed, as the environment's keyword argument."""
 
     def __post_init__(self) -> None:
         check_whole("memory", self.memory, unit="samples", low=1, high=1000)
@@ -149,11 +151,11 @@ class ResidualPolicy:
         check_whole("preview", self.preview, unit="samples", low=AHEAD[-1], high=1000)
 
     def agent(self, robot: RobotDescription, layout: ObservationLayout) -> ResidualAgent:
-        """The policy in an environment.
+        """Make the agent of the policy in an environment.
 
         Args:
-            robot: what the controller of the machine knows of it.
-            layout: of the observations.
+            robot: nominal description, on which the controller of the machine relies.
+            layout: layout of the observations.
 
         Raises:
             FFGymError: if the robot has another number of motors, or too little of the reference is observed.
@@ -164,7 +166,7 @@ class ResidualPolicy:
 
 
 def encode_policy(policy: ResidualPolicy) -> bytes:
-    """A policy as a file; equal policies give equal bytes."""
+    """Encode a policy as a file; equal policies give equal bytes."""
     own = {name: getattr(policy, name) for name in _SETTINGS}
     header = {
         "format": FORMAT,
@@ -228,7 +230,7 @@ _ON = {"none": "no compensation", "lugre_dynamic": "dynamic LuGre", "elastic": "
 
 declare(
     *(
-        Entry(
+        AgentEntry(
             name=name,
             title=title,
             about=f"A bounded residual torque on {_ON[base]}: {network}, trained in simulation at p1 on robots drawn "

@@ -1,8 +1,8 @@
 """Policies and algorithms of stable-baselines3, and their trained networks as the actor in numpy.
 
-A policy's actor begins as nothing. It is given `first_std`, the standard deviation of exploration at the beginning in
-units of the bound, and `factored`: whether one network of each motor's own numbers serves all motors, or one network
-sees all of them.
+A policy's actor begins with residuals of zero. Its arguments are `first_std`, the standard deviation of exploration at
+the beginning in units of the bound, and `factored`: one network of each motor's own numbers for all motors (True), or
+one network that sees all of them (False).
 """
 
 import math
@@ -23,7 +23,7 @@ from stable_baselines3.common.type_aliases import Schedule
 from stable_baselines3.sac.policies import SACPolicy
 from torch import nn
 
-from ffgym.agents.residual.actor import LSTM, Actor, Layer
+from ffgym.agents.residual.actor import LSTM, Actor, LinearLayer
 from ffgym.agents.residual.environment import ResidualVecEnv
 from ffgym.agents.residual.plan import Training
 from ffgym.core.errors import FFGymError
@@ -55,7 +55,7 @@ class _FactoredExtractor(MlpExtractor):
 
 
 class ResidualActorCritic(ActorCriticPolicy):
-    """Of PPO: Gaussian actions about a mean that is zero at first."""
+    """Policy of PPO: Gaussian actions about a mean that is zero at first."""
 
     def __init__(self, *args: Any, factored: bool = False, first_std: float = 0.1, **kwargs: Any) -> None:
         self.factored = factored
@@ -80,7 +80,7 @@ class ResidualActorCritic(ActorCriticPolicy):
 
 
 class ResidualRecurrentActorCritic(RecurrentActorCriticPolicy):
-    """Of RecurrentPPO: an LSTM that sees all motors, and a mean that is zero at first."""
+    """Policy of RecurrentPPO: an LSTM that sees all motors, and a mean that is zero at first."""
 
     def __init__(self, *args: Any, factored: bool = False, first_std: float = 0.1, **kwargs: Any) -> None:
         if factored:
@@ -100,7 +100,7 @@ class _BeginsAsNothing:
         super().__init__(*args, **kwargs)
 
     def make_actor(self, features_extractor: BaseFeaturesExtractor | None = None) -> Any:
-        """See base class."""
+        """Make the actor, factored if asked for, with actions about zero."""
         actor = super().make_actor(features_extractor)  # type: ignore[misc]
         if self.factored:
             n, width = actor.action_space.shape[0], actor.net_arch[-1]
@@ -114,11 +114,11 @@ class _BeginsAsNothing:
 
 
 class ResidualSACPolicy(_BeginsAsNothing, SACPolicy):
-    """Of SAC."""
+    """Policy of SAC."""
 
 
 class ResidualTQCPolicy(_BeginsAsNothing, TQCPolicy):
-    """Of TQC."""
+    """Policy of TQC."""
 
 
 def _zero(head: nn.Module, bias: float = 0.0) -> None:
@@ -157,13 +157,13 @@ class _TQC(_BaseActsFirst, TQC):
     """TQC that begins with the base."""
 
 
-def algorithm_of(training: Training, env: ResidualVecEnv, *, seed: int, segment: int) -> BaseAlgorithm:
-    """The algorithm at the beginning of a segment, untrained.
+def make_algorithm(training: Training, env: ResidualVecEnv, *, seed: int, segment: int) -> BaseAlgorithm:
+    """Make the algorithm at the beginning of a segment, untrained.
 
     Args:
-        training: what is trained.
-        env: where.
-        seed: of torch, numpy, python and the environment, all of which are seeded here.
+        training: the training.
+        env: its environment.
+        seed: seed of torch, numpy, python and the environment, all of which are seeded here.
         segment: number of the segment, for the learning rate.
     """
     common: dict[str, Any] = {
@@ -216,8 +216,8 @@ def _off_policy(training: Training, common: dict[str, Any], network: dict[str, A
     return model
 
 
-def actor_of(policy: Any) -> Actor:
-    """The actor of a policy of `ffgym.agents.residual.sb3`: what `predict` does when it does not explore.
+def export_actor(policy: Any) -> Actor:
+    """Export the actor of a policy of `ffgym.agents.residual.sb3`, without exploration.
 
     Raises:
         FFGymError: if its networks are of another form.
@@ -227,6 +227,7 @@ def actor_of(policy: Any) -> Actor:
         hidden, head, output = policy.mlp_extractor.policy_net, policy.action_net, "clip"
     else:
         hidden, head, output = policy.actor.latent_pi, policy.actor.mu, "tanh"
+    # linear layers and the one activation between them
     factored = isinstance(head, PerMotor)
     modules = [*_inner(hidden), *_inner(head)]
     linear = [module for module in modules if isinstance(module, nn.Linear)]
@@ -235,7 +236,7 @@ def actor_of(policy: Any) -> Actor:
         raise FFGymError(f"Layers {modules} are no linear ones with one activation between them, so there is no actor.")
     return Actor(
         n_motors=n,
-        layers=tuple(Layer(weight=_array(layer.weight), bias=_array(layer.bias)) for layer in linear),
+        layers=tuple(LinearLayer(weight=_array(layer.weight), bias=_array(layer.bias)) for layer in linear),
         activation=_NAMES[between.pop()],
         output=output,
         factored=factored,
@@ -244,7 +245,7 @@ def actor_of(policy: Any) -> Actor:
 
 
 def _inner(module: nn.Module) -> list[nn.Module]:
-    """Layers one after the other."""
+    """List the layers one after the other."""
     if isinstance(module, PerMotor):
         return _inner(module.network)
     return list(module) if isinstance(module, nn.Sequential) else [module]
@@ -255,8 +256,8 @@ def _lstm(module: nn.LSTM) -> LSTM:
         raise FFGymError(f"{module} has more than one layer or direction, so there is no actor.")
     weights = dict(module.named_parameters())
     return LSTM(
-        inputs=Layer(weight=_array(weights["weight_ih_l0"]), bias=_array(weights["bias_ih_l0"])),
-        hidden=Layer(weight=_array(weights["weight_hh_l0"]), bias=_array(weights["bias_hh_l0"])),
+        inputs=LinearLayer(weight=_array(weights["weight_ih_l0"]), bias=_array(weights["bias_ih_l0"])),
+        hidden=LinearLayer(weight=_array(weights["weight_hh_l0"]), bias=_array(weights["bias_hh_l0"])),
     )
 
 

@@ -23,24 +23,23 @@ from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.logger import Logger, configure
 
 from ffgym.agents.law_files import check_same
-from ffgym.agents.residual.environment import ResidualVecEnv, environment_of
+from ffgym.agents.residual.environment import ResidualVecEnv, make_environment
 from ffgym.agents.residual.plan import Training
 from ffgym.agents.residual.policy import ResidualPolicy, encode_policy, load_policy
-from ffgym.agents.residual.sb3 import actor_of, algorithm_of
+from ffgym.agents.residual.sb3 import export_actor, make_algorithm
 from ffgym.core.claims import claimed
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import made_folder, read_bytes, read_text, write_bytes, write_json
 from ffgym.core.provenance import installed, versions
 
 Points = tuple[tuple[int, float], ...]
-"""Steps, mean reward per step since the point before."""
-
+"""Points of a learning curve: steps, mean reward per step since the point before."""
 
 POINTS = 4
 """Points of the curve in a segment, if it has as many steps."""
 
 
-class Curve(BaseCallback):
+class RewardCurve(BaseCallback):
     """Mean reward per step, with exploration, in even parts of every segment, after the points so far."""
 
     def __init__(
@@ -81,22 +80,22 @@ class Curve(BaseCallback):
 
 
 POLICY, NUMBERS = "policy.npz", "training.json"
-"""What is written when a training is done."""
+"""Files of a finished training."""
 CHECKPOINT, TENSORBOARD = "checkpoint.pt", "tensorboard"
 """File and folder beside them; the first is removed at the end."""
 
 Watch = Callable[[int, int], object]
-"""Is told steps that are done, and all."""
+"""Function that is called with the number of steps done, and of all steps."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Trained:
-    """A training that is done."""
+    """A finished training."""
 
     policy: ResidualPolicy = field(repr=False)
     file: Path
     sha256: str
-    """Of the file."""
+    """Hash of the file."""
 
     @property
     def env_steps(self) -> int:
@@ -105,19 +104,19 @@ class Trained:
 
     @property
     def curve(self) -> list[tuple[int, float]]:
-        """Steps, mean reward per step since the point before, with exploration."""
+        """Learning curve: steps, mean reward per step since the point before, with exploration."""
         return [(int(steps), float(reward)) for steps, reward in self.policy.meta["learning_curve"]]
 
 
 def train(training: Training, out: Path, *, watch: Watch | None = None) -> Trained:
-    """Train, or go on where a training of the same kind in the same folder stopped; done ones are read.
+    """Train, or go on where the same training in the same folder stopped; read it if it is finished.
 
     Torch is set to one thread, and the generators of torch, numpy and python are seeded.
 
     Args:
-        training: what to train.
+        training: the training.
         out: folder for the policy, numbers, checkpoints and TensorBoard's files.
-        watch: is told how far it is.
+        watch: function that is called with the progress.
 
     Raises:
         FFGymError: if the folder holds another training or a damaged one, another process trains in it, or learning
@@ -128,44 +127,44 @@ def train(training: Training, out: Path, *, watch: Watch | None = None) -> Train
     with made_folder(out), claimed(out):
         if not (out / NUMBERS).exists():
             torch.set_num_threads(1)
-            env = environment_of(training)
+            env = make_environment(training)
             try:
-                model, points = _learned(training, env, out, about, watch)
+                model, points = _run_segments(training, env, out, about, watch)
             finally:
                 env.close()
             _write(training, model, points, out, about)
-        return _finished(out, about)
+        return _read_trained(out, about)
 
 
-def _learned(
+def _run_segments(
     training: Training, env: ResidualVecEnv, out: Path, about: Mapping[str, Any], watch: Watch | None
 ) -> tuple[BaseAlgorithm, Points]:
-    """The algorithm after all segments, and the learning curve."""
+    """Run all segments that are left; return the algorithm after them, and the learning curve."""
     place = out / CHECKPOINT
     standing = read_checkpoint(place, about)
-    curve = Curve(training, () if standing is None else standing["curve"], watch)
+    curve = RewardCurve(training, () if standing is None else standing["curve"], watch)
     for segment in range(0 if standing is None else standing["segment"], training.n_segments):
-        model = algorithm_of(training, env, seed=segment_seed(training.seed, segment), segment=segment)
+        model = make_algorithm(training, env, seed=segment_seed(training.seed, segment), segment=segment)
         if standing is not None:
             restore(model, standing)
         _learn(model, training, segment, curve, out / TENSORBOARD)
         write_checkpoint(place, model, segment=segment + 1, curve=curve.points, about=about)
         standing = read_checkpoint(place, about)
     assert standing is not None  # there is one segment at least
-    model = algorithm_of(training, env, seed=0, segment=training.n_segments - 1)
+    model = make_algorithm(training, env, seed=0, segment=training.n_segments - 1)
     restore(model, standing)
     return model, standing["curve"]
 
 
 def _write(training: Training, model: BaseAlgorithm, points: Points, out: Path, about: Mapping[str, Any]) -> None:
-    """Write what a training gave, and remove its checkpoint."""
+    """Write policy and numbers of a training, and remove its checkpoint."""
     head = {"algorithm": training.algorithm, "seed": training.seed, "robot": training.robot}
     numbers = {"env_steps": model.num_timesteps, "learning_curve": [list(point) for point in points]}
     meta = head | dict(about) | numbers
     policy = ResidualPolicy(
         base=training.base,
         machine=training.machine,
-        actor=actor_of(model.policy),
+        actor=export_actor(model.policy),
         memory=training.memory,
         bound=training.bound,
         action_scale=training.action_scale,
@@ -179,18 +178,18 @@ def _write(training: Training, model: BaseAlgorithm, points: Points, out: Path, 
 
 
 def segment_seed(seed: int, segment: int) -> int:
-    """Seed of everything that is random in a segment."""
+    """Derive the seed of everything that is random in a segment."""
     return int(np.random.SeedSequence([seed, segment]).generate_state(1)[0] >> 1)
 
 
 def library_versions() -> dict[str, str]:
-    """Versions of everything that can change a trained policy."""
+    """Return the versions of everything that can change a trained policy."""
     own = {"torch": torch.__version__, "stable_baselines3": stable_baselines3.__version__}
     return versions() | own | {"sb3_contrib": sb3_contrib.__version__}
 
 
-def _learn(model: BaseAlgorithm, training: Training, segment: int, curve: Curve, logs: Path) -> None:
-    """Run a segment."""
+def _learn(model: BaseAlgorithm, training: Training, segment: int, curve: RewardCurve, logs: Path) -> None:
+    """Train through one segment."""
     logger = configure(str(logs), ["tensorboard"]) if installed("tensorboard") else Logger(None, [])
     model.set_logger(logger)
     steps = min(training.integer("segment_steps"), training.total - segment * training.integer("segment_steps"))
@@ -210,8 +209,8 @@ def _learn(model: BaseAlgorithm, training: Training, segment: int, curve: Curve,
         raise cause
 
 
-def _finished(out: Path, about: Mapping[str, Any]) -> Trained:
-    """The training that is done in a folder."""
+def _read_trained(out: Path, about: Mapping[str, Any]) -> Trained:
+    """Read the finished training in a folder."""
     try:
         numbers = json.loads(read_text(out / NUMBERS))
         theirs, wanted = {key: numbers[key] for key in about}, numbers["sha256"]
@@ -225,7 +224,7 @@ def _finished(out: Path, about: Mapping[str, Any]) -> Trained:
 
 
 def restore(model: BaseAlgorithm, standing: Mapping[str, Any]) -> None:
-    """Give a new algorithm everything that a checkpoint has: networks, optimisers, replay buffer, counters."""
+    """Restore an algorithm from a checkpoint: networks, optimisers, replay buffer, counters."""
     model.set_parameters(standing["parameters"], exact_match=True, device="cpu")
     for name, values in standing["tensors"].items():
         getattr(model, name).data.copy_(values)
@@ -240,7 +239,7 @@ def restore(model: BaseAlgorithm, standing: Mapping[str, Any]) -> None:
 def write_checkpoint(
     file: Path, model: BaseAlgorithm, *, segment: int, curve: Points, about: Mapping[str, Any]
 ) -> None:
-    """Write a checkpoint, `segment` next, in place of the one before it: its sha256, then what torch makes of it.
+    """Write a checkpoint, `segment` next, in place of the one before it: its sha256, then the bytes that torch saves.
 
     Raises:
         FFGymError: if it cannot be written.
@@ -267,7 +266,7 @@ def write_checkpoint(
 
 
 def read_checkpoint(file: Path, about: Mapping[str, Any]) -> dict[str, Any] | None:
-    """Read where a training stands: the next `segment`, its `curve` and what `restore` needs; None if nowhere.
+    """Read a checkpoint: the next `segment`, its `curve` and the state that `restore` needs; None if there is none.
 
     Raises:
         FFGymError: if it is of another training, or damaged.

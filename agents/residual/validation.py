@@ -1,7 +1,7 @@
-"""How much of its base's path error a policy leaves, on circles of their own: neither trained on nor scored.
+"""Validation of residual policies: path error over that of the base, on circles neither trained on nor scored.
 
 Training circles lie at p1, with radii of 1, 3 and 5 mm at 10, 40 and 100 mm/s; the leaderboard scores these at all
-named positions. Choices of design are made on these here, on robots drawn by a seed of their own.
+named positions. Choices of design are made on the circles here, on robots drawn by a seed of their own.
 """
 
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ import gymnasium as gym
 import numpy as np
 from gymnasium.vector import AutoresetMode
 
-from ffgym.agents.residual.actor import Actor, Layer
+from ffgym.agents.residual.actor import Actor, LinearLayer
 from ffgym.agents.residual.composition import per_motor
 from ffgym.agents.residual.plan import ENCODER_BITS, ENVIRONMENT
 from ffgym.agents.residual.policy import ResidualPolicy
@@ -25,15 +25,15 @@ from ffgym.simulation.plant import PlantDistribution
 POINTS = ((1.5, 0.0, 0.6), (1.4, 0.12, 0.6), (1.6, -0.12, 0.6))
 """Centres of circles [m]: between the corners p1 to p4 of the built-in robot's work area."""
 RADIUS = 0.0025
-"""Of the circles [m]."""
+"""Radius of the circles [m]."""
 SPEEDS = (0.015, 0.060)
-"""Of the tool [m/s]."""
+"""Speeds of the tool [m/s]."""
 SEED = 20_251_900
-"""Draws the robots; trainings have seeds that SeedSequence gives, the leaderboard numbers its plants."""
+"""Seed of the drawn robots; trainings have seeds that SeedSequence gives, the leaderboard numbers its plants."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Validation:
+class PolicyValidation:
     """RMS path errors [m] on the circles of one draw of robots, shape (C,)."""
 
     policy: Array
@@ -45,44 +45,46 @@ class Validation:
         return float(np.mean(np.log(self.policy / self.base)))
 
 
-def validate(policy: ResidualPolicy, robot: str = "irb4600_60_205", *, plants: int = 2, seed: int = SEED) -> Validation:
+def validate(
+    policy: ResidualPolicy, robot: str = "irb4600_60_205", *, plants: int = 2, seed: int = SEED
+) -> PolicyValidation:
     """Run a policy and its base on all circles of the validation.
 
     Args:
         policy: trained or not.
-        robot: that the controller knows.
+        robot: nominal robot of the controller.
         plants: robots drawn for each circle.
-        seed: of these robots.
+        seed: seed of these robots.
 
     Raises:
         FFGymError: if the robot has no such places, or stopped on its way.
     """
     check_whole("plants", plants, low=1, high=10_000)
     base = base_errors(policy.base, policy.machine, policy.action_scale, policy.preview, robot, plants, seed)
-    return Validation(policy=_errors(policy, robot, plants, seed), base=base)
+    return PolicyValidation(policy=_errors(policy, robot, plants, seed), base=base)
 
 
 @lru_cache(maxsize=16)
 def base_errors(
     base: str, machine: str | None, action_scale: float, preview: int, robot: str, plants: int, seed: int = SEED
 ) -> Array:
-    """RMS distances of a base [m], with a network above it that adds nothing; found once and kept.
+    """Compute RMS distances of a base [m], with a network above it that adds nothing; computed once and kept.
 
     Raises:
-        FFGymError: see `validate`.
+        FFGymError: as `validate`.
     """
-    silence = Layer(weight=np.zeros((1, per_motor(1))), bias=np.zeros(1))
+    silence = LinearLayer(weight=np.zeros((1, per_motor(1))), bias=np.zeros(1))
     n = load_robot(robot).n_joints
     actor = Actor(n_motors=n, layers=(silence,), activation="relu", output="clip", factored=True)
     own: dict[str, Any] = {"action_scale": action_scale, "preview": preview}
     silent = ResidualPolicy(base=base, machine=machine, actor=actor, memory=1, bound=1.0, **own)
     errors = _errors(silent, robot, plants, seed)
-    errors.setflags(write=False)  # everybody gets this one
+    errors.setflags(write=False)  # every caller gets this array
     return errors
 
 
 def _errors(policy: ResidualPolicy, robot: str, plants: int, seed: int) -> Array:
-    """RMS distance from each circle [m]."""
+    """Run a policy on every circle, and compute the RMS distance from each [m]."""
     count = plants * len(POINTS) * len(SPEEDS)
     env: Any = gym.make_vec(
         ENVIRONMENT,

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from ffgym.agents.catalogue import CATALOGUE, law_named, name_of_law
-from ffgym.agents.declaration import Setting
+from ffgym.agents.catalogue import CATALOGUE, find_law_name, make_law
+from ffgym.agents.declaration import AgentSetting
 from ffgym.agents.trials import RigTrial
 from ffgym.cli.progress import progress_bar
 from ffgym.control import FeedForwardLaw
@@ -24,13 +24,13 @@ def check_laws(names: Sequence[str], option: str) -> list[str]:
         raise FFGymError(f"There is no agent to run. Name some, e.g. {option} none elastic; {', '.join(CATALOGUE)}.")
     if len(set(names)) < len(names):
         raise FFGymError(f"Agents must have different names, got {' '.join(names)}.")
-    own = [name_of_law(name) for name in names]
+    own = [find_law_name(name) for name in names]
     if len(set(own)) < len(own):
         raise FFGymError(f"Laws must have different names; those of {' '.join(names)} are {', '.join(own)}.")
     return own
 
 
-def setting_for(rig: Rig, references: Sequence[Reference], parameters: Path | None, n_threads: int) -> Setting:
+def setting_for(rig: Rig, references: Sequence[Reference], parameters: Path | None, n_threads: int) -> AgentSetting:
     """What families make laws from: a machine on a rig, its motions, and the model that the agents have of it.
 
     Args:
@@ -44,16 +44,16 @@ def setting_for(rig: Rig, references: Sequence[Reference], parameters: Path | No
     if isinstance(rig, SimulatedRig):
         truth = rig.robot if rig.machine is None else rig.machine.truth
     if parameters is None:
-        return Setting(arm=rig.arm, trial=trial, references=references, truth=truth)
+        return AgentSetting(arm=rig.arm, trial=trial, references=references, truth=truth)
     model = RigidArm(with_parameters(rig.robot, parameters))
-    return Setting(arm=model, controller=rig.arm, trial=trial, references=references, truth=truth)
+    return AgentSetting(arm=model, controller=rig.arm, trial=trial, references=references, truth=truth)
 
 
-def make_laws(names: Sequence[str], setting: Setting) -> list[FeedForwardLaw]:
+def make_laws(names: Sequence[str], setting: AgentSetting) -> list[FeedForwardLaw]:
     """Laws by the names that `check_laws` accepts; those that learn are trained here."""
     laws = []
     with progress_bar("making agents", "agents") as progress:
         for i, name in enumerate(names):
             progress(i, len(names))
-            laws.append(law_named(name, setting))
+            laws.append(make_law(name, setting))
     return laws

@@ -16,6 +16,7 @@ from ffgym.cli.outputs import check_outputs, need_extra, print_places, provenanc
 from ffgym.cli.progress import progress_bar
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
 from ffgym.core.files import check_writable
+from ffgym.core.measures import rms
 from ffgym.core.registration import ENVIRONMENTS
 from ffgym.core.types import Array
 from ffgym.envs import Residual
@@ -141,8 +142,8 @@ def _film(
         "return": float(np.sum(rewards)),
         "length": len(rewards),
         "terminated": bool(terminated),
-        "rms_path_error_mm": 1e3 * float(np.sqrt(np.mean(np.square(path)))) if path else None,
-        "rms_motor_error_rad": np.sqrt(np.mean(np.square(motor), axis=0)).tolist(),
+        "rms_path_error_mm": 1e3 * rms(np.array(path)) if path else None,
+        "rms_motor_error_rad": rms(np.array(motor), axis=0).tolist(),
     }
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import asdict, fields
 
-from ffgym.agents.submission import LOADERS, submitted
+from ffgym.agents.submission import LOADERS, resolve_agent
 from ffgym.cli.learning_options import Submit, Verify
 from ffgym.cli.outputs import check_outputs, print_places, provenance, write_numbers
 from ffgym.cli.progress import progress_bar
@@ -19,7 +19,7 @@ def submit(config: Submit) -> None:
     """Check, run, pack, print."""
     inputs = (config.agent, config.agent.partition(":")[2])
     check_outputs({"--out": config.out, "--json": config.json}, inputs=inputs, suffix=".zip")
-    source, content = submitted(config.agent)
+    source, content = resolve_agent(config.agent)
     said = {field.name: getattr(config, field.name) for field in fields(About)}
     about = About(**said | {"title": config.title or config.name})
     judge = Judge(loaders=LOADERS, n_threads=config.threads, stage=progress_bar)

@@ -62,7 +62,7 @@ def bspline(config: BSpline) -> None:
     trial = RigTrial(rig=rig, seed=config.seed, record_dt=record_dt, n_threads=config.threads)
     first = NETWORKS[config.network].zero(robot.n_joints, SplineBasis(order=config.order), name=config.out.stem)
     if config.prior:
-        first = first.filled(CoulombPrior.estimated(motions, trial).torque_at)
+        first = first.with_curve(CoulombPrior.from_trial(motions, trial).torque_at)
     rate, iterations = _rate_and_iterations(config, robot)
     procedure = LFFC(rate=rate, iterations=iterations, signal=config.signal)
     study = LearningStability.of(first, rig.arm, motions, signal=config.signal, record_dt=record_dt)

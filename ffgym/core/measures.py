@@ -15,3 +15,8 @@ def rms(values: Array, axis: int | tuple[int, ...] | None = None) -> float | Arr
     """Root mean square of `values`, of all or along some axes."""
     size = np.sqrt(np.mean(values**2, axis=axis))
     return float(size) if axis is None else np.asarray(size)
+
+
+def rms_length(vectors: Array) -> float:
+    """Root mean square of the lengths of vectors (T, m)."""
+    return float(np.sqrt((vectors**2).sum(axis=1).mean()))

@@ -12,8 +12,8 @@ import numpy as np
 from mujoco import batch
 
 from ffgym.agents import LawAgent
-from ffgym.agents.catalogue import CATALOGUE, law_named
-from ffgym.agents.declaration import Setting
+from ffgym.agents.catalogue import CATALOGUE, make_law
+from ffgym.agents.declaration import AgentSetting
 from ffgym.control import CausalLaw
 from ffgym.core.errors import FFGymError
 from ffgym.core.provenance import installed
@@ -196,12 +196,12 @@ DECISIONS = 100
 def decision_ratios(sizes: Sequence[int], repeats: int) -> Iterator[Ratio]:
     """Decisions per second of every agent that one axis has a use for, against steps per second of the environment."""
     robot = load_robot("one_axis")
-    setting = Setting.of(robot, references=[sine_references(robot)[FREQUENCY]])
+    setting = AgentSetting.of(robot, references=[sine_references(robot)[FREQUENCY]])
     for name, entry in CATALOGUE.items():
         if name == "none" or entry.needs_arm:
             continue
         try:
-            law = law_named(name, setting)
+            law = make_law(name, setting)
         except FFGymError as error:  # a library that this installation lacks
             print(f"{name}: left out: {error}")
             continue

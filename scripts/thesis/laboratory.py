@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from ffgym.agents.bspline import ExtendedBSN, StaticBSN
-from ffgym.agents.catalogue import CATALOGUE, entry_of, law_named
-from ffgym.agents.declaration import Entry, Setting
+from ffgym.agents.catalogue import CATALOGUE, find_entry, make_law
+from ffgym.agents.declaration import AgentEntry, AgentSetting
 from ffgym.agents.lffc import Learning, thesis_training
 from ffgym.agents.trials import CountedTrial, thesis_motions, training_motions
 from ffgym.control import DynamicLuGreExact, FeedForwardLaw, NoCompensation
@@ -48,17 +48,17 @@ def silent(title: str, unit: str) -> AbstractContextManager[Progress]:
 class Contender:
     """A member of the agents' catalogue, ready to run, with what it needed to try."""
 
-    entry: Entry
+    entry: AgentEntry
     law: FeedForwardLaw
     trials: int
     robot_seconds: float
 
 
-def contender(name: str, setting: Setting) -> Contender:
+def contender(name: str, setting: AgentSetting) -> Contender:
     """Make a member of the catalogue; learning members run their trials here."""
     counted = CountedTrial(setting.trial)
-    entry = entry_of(name)
-    law = law_named(name, replace(setting, trial=counted))
+    entry = find_entry(name)
+    law = make_law(name, replace(setting, trial=counted))
     return Contender(entry=entry, law=law, trials=counted.trials, robot_seconds=counted.robot_seconds)
 
 
@@ -99,14 +99,14 @@ class Laboratory:
         return self._circles("circles with LuGre", self.robot)
 
     @cached_property
-    def setting(self) -> Setting:
+    def setting(self) -> AgentSetting:
         """The robot as those who learn know it."""
-        return Setting.of(self.robot, n_threads=self.n_threads)
+        return AgentSetting.of(self.robot, n_threads=self.n_threads)
 
     @cached_property
     def axis_learning(self) -> dict[str, Learning]:
         """Both B-spline networks, by name, after learning on the sine of 1 Hz (thesis 5.3.1)."""
-        setting = Setting.of(self.axis, n_threads=self.n_threads)
+        setting = AgentSetting.of(self.axis, n_threads=self.n_threads)
         return self._learning(setting, thesis_motions(setting.arm), "sine of 1 Hz")
 
     @cached_property
@@ -193,7 +193,7 @@ class Laboratory:
         """The 36 circles with all of them."""
         return self._circles("circles with all agents", self.robot, [each.law for each in self.contenders])
 
-    def _learning(self, setting: Setting, references: Sequence[Reference], where: str) -> dict[str, Learning]:
+    def _learning(self, setting: AgentSetting, references: Sequence[Reference], where: str) -> dict[str, Learning]:
         n = setting.robot.n_joints
         found = {}
         for kind in (StaticBSN, ExtendedBSN):

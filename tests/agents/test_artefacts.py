@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from ffgym.agents.artefacts import TRAINED, add_artefacts, manifest_of, path_of
+from ffgym.agents.artefacts import TRAINED, add_artefacts, locate_artefact, read_manifest
 from ffgym.agents.entrants import ENTRANTS
 from ffgym.core.errors import FFGymError
 from ffgym.leaderboard.plants import NOMINAL, plant_named
@@ -16,22 +16,22 @@ NAMES = sorted(path.parent.name for path in TRAINED.glob("*/manifest.json"))
 def copied(tmp_path):
     """Artefacts of one agent in a folder that may be damaged."""
     shutil.copytree(TRAINED / "bsn_static", tmp_path / "bsn_static")
-    manifest_of.cache_clear()
+    read_manifest.cache_clear()
     yield tmp_path
-    manifest_of.cache_clear()
+    read_manifest.cache_clear()
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_every_file_is_what_its_manifest_says_and_no_other_file_lies_beside(name):
-    manifest = manifest_of(name)
-    files = {path_of(name, artefact).relative_to(TRAINED / name).as_posix() for artefact in manifest.artefacts}
+    manifest = read_manifest(name)
+    files = {locate_artefact(name, artefact).relative_to(TRAINED / name).as_posix() for artefact in manifest.artefacts}
     there = {path.relative_to(TRAINED / name).as_posix() for path in (TRAINED / name).rglob("*") if path.is_file()}
     assert there == files | {"manifest.json"}
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_it_was_trained_on_the_physics_of_today_with_five_seeds_for_each_plant(name):
-    manifest = manifest_of(name)
+    manifest = read_manifest(name)
     assert name in ENTRANTS
     for plant in {artefact.plant for artefact in manifest.artefacts}:
         own = [artefact for artefact in manifest.artefacts if artefact.plant == plant]
@@ -42,45 +42,45 @@ def test_it_was_trained_on_the_physics_of_today_with_five_seeds_for_each_plant(n
 
 
 def test_a_changed_file_is_refused(copied):
-    artefact = manifest_of("bsn_static", copied).artefacts[0]
+    artefact = read_manifest("bsn_static", copied).artefacts[0]
     place = copied / "bsn_static" / artefact.file
     place.write_bytes(place.read_bytes()[:-1] + b"?")
     with pytest.raises(FFGymError, match="its manifest says"):
-        path_of("bsn_static", artefact, copied)
+        locate_artefact("bsn_static", artefact, copied)
 
 
 def test_a_missing_file_is_told(copied):
-    artefact = manifest_of("bsn_static", copied).artefacts[0]
+    artefact = read_manifest("bsn_static", copied).artefacts[0]
     (copied / "bsn_static" / artefact.file).unlink()
     with pytest.raises(FFGymError, match="cannot be read"):
-        path_of("bsn_static", artefact, copied)
+        locate_artefact("bsn_static", artefact, copied)
 
 
 @pytest.mark.parametrize("damage", ["{", "[]", '{"artefacts": []}', '{"artefacts": [{}], "learning_curve": []}'])
 def test_a_damaged_manifest_is_told(copied, damage):
     (copied / "bsn_static" / "manifest.json").write_text(damage)
     with pytest.raises(FFGymError, match="is no manifest of trained agents"):
-        manifest_of("bsn_static", copied)
+        read_manifest("bsn_static", copied)
 
 
 def test_a_manifest_with_an_unknown_entry_is_told(copied):
     place = copied / "bsn_static" / "manifest.json"
     place.write_text(json.dumps(json.loads(place.read_text()) | {"more": 1}))
     with pytest.raises(FFGymError, match="more"):
-        manifest_of("bsn_static", copied)
+        read_manifest("bsn_static", copied)
 
 
 def test_new_artefacts_take_the_place_of_old_ones(copied):
-    old = manifest_of("bsn_static").artefacts
+    old = read_manifest("bsn_static").artefacts
     new = [replace(each, env_steps=1) for each in old[:2]]
     add_artefacts("bsn_static", "again", new, copied)
-    found = manifest_of("bsn_static", copied)
+    found = read_manifest("bsn_static", copied)
     assert found.command == "again"
     assert found.artefacts == tuple(sorted([*new, *old[2:]], key=lambda each: (each.plant, each.seed)))
 
 
 def test_what_was_never_trained_has_no_manifest():
-    assert manifest_of("nothing") is None
+    assert read_manifest("nothing") is None
 
 
 def test_on_drawn_robots_an_agent_is_what_it_learned_on_the_nominal_one():

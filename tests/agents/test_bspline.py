@@ -82,7 +82,7 @@ def test_the_update_is_the_gradient_of_the_quadratic_cost_over_the_sum_of_each_s
         nudge[place] = eps
         gradient[place] = (np.sum(missing(weights + nudge) ** 2) - np.sum(missing(weights - nudge) ** 2)) / (4 * eps)
     seen = network.design_matrix(sine.motor_dq[:, 0], sine.motor_ddq[:, 0]).sum(axis=0).reshape(weights.shape)
-    step = network.adapted([lesson(sine, missing(weights))], 0.7).coefficients - weights
+    step = network.adapt([lesson(sine, missing(weights))], 0.7).coefficients - weights
     np.testing.assert_allclose(step * seen, -0.7 * gradient, rtol=0, atol=1e-6)
     assert np.abs(gradient).max() > 1
 
@@ -94,10 +94,8 @@ def test_several_lessons_count_as_one_long_one(kind, sine, random_network):
     half = len(signal) // 2
     first = lesson(sine, signal[:half])
     second = lesson(sine, signal[half:], motor_dq=sine.motor_dq[half:], motor_ddq=sine.motor_ddq[half:])
-    whole = network.adapted([lesson(sine, signal)], 0.5)
-    np.testing.assert_allclose(
-        network.adapted([first, second], 0.5).coefficients, whole.coefficients, rtol=0, atol=1e-12
-    )
+    whole = network.adapt([lesson(sine, signal)], 0.5)
+    np.testing.assert_allclose(network.adapt([first, second], 0.5).coefficients, whole.coefficients, rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize("kind", NETWORKS)
@@ -105,7 +103,7 @@ def test_speeds_that_were_not_seen_and_standstill_keep_their_weights(kind, sine,
     network = random_network(kind)
     speeds = np.linspace(2, 4, 201)[:, None]
     moving = speeds[:, 0] > 3
-    update = network.adapted(
+    update = network.adapt(
         [lesson(sine, np.ones_like(speeds), motor_dq=speeds, motor_ddq=np.ones_like(speeds), moving=moving)], 0.9
     )
     changed = np.argwhere(update.coefficients != network.coefficients)
@@ -117,7 +115,7 @@ def test_speeds_that_were_not_seen_and_standstill_keep_their_weights(kind, sine,
 
 @pytest.mark.parametrize("order", [1, 2, 3])
 def test_a_network_can_start_from_a_curve(order):
-    network = ExtendedBSN.zero(2, SplineBasis(order=order)).filled(lambda v: np.array([1.0, -2.0]) * np.tanh(v))
+    network = ExtendedBSN.zero(2, SplineBasis(order=order)).with_curve(lambda v: np.array([1.0, -2.0]) * np.tanh(v))
     speeds = np.repeat(np.linspace(-0.9, 0.9, 361)[:, None], 2, axis=1)
     for acceleration in (1.0, -1.0):
         torque = network.torque_at(speeds, np.full_like(speeds, acceleration))
@@ -139,7 +137,7 @@ def test_any_knots_order_and_name_survive_a_file(kind, tmp_path, sine):
 
 def test_merging_takes_the_chosen_joints_from_the_other():
     mine, theirs = StaticBSN.zero(3), StaticBSN(coefficients=np.ones((3, 1, 79)))
-    merged = mine.merged(theirs, np.array([True, False, True]))
+    merged = mine.merge(theirs, np.array([True, False, True]))
     np.testing.assert_array_equal(merged.coefficients[:, 0, 0], [1, 0, 1])
 
 

@@ -76,11 +76,11 @@ def study(request, arm) -> CircleStudy:
     motions = circle_references(arm, ["p1"], [SLOW, FAST], radii)
     slow, both = [motions["p1", SLOW]], list(motions.values())
     trial, training = SimulatedTrial(arm=arm), thesis_training(6)
-    prior = CoulombPrior.estimated(slow, trial)
+    prior = CoulombPrior.from_trial(slow, trial)
     lessons = {
         "both speeds": (ExtendedBSN.zero(6, name="both speeds"), both),
-        "prior": (ExtendedBSN.zero(6, name="prior").filled(prior.torque_at), slow),
-        "both remedies": (ExtendedBSN.zero(6, name="both remedies").filled(prior.torque_at), both),
+        "prior": (ExtendedBSN.zero(6, name="prior").with_curve(prior.torque_at), slow),
+        "both remedies": (ExtendedBSN.zero(6, name="both remedies").with_curve(prior.torque_at), both),
     }
     learned = [
         training.learn(network, references, trial).best

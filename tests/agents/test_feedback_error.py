@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ffgym.agents.declaration import Setting
+from ffgym.agents.declaration import AgentSetting
 from ffgym.agents.feedback_error import MLP
 from ffgym.agents.lffc import LFFC
 from ffgym.agents.trials import Lesson
@@ -57,7 +57,7 @@ def sine(one_axis):
 def test_an_update_moves_the_torque_by_the_rate_times_the_signal(one_axis, sine):
     network = MLP.untrained(one_axis, np.random.default_rng(0))
     signal = StaticLuGre(one_axis.friction, steepness=1.0).at_speed(sine.motor_dq)
-    after = network.adapted([lesson(sine, signal)], rate=0.5)
+    after = network.adapt([lesson(sine, signal)], rate=0.5)
     left = after.torque_at(sine.motor_dq, sine.motor_ddq) - 0.5 * signal
     assert np.sqrt(np.mean(left**2)) < 0.05 * np.sqrt(np.mean(signal**2))
     assert not network.output.any()  # the first network is as it was
@@ -66,7 +66,7 @@ def test_an_update_moves_the_torque_by_the_rate_times_the_signal(one_axis, sine)
 def test_a_motor_learns_the_same_whatever_the_others_do(fresh, arm):
     rng = np.random.default_rng(2)
     dq, ddq, wanted = rng.normal(size=(3, 100, 6))
-    one, other = (fresh.fitted_to(dq, ddq, wanted * scale) for scale in (np.ones(6), np.array([1, 1, 5, 1, 1, 1])))
+    one, other = (fresh.fit_to(dq, ddq, wanted * scale) for scale in (np.ones(6), np.array([1, 1, 5, 1, 1, 1])))
     unchanged = np.arange(6) != 2
     np.testing.assert_allclose(one.hidden[unchanged], other.hidden[unchanged], rtol=0, atol=1e-10)
     assert np.abs(one.output[2] - other.output[2]).max() > 1e-3
@@ -77,7 +77,7 @@ def test_one_sample_in_order_is_a_step_down_its_own_gradient(trained):
     rng = np.random.default_rng(3)
     dq, ddq, wanted = rng.normal(size=(3, 1, 6))
     rate, h = 1e-3, 1e-6
-    after = trained.adapted_in_order(dq, ddq, wanted, rate)
+    after = trained.adapt_in_order(dq, ddq, wanted, rate)
 
     def cost(network):
         error = (network.torque_at(dq, ddq) - wanted) / network.scales[2]
@@ -96,7 +96,7 @@ def test_one_sample_in_order_is_a_step_down_its_own_gradient(trained):
 
 
 def test_trials_bring_the_motor_error_down(one_axis, sine):
-    setting = Setting.of(one_axis)
+    setting = AgentSetting.of(one_axis)
     network = MLP.untrained(one_axis, np.random.default_rng(0))
     learning = LFFC(rate=0.8, iterations=4).learn(network, [sine], setting.trial)
     rms = np.sqrt(learning.error[:, 0, 0])
@@ -125,8 +125,8 @@ def test_a_perceptron_forgets_offline_too_if_a_trial_shows_high_speeds_only(one_
     speed, high = np.linspace(-10, 10, 400)[:, None], np.linspace(5, 10, 100)[:, None]
     network = MLP.untrained(one_axis, np.random.default_rng(0))
     for _ in range(5):
-        network = network.fitted_to(speed, np.zeros_like(speed), friction(speed))
-    after = network.fitted_to(high, np.zeros_like(high), 1.2 * friction(high))
+        network = network.fit_to(speed, np.zeros_like(speed), friction(speed))
+    after = network.fit_to(high, np.zeros_like(high), 1.2 * friction(high))
     slow = speed[:, 0] < 4
     moved = (after.torque_at(speed, np.zeros_like(speed)) - network.torque_at(speed, np.zeros_like(speed)))[slow]
     assert np.sqrt(np.mean(moved**2) / np.mean(friction(speed)[slow] ** 2)) > 0.05
@@ -144,7 +144,7 @@ def test_running_needs_no_torch():
         "from ffgym.robot import load_robot\n"
         "n = MLP.untrained(load_robot('one_axis'), np.random.default_rng(0))\n"
         "n.torque_at(np.ones(1), np.ones(1))\n"
-        "try: n.fitted_to(*np.ones((3, 2, 1)))\n"
+        "try: n.fit_to(*np.ones((3, 2, 1)))\n"
         "except Exception as error: print(error)\n"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
@@ -157,7 +157,7 @@ def test_the_number_of_torch_threads_is_left_as_it_was(one_axis):
     before = torch.get_num_threads()
     try:
         torch.set_num_threads(2)
-        MLP.untrained(one_axis, np.random.default_rng(0)).fitted_to(*np.ones((3, 2, 1)))
+        MLP.untrained(one_axis, np.random.default_rng(0)).fit_to(*np.ones((3, 2, 1)))
         assert torch.get_num_threads() == 2
     finally:
         torch.set_num_threads(before)

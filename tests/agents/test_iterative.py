@@ -5,13 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ffgym.agents.catalogue import CATALOGUE, law_named
-from ffgym.agents.declaration import Setting
+from ffgym.agents.catalogue import CATALOGUE, make_law
+from ffgym.agents.declaration import AgentSetting
 from ffgym.agents.iterative import TRIALS, IterativeLearning
-from ffgym.agents.torque_response import rms, task_error
+from ffgym.agents.torque_response import task_error
 from ffgym.agents.trials import SimulatedTrial
 from ffgym.control import DynamicLuGreExact, StaticLuGre
 from ffgym.core.errors import FFGymError
+from ffgym.core.measures import rms_length
 from ffgym.recordings.metrics import motor_error, path_errors
 from ffgym.robot import RigidArm
 from ffgym.simulation import Resolver, Run, sensors_of, simulate
@@ -62,9 +63,9 @@ def test_every_circle_improves_in_every_trial(tool, motors):
 
 @pytest.mark.slow
 def test_each_member_is_the_best_at_what_it_learns_from(irb4600, references):
-    setting = Setting.of(irb4600, references)
+    setting = AgentSetting.of(irb4600, references)
     others = ["none", *(name for name, entry in CATALOGUE.items() if "nominal" in entry.track)]
-    laws = [law_named(name, setting) for name in (*others, "ilc_motor", "ilc_tcp")]
+    laws = [make_law(name, setting) for name in (*others, "ilc_motor", "ilc_tcp")]
     study = circle_study(irb4600, laws=laws, positions=POSITIONS, speeds=SPEEDS, radii=RADII)
     for name in others:
         assert (path_rms(study, "ilc_tcp") < path_rms(study, name)).all(), name
@@ -90,7 +91,7 @@ def test_the_history_is_what_the_trials_measured(arm, references, tool):
     seconds = sum(reference.duration for reference in references)
     np.testing.assert_allclose(history.robot_seconds, seconds * np.arange(1, TRIALS + 1))
     recordings = simulate([Run(reference=reference, law=tool.law) for reference in references], arm=arm)
-    kept = [rms(task_error(recording, r, "tcp")) for r, recording in zip(references, recordings, strict=True)]
+    kept = [rms_length(task_error(recording, r, "tcp")) for r, recording in zip(references, recordings, strict=True)]
     np.testing.assert_array_equal(kept, history.motion_error.min(axis=0))
 
 
@@ -154,7 +155,9 @@ def test_the_first_trial_has_the_torque_of_the_base(arm, one):
     base = DynamicLuGreExact(arm.robot.friction)
     learned = IterativeLearning(arm=arm, target="motor", base=base).learn(one, SimulatedTrial(arm=arm), trials=1)
     (recording,) = simulate([Run(reference=one[0], law=base)], arm=arm)
-    np.testing.assert_array_equal(learned.history.motion_error, [[rms(motor_error_at_samples(recording, one[0]))]])
+    np.testing.assert_array_equal(
+        learned.history.motion_error, [[rms_length(motor_error_at_samples(recording, one[0]))]]
+    )
 
 
 def test_no_torque_is_added_before_the_first_sample(one_axis):
@@ -241,9 +244,9 @@ def test_all_36_circles_of_the_thesis_improve_in_every_trial(irb4600, arm):
 
 @pytest.mark.slow
 def test_on_all_36_circles_each_member_is_better_than_every_causal_agent(irb4600, arm):
-    setting = Setting.of(irb4600, list(circle_references(arm).values()))
+    setting = AgentSetting.of(irb4600, list(circle_references(arm).values()))
     others = [name for name, entry in CATALOGUE.items() if entry.track.startswith("causal")]
-    study = circle_study(irb4600, laws=[law_named(name, setting) for name in (*others, "ilc_motor", "ilc_tcp")])
+    study = circle_study(irb4600, laws=[make_law(name, setting) for name in (*others, "ilc_motor", "ilc_tcp")])
     for name in others:
         assert (path_rms(study, "ilc_tcp") < path_rms(study, name)).all(), name
         assert (motor_rms(study, "ilc_motor") < motor_rms(study, name)).all(), name

@@ -79,7 +79,7 @@ def test_a_trial_runs_the_network_that_the_last_one_taught(trial, sines):
     for k in (0, 1):
         tried, following = watched.calls[k][1][0], watched.calls[k + 1][1][0]
         lessons = [Lesson.of(r, rec, "u_c") for r, rec in zip(sines, watched.recordings[k], strict=True)]
-        np.testing.assert_array_equal(following.coefficients, tried.adapted(lessons, 0.6).coefficients)
+        np.testing.assert_array_equal(following.coefficients, tried.adapt(lessons, 0.6).coefficients)
 
 
 @pytest.mark.parametrize("kind", ["u_p", "u_c", "e_p"])
@@ -232,7 +232,7 @@ def state(trial, sines, tmp_path):
         ({"procedure": LFFC(rate=0.7, iterations=1)}, r"rate was 0.8, now 0.7\."),
         ({"procedure": LFFC(rate=0.8, iterations=1, signal="e_p")}, r"signal was 'u_p', now 'e_p'\."),
         ({"network": ExtendedBSN.zero(1)}, "network.kind was 'bsn_static'"),
-        ({"network": StaticBSN.zero(1).filled(np.tanh)}, "first weights was '"),
+        ({"network": StaticBSN.zero(1).with_curve(np.tanh)}, "first weights was '"),
         ({"motions": slice(1, 2)}, r"motions was \['sine 1 Hz'\], now \['sine 2 Hz'\]"),
         ({"machine": "another"}, r"machine was 'mine', now 'another'\."),
     ],

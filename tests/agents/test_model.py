@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from ffgym.agents.catalogue import law_named, name_of_law
-from ffgym.agents.declaration import Setting
+from ffgym.agents.catalogue import find_law_name, make_law
+from ffgym.agents.declaration import AgentSetting
 from ffgym.agents.elastic import ElasticLaw, elastic_law
 from ffgym.agents.model import ModelLaw, left_alone, model_law
 from ffgym.core.errors import FFGymError
@@ -163,16 +163,16 @@ def file(arm, tmp_path):
 
 
 def test_a_machine_file_is_an_agent(file, arm, circle):
-    setting = Setting.of(arm.robot)
-    law = law_named(f"model:{file}", setting)
-    assert law.name == name_of_law(f"model:{file}") == "model:cell"
+    setting = AgentSetting.of(arm.robot)
+    law = make_law(f"model:{file}", setting)
+    assert law.name == find_law_name(f"model:{file}") == "model:cell"
     np.testing.assert_array_equal(law.torque(circle), model_law(machine_with(arm.robot, "cogging"), arm).torque(circle))
 
 
 def test_other_agents_take_no_file_and_other_robots_are_refused(file, arm, one_axis):
     with pytest.raises(FFGymError, match=r"'elastic' takes no file.*model:FILE does"):
-        name_of_law(f"elastic:{file}")
+        find_law_name(f"elastic:{file}")
     with pytest.raises(FFGymError, match=r"nowhere\.toml"):
-        name_of_law("model:nowhere.toml")
+        find_law_name("model:nowhere.toml")
     with pytest.raises(FFGymError, match="differ in joints"):
-        law_named(f"model:{file}", Setting.of(one_axis))
+        make_law(f"model:{file}", AgentSetting.of(one_axis))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ffgym.agents.declaration import Setting
+from ffgym.agents.declaration import AgentSetting
 from ffgym.agents.law_files import load_law, save_law
 from ffgym.agents.narx import NARX, learn_narx, samples_of
 from ffgym.agents.supervised import MotorRecord
@@ -74,7 +74,7 @@ def test_a_law_is_refused_at_another_time_step_than_it_was_fitted_at():
 
 def test_prediction_looks_better_than_simulation(one_axis):
     """Thesis 6.2.3, and the reason why a fit is judged by its simulation here."""
-    setting, reference = Setting.of(one_axis), sine_references(one_axis)[1.0]
+    setting, reference = AgentSetting.of(one_axis), sine_references(one_axis)[1.0]
     learned = learn_narx(setting.trial, [reference], np.random.default_rng(0), n_trials=1)
     (recording,) = setting.trial([Run(reference=reference)], 0)
     errors = Errors.of(learned.law.model, samples_of(MotorRecord.of(reference, recording)))
@@ -83,7 +83,7 @@ def test_prediction_looks_better_than_simulation(one_axis):
 
 
 def test_slip_elements_bring_the_simulation_near_to_the_prediction(one_axis):
-    setting, reference = Setting.of(one_axis), sine_references(one_axis)[1.0]
+    setting, reference = AgentSetting.of(one_axis), sine_references(one_axis)[1.0]
     structure = Structure(regressors=Regressors(slip_widths=(0.004, 0.008, 0.016), output_lags=()))
     learned = learn_narx(setting.trial, [reference], np.random.default_rng(0), structure, n_trials=1)
     (recording,) = setting.trial([Run(reference=reference)], 0)

@@ -8,7 +8,7 @@ import pytest
 
 from ffgym.agents import LawAgent
 from ffgym.agents.catalogue import CATALOGUE
-from ffgym.agents.declaration import Setting
+from ffgym.agents.declaration import AgentSetting
 from ffgym.agents.elastic import elastic_feedforward
 from ffgym.agents.oracle import OracleAgent, oracle_law
 from ffgym.control import Window
@@ -39,15 +39,15 @@ def run(env, agent, recorder):
 
 
 def test_on_a_nominal_machine_it_is_the_elastic_law(irb4600, reference):
-    oracle = CATALOGUE["oracle"].make(Setting.of(irb4600))
-    elastic = CATALOGUE["elastic"].make(Setting.of(irb4600))
+    oracle = CATALOGUE["oracle"].make(AgentSetting.of(irb4600))
+    elastic = CATALOGUE["elastic"].make(AgentSetting.of(irb4600))
     np.testing.assert_array_equal(oracle.torque(reference), elastic.torque(reference))
     assert (oracle.name, elastic.name) == ("oracle", "elastic")
 
 
 def test_it_alone_is_made_with_the_true_machine(irb4600, arm, reference):
     loaded = with_payload(irb4600, 5.0)
-    setting = replace(Setting.of(irb4600), truth=loaded)
+    setting = replace(AgentSetting.of(irb4600), truth=loaded)
     elastic, oracle = (CATALOGUE[name].make(setting).torque(reference) for name in ("elastic", "oracle"))
     np.testing.assert_array_equal(oracle, oracle_law(loaded, arm).torque(reference))
     np.testing.assert_array_equal(elastic, elastic_feedforward(irb4600).torque(reference))
@@ -57,7 +57,7 @@ def test_it_alone_is_made_with_the_true_machine(irb4600, arm, reference):
 
 def test_a_model_from_a_file_keeps_the_controller_of_the_machine(irb4600, arm, reference):
     loaded = RigidArm(with_payload(irb4600, 5.0))
-    setting = replace(Setting.of(irb4600), arm=loaded, controller=arm, truth=irb4600)
+    setting = replace(AgentSetting.of(irb4600), arm=loaded, controller=arm, truth=irb4600)
     law = CATALOGUE["elastic"].make(setting)
     np.testing.assert_array_equal(law.torque(reference), oracle_law(loaded.robot, arm).torque(reference))
     oracle = CATALOGUE["oracle"].make(setting)

@@ -15,13 +15,13 @@ MODULE, ENTRY = (re.findall(rf"^```{kind}\n(.*?)^```", SECTION, flags=re.M | re.
 PREDICT = """
 import gymnasium as gym
 import ffgym
-from ffgym.agents import CATALOGUE, LawAgent, Setting, law_named, save_law
+from ffgym.agents import CATALOGUE, LawAgent, AgentSetting, make_law, save_law
 from ffgym.report import law_styles
 from ffgym.robot import load_robot
 
 assert list(CATALOGUE)[-2:] == ["coulomb_only", "oracle"], list(CATALOGUE)
 assert law_styles(["coulomb_only"])["coulomb_only"].label == "Coulomb friction"
-law = law_named("coulomb_only", Setting.of(load_robot("one_axis")))
+law = make_law("coulomb_only", AgentSetting.of(load_robot("one_axis")))
 env = gym.make("ffgym/OneAxis-v0", frequencies=[1.0])
 observation, _ = env.reset(seed=0)
 action, state = LawAgent.for_env(law, env).predict(observation)

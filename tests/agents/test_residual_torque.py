@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ffgym.agents.declaration import Setting
-from ffgym.agents.residual_torque import ResidualTorque, fitted, learn_residual_torque
+from ffgym.agents.declaration import AgentSetting
+from ffgym.agents.residual_torque import ResidualTorque, fit_residual_torque, learn_residual_torque
 from ffgym.agents.supervised import MotorRecord
 from ffgym.control import DynamicLuGreExact, NoCompensation, Window
 from ffgym.core.errors import FFGymError
@@ -54,7 +54,7 @@ def lugre(irb4600, friction):
 
 @pytest.fixture(scope="module")
 def model(lugre, motor_dq):
-    return fitted([known(motor_dq, lugre.along(motor_dq, DT))])
+    return fit_residual_torque([known(motor_dq, lugre.along(motor_dq, DT))])
 
 
 def along(law, motor_dq):
@@ -88,14 +88,14 @@ def test_a_noisy_motion_does_not_drown_a_quiet_one(lugre, motor_dq):
     true = lugre.along(motor_dq, DT)
     rng = np.random.default_rng(0)
     loud = known(motor_dq, true + 2 * rng.normal(size=true.shape), noise=2.0)
-    model = fitted([known(motor_dq, true), loud])
+    model = fit_residual_torque([known(motor_dq, true), loud])
     assert np.sqrt(np.mean((along(model, motor_dq) - true) ** 2)) < 0.05 * np.sqrt(np.mean(true**2))
 
 
 def test_a_motor_that_stood_still_gets_no_torque(lugre, motor_dq):
     true = lugre.along(motor_dq, DT)
     still = np.where([True, False], motor_dq, 0.0)
-    model = fitted([known(still, np.where([True, False], true, 0.0))])
+    model = fit_residual_torque([known(still, np.where([True, False], true, 0.0))])
     np.testing.assert_allclose(along(model, still)[:, 1], 0, atol=1e-9)
 
 
@@ -129,7 +129,7 @@ def test_parts_that_do_not_fit_are_refused(model):
 
 @pytest.fixture(scope="module")
 def setting(irb4600):
-    return Setting.of(irb4600)
+    return AgentSetting.of(irb4600)
 
 
 def test_one_trial_on_small_circles_takes_most_of_the_motor_error_away_and_elsewhere_too(setting, irb4600):

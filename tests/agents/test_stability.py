@@ -84,7 +84,7 @@ def test_what_a_map_averages_is_the_update_of_the_network_over_all_motions(axis,
     references = list(sines.values())
     recordings = SimulatedTrial(arm=axis, n_threads=1)([Run(reference=reference) for reference in references], 0)
     lessons = [Lesson.of(*pair) for pair in zip(references, recordings, strict=True)]
-    update = ExtendedBSN.zero(1).adapted(lessons, rate=1.0).coefficients.ravel()
+    update = ExtendedBSN.zero(1).adapt(lessons, rate=1.0).coefficients.ravel()
     (each,) = LearningStability.of(ExtendedBSN.zero(1), axis, references).maps
     signal = np.concatenate([lesson.signal[lesson.moving, 0] for lesson in lessons])
     np.testing.assert_allclose(each.average @ signal, update[update != 0], rtol=1e-9)
@@ -94,7 +94,7 @@ def test_on_the_robot_too_rows_are_those_of_lessons(arm, circles):
     reference = circles[0.1]
     (recording,) = SimulatedTrial(arm=arm, record_dt=0.002, n_threads=1)([Run(reference=reference)], 0)
     lesson = Lesson.of(reference, recording)
-    update = StaticBSN.zero(6).adapted([lesson], rate=1.0).coefficients[:, 0]
+    update = StaticBSN.zero(6).adapt([lesson], rate=1.0).coefficients[:, 0]
     for joint, each in enumerate(LearningStability.of(StaticBSN.zero(6), arm, [reference], record_dt=0.002).maps):
         expected = update[joint][update[joint] != 0]
         np.testing.assert_allclose(each.average @ lesson.signal[lesson.moving, joint], expected, rtol=1e-9)
@@ -164,7 +164,7 @@ def test_without_friction_a_damped_servo_guarantees_a_rate_on_any_motion(one_axi
 def test_weights_that_compensate_friction_leave_little_to_learn(axis, sines):
     friction = axis.robot.friction
     bare = StaticBSN.zero(1)
-    knowing = bare.filled(lambda dq: friction.stribeck_level(dq) * np.tanh(5 * dq) + friction.viscous * dq)
+    knowing = bare.with_curve(lambda dq: friction.stribeck_level(dq) * np.tanh(5 * dq) + friction.viscous * dq)
     first = [LearningStability.of(each, axis, [sines[1.0]]).mean_squares(0.8, 0)[0, 0] for each in (bare, knowing)]
     assert first[1] < 0.1 * first[0]
 

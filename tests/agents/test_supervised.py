@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import pytest
 
-from ffgym.agents.declaration import Setting
+from ffgym.agents.declaration import AgentSetting
 from ffgym.agents.supervised import MotorRecord, learn
 from ffgym.control import CausalLaw
 from ffgym.core.errors import FFGymError
@@ -30,7 +30,7 @@ class Constant(CausalLaw):
 
 @pytest.fixture(scope="module")
 def setting(one_axis):
-    return Setting.of(one_axis)
+    return AgentSetting.of(one_axis)
 
 
 def test_a_record_shows_the_friction_of_the_motor_though_nobody_told(setting, one_axis):
@@ -46,7 +46,7 @@ def test_a_record_shows_the_friction_of_the_motor_though_nobody_told(setting, on
 
 def test_gravity_that_the_integral_carries_at_rest_is_no_friction(arm):
     reference = circle_references(arm, ["p1"], [0.01], [0.003])["p1", 0.01]
-    (recording,) = Setting.of(arm.robot).trial([Run(reference=reference)], 0)
+    (recording,) = AgentSetting.of(arm.robot).trial([Run(reference=reference)], 0)
     record = MotorRecord.of(reference, recording)
     carried = recording.joint_array("feedback.integral")[0]
     true = recording.joint_array("friction.effort")[::4]

@@ -8,7 +8,7 @@ import pytest
 
 from ffgym.agents import LawAgent
 from ffgym.agents.law_files import load_law, save_law
-from ffgym.agents.task_torques import Task, TaskTorques
+from ffgym.agents.task_torques import MotionTorque, TaskTorques
 from ffgym.control import Window
 from ffgym.core.errors import FFGymError
 from ffgym.envs import EpisodeRecorder
@@ -27,7 +27,8 @@ def law(references):
     rng = np.random.default_rng(0)
     torques = [np.vstack([np.zeros(6), rng.normal(size=(len(r.t) - 1, 6))]) for r in references]
     return TaskTorques(
-        tasks=tuple(Task(name=r.name, q=r.q, torque=u) for r, u in zip(references, torques, strict=True)), name="mine"
+        tasks=tuple(MotionTorque(name=r.name, q=r.q, torque=u) for r, u in zip(references, torques, strict=True)),
+        name="mine",
     )
 
 
@@ -92,17 +93,17 @@ def test_a_file_keeps_every_task(law, references, tmp_path):
 def test_tasks_of_no_robot_or_of_two_and_torques_of_another_length_are_refused(law):
     with pytest.raises(FFGymError, match="needs tasks of one robot, got none"):
         TaskTorques(tasks=())
-    other = Task(name="one axis", q=np.zeros((5, 1)), torque=np.zeros((5, 1)))
+    other = MotionTorque(name="one axis", q=np.zeros((5, 1)), torque=np.zeros((5, 1)))
     with pytest.raises(FFGymError, match="needs tasks of one robot, got 'p1, 40 mm/s', 'one axis'"):
         TaskTorques(tasks=(law.tasks[0], other))
     with pytest.raises(FFGymError, match=r"torque of task 'a' has shape \(4, 1\), must be \(5, 1\)"):
-        Task(name="a", q=np.zeros((5, 1)), torque=np.zeros((4, 1)))
+        MotionTorque(name="a", q=np.zeros((5, 1)), torque=np.zeros((4, 1)))
 
 
 def test_an_agent_on_the_circle_path_does_what_the_law_does_in_a_simulation(arm, references):
     reference = references[1]
     swing = 0.3 * np.sin(2 * np.pi * 3 * reference.t)[:, None] * np.ones(6)
-    law = TaskTorques(tasks=(Task(name="swing", q=reference.q, torque=swing),))
+    law = TaskTorques(tasks=(MotionTorque(name="swing", q=reference.q, torque=swing),))
     recorder = EpisodeRecorder()
     env = gym.make_vec(
         "ffgym/CirclePath-v0",

@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 from scipy.signal import fftconvolve
 
-from ffgym.agents.task_torques import Task, TaskTorques
-from ffgym.agents.torque_response import NormOptimalStep, TorqueResponse, at_samples, circle_rms, rms, task_error
+from ffgym.agents.task_torques import MotionTorque, TaskTorques
+from ffgym.agents.torque_response import NormOptimalStep, TorqueResponse, at_samples, circle_rms, task_error
 from ffgym.core.errors import FFGymError
+from ffgym.core.measures import rms_length
 from ffgym.paths import joint_reference, joint_sine
 from ffgym.recordings.metrics import motor_error, path_errors, standstill_offset
 from ffgym.robot import RigidArm
@@ -37,7 +38,7 @@ def pulse(reference, joint):
 def answer(arm, reference, torque, read):
     """What `torque` changes in the simulation, at the control samples."""
     tasks = (torque, np.zeros_like(torque))
-    laws = [TaskTorques(tasks=(Task(name="a", q=reference.q, torque=u),)) for u in tasks]
+    laws = [TaskTorques(tasks=(MotionTorque(name="a", q=reference.q, torque=u),)) for u in tasks]
     pushed, left = simulate([Run(reference=reference, law=law) for law in laws], arm=arm)
     return (read(pushed) - read(left))[:: round(reference.robot.servo.control_dt / pushed.dt)]
 
@@ -202,7 +203,9 @@ def test_a_tracker_at_its_own_rate_shows_the_same_error(arm, reference, recordin
     tracker = LaserTracker(noise=0.0, period=0.01)
     (tracked,) = simulate([Run(reference=reference)], arm=arm, sensors=[tracker])
     exact = task_error(recording, reference, "tcp")
-    assert rms(task_error(tracked, reference, "tcp") - exact) < 0.1 * rms(exact)  # straight lines of 10 ms
+    assert rms_length(task_error(tracked, reference, "tcp") - exact) < 0.1 * rms_length(
+        exact
+    )  # straight lines of 10 ms
 
 
 def test_errors_are_told_circle_by_circle(reference, recording):

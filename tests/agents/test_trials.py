@@ -15,7 +15,7 @@ from ffgym.agents.trials import (
     every_speed,
     friction_motions,
     learning_signal,
-    performed,
+    run_trial,
     thesis_motions,
     training_motions,
 )
@@ -85,7 +85,7 @@ def test_sensor_noise_differs_from_trial_to_trial_and_repeats_itself(one_axis):
 def test_a_machine_that_loses_a_recording_is_named(one_axis):
     run = Run(reference=joint_reference(one_axis, joint_sine([1.0], 1.0, 0.2)))
     with pytest.raises(FFGymError, match="Trial 3 returned 1 recordings of 2 runs"):
-        performed(lambda runs, number: SimulatedTrial(arm=RigidArm(one_axis))(runs, number)[1:], [run, run], 3)
+        run_trial(lambda runs, number: SimulatedTrial(arm=RigidArm(one_axis))(runs, number)[1:], [run, run], 3)
 
 
 def test_the_thesis_learns_at_p1_at_10_mm_s_and_on_the_sine_of_1_hz(arm, one_axis):

@@ -259,7 +259,7 @@ def test_the_demo_runs_the_agents_and_parameters_it_is_given(tmp_path, irb4600):
 @pytest.mark.parametrize("wrong", ["nobody", "absent.npz", "lugre_static"])
 def test_wrong_agents_are_refused_before_any_is_made(wrong, capsys, monkeypatch):
     pytest.importorskip("ffgym.report")
-    monkeypatch.setattr("ffgym.cli.laws.law_named", lambda name, setting: pytest.fail(f"made {name}"))
+    monkeypatch.setattr("ffgym.cli.laws.make_law", lambda name, setting: pytest.fail(f"made {name}"))
     assert main(["demo", "--agents", "lugre_static", wrong]) == 1
     assert wrong in capsys.readouterr().err
 

@@ -10,8 +10,8 @@ import pytest
 
 import ffgym  # noqa: F401 - registers the environments
 from ffgym.agents import LawAgent
-from ffgym.agents.catalogue import CATALOGUE, law_named
-from ffgym.agents.declaration import Setting
+from ffgym.agents.catalogue import CATALOGUE, make_law
+from ffgym.agents.declaration import AgentSetting
 from ffgym.agents.law_files import StoredLaw, load_law, save_law
 from ffgym.control import CausalLaw, Window
 from ffgym.core.errors import FFGymError
@@ -44,7 +44,7 @@ def make(one_axis, sines):
 
     def law(name):
         if name not in made:
-            made[name] = law_named(name, Setting.of(one_axis, references=[sines[1.0]]))
+            made[name] = make_law(name, AgentSetting.of(one_axis, references=[sines[1.0]]))
         return made[name]
 
     return law
@@ -78,7 +78,7 @@ def test_motions_side_by_side_have_the_same_bits_as_each_alone(make, sines, name
 @pytest.mark.parametrize("name", ON_SIX_AXES)
 def test_on_six_axes_too_samples_and_batches_are_the_same_law(arm, name):
     circle = circle_references(arm, ["p1"], [0.1], [0.003])["p1", 0.1]
-    law = law_named(name, Setting.of(arm.robot, references=[circle]))
+    law = make_law(name, AgentSetting.of(arm.robot, references=[circle]))
     shorter = (
         [circle] if CATALOGUE[name].track == "per task" else [*circle_references(arm, ["p2"], [0.1], [0.001]).values()]
     )
@@ -124,15 +124,15 @@ def check_batch(law, reference):
 
 @pytest.mark.parametrize("name", ON_ONE_AXIS)
 def test_making_a_law_again_gives_the_same_bits(make, one_axis, sines, name):
-    again = law_named(name, Setting.of(one_axis, references=[sines[1.0]], n_threads=1))
+    again = make_law(name, AgentSetting.of(one_axis, references=[sines[1.0]], n_threads=1))
     np.testing.assert_array_equal(again.torque(sines[1.0]), make(name).torque(sines[1.0]))
 
 
 @pytest.mark.parametrize("name", [name for name in ON_ONE_AXIS if CATALOGUE[name].track == "causal"])
 def test_what_may_not_know_the_model_is_the_same_with_a_wrong_one(make, one_axis, sines, name):
-    own = Setting.of(one_axis, references=[sines[1.0]])
+    own = AgentSetting.of(one_axis, references=[sines[1.0]])
     wrong = replace(one_axis, friction=one_axis.friction.scaled(coulomb=2.0, static=2.0, viscous=0.5))
-    law = law_named(name, replace(own, arm=RigidArm(wrong), controller=own.arm, truth=one_axis))
+    law = make_law(name, replace(own, arm=RigidArm(wrong), controller=own.arm, truth=one_axis))
     np.testing.assert_array_equal(law.torque(sines[1.0]), make(name).torque(sines[1.0]))
 
 

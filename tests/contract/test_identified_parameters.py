@@ -6,7 +6,7 @@ import pytest
 
 import ffgym  # noqa: F401 - registers the environments
 from ffgym.agents.catalogue import CATALOGUE
-from ffgym.agents.declaration import Setting
+from ffgym.agents.declaration import AgentSetting
 from ffgym.cli.laws import setting_for
 from ffgym.diagnosis.identification.bristle_fit import NAMES
 from ffgym.diagnosis.identification.parameter_file import fitted_quantity, parameter_text
@@ -55,11 +55,11 @@ def test_the_file_is_the_robot_with_other_friction_and_keeps_its_intervals(ident
 @pytest.mark.parametrize("name", MODELLED)
 def test_every_agent_that_knows_parameters_takes_them_from_the_file(identified, one_axis, name):
     if CATALOGUE[name].needs_arm:
-        pytest.skip("needs a robot with a tool; its parameters come through the same Setting")
+        pytest.skip("needs a robot with a tool; its parameters come through the same AgentSetting")
     reference = sine_references(one_axis)[1.0]
     rig = SimulatedRig(arm=RigidArm(one_axis))
     setting = setting_for(rig, [reference], identified("one_axis"), n_threads=1)
-    assert isinstance(setting, Setting)
+    assert isinstance(setting, AgentSetting)
     torque = CATALOGUE[name].make(setting).torque(reference)
     assert np.isfinite(torque).all()
     if name in ("lugre_static", "lugre_dynamic"):

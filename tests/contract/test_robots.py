@@ -12,8 +12,8 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 import ffgym  # noqa: F401 - registers the environments
-from ffgym.agents.catalogue import CATALOGUE, law_named
-from ffgym.agents.declaration import Setting
+from ffgym.agents.catalogue import CATALOGUE, make_law
+from ffgym.agents.declaration import AgentSetting
 from ffgym.cli.main import main
 from ffgym.control import NoCompensation
 from ffgym.core.errors import FFGymError
@@ -99,8 +99,8 @@ def test_compensation_of_its_own_friction_makes_it_better(name, law):
     if CATALOGUE[law].needs_arm and arm_of(name).robot.tool is None:
         return
     reference = reference_of(name)
-    setting = Setting.of(arm_of(name).robot, references=[reference])
-    runs = [Run(reference=reference, law=chosen) for chosen in (NoCompensation(), law_named(law, setting))]
+    setting = AgentSetting.of(arm_of(name).robot, references=[reference])
+    runs = [Run(reference=reference, law=chosen) for chosen in (NoCompensation(), make_law(law, setting))]
     none, compensated = (motor_error(recording) for recording in simulate(runs))
     if law in ("lugre_static", "lugre_dynamic"):  # the others lead the reference on purpose
         assert np.sqrt(np.mean(compensated**2)) < 0.8 * np.sqrt(np.mean(none**2))
@@ -115,7 +115,7 @@ def test_every_family_learns_on_it(name, law):
     if entry.needs_arm and arm_of(name).robot.tool is None:
         return
     reference = reference_of(name)
-    learned = law_named(law, Setting.of(arm_of(name).robot, references=[reference]))
+    learned = make_law(law, AgentSetting.of(arm_of(name).robot, references=[reference]))
     runs = [Run(reference=reference, law=chosen) for chosen in (NoCompensation(), learned)]
     none, compensated = (motor_error(recording) for recording in simulate(runs))
     if law != "ilc_tcp":

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from ffgym.agents.catalogue import CATALOGUE
-from ffgym.agents.declaration import Setting
+from ffgym.agents.declaration import AgentSetting
 from ffgym.agents.entrants import ENTRANTS, REGISTRY
 from ffgym.agents.law_agent import LawPolicy
 from ffgym.core.errors import FFGymError
@@ -30,7 +30,7 @@ FAST = Task("p2", 0.1, (0.003,), "positions")
 
 
 def elastic(robot):
-    return CATALOGUE["elastic"].make(Setting.of(robot))
+    return CATALOGUE["elastic"].make(AgentSetting.of(robot))
 
 
 def law_cells(plant, law, task, seed=0):

@@ -4,7 +4,7 @@ import gc
 
 import pytest
 
-from ffgym.agents.entrants import REGISTRY, submitted
+from ffgym.agents.entrants import REGISTRY, make_submitted
 from ffgym.cli.main import main
 from ffgym.control import ObservationLayout
 from ffgym.core.errors import FFGymError
@@ -41,7 +41,7 @@ def test_a_submission_gets_a_row_like_that_of_the_law_in_it(law, tmp_path, capsy
     assert {cell.key: cell.rms_mm for cell in theirs.cells} == pytest.approx(
         {cell.key: cell.rms_mm for cell in ours.cells}, rel=1e-4
     )
-    assert theirs.artefact == submitted(law).artefact("nominal", 0)
+    assert theirs.artefact == make_submitted(law).artefact("nominal", 0)
     assert theirs.inference_us > 0
 
     assert main(["leaderboard", "--agents", "none", *command[4:], "--jobs", "1", "--out", str(tmp_path)]) == 0
@@ -58,7 +58,7 @@ def test_other_processes_find_it_too(law):
 
 def test_its_process_ends_when_nobody_asks_it_any_more(law):
     plant = plant_named("nominal")
-    [ready] = submitted(law).ready(plant, [0], ())
+    [ready] = make_submitted(law).ready(plant, [0], ())
     env = environment_for(plant, ready.policy.preview, ready.policy.action_scale, 1, n_threads=1)
     layout = env.unwrapped.observation_layout
     assert isinstance(layout, ObservationLayout)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import tyro
 
-from ffgym.agents.artefacts import TRAINED, manifest_of, path_of
+from ffgym.agents.artefacts import TRAINED, locate_artefact, read_manifest
 from ffgym.agents.residual.actor import Actor, Layer
 from ffgym.agents.residual.hyperparameters import hyperparameters
 from ffgym.agents.residual.plan import Training
@@ -47,14 +47,14 @@ def test_policies_are_copied_with_a_manifest_that_can_be_read(tmp_path):
     for seed in (0, 1):
         trained(tmp_path / "sweep", seed, curve=((16.0, -1.0 - seed), (32.0, -0.5 - seed)))
     publish(tmp_path)
-    manifest_of.cache_clear()
-    manifest = manifest_of("ppo_elastic", tmp_path / "out")
+    read_manifest.cache_clear()
+    manifest = read_manifest("ppo_elastic", tmp_path / "out")
     assert manifest.seeds == (0, 1)
     assert manifest.learning_curve == ((16.0, -1.5), (32.0, -1.0))
     assert manifest.versions == VERSIONS
     artefact = manifest.find("workcell:thesis", 1)
     assert (artefact.env_steps, artefact.robot_seconds, artefact.fingerprint) == (32, 0.0, "f00d")
-    assert load_policy(path_of("ppo_elastic", artefact, tmp_path / "out")).meta["training"]["seed"] == 1
+    assert load_policy(locate_artefact("ppo_elastic", artefact, tmp_path / "out")).meta["training"]["seed"] == 1
 
 
 def test_policies_of_seeds_that_are_no_longer_there_go(tmp_path):
@@ -103,8 +103,8 @@ def test_a_machine_file_is_named_by_its_option(tmp_path):
 
 @pytest.mark.parametrize("name", ["ppo_elastic_memory", "ppo_none", "sac_elastic"])
 def test_commands_of_policies_that_ship_ask_for_what_they_are(name):
-    manifest = manifest_of(name, TRAINED)
-    about = load_policy(path_of(name, manifest.artefacts[0])).meta["training"]
+    manifest = read_manifest(name, TRAINED)
+    about = load_policy(locate_artefact(name, manifest.artefacts[0])).meta["training"]
     assert command_of(name, Training(**about), manifest.seeds) == manifest.command
 
 

@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ffgym.agents.residual.actor import LSTM, Actor, Layer
+from ffgym.agents.residual.actor import LSTM, Actor, LinearLayer
 from ffgym.agents.residual.hyperparameters import ALGORITHMS, hyperparameters
 from ffgym.agents.residual.plan import Training
 from ffgym.agents.residual.policy import ResidualPolicy
@@ -28,7 +28,9 @@ def policy_of(size=0.3, memory=2, seed=5, **options):
     rng = np.random.default_rng(seed)
     widths = (3 * memory + 12, 8, 1)
     layers = tuple(
-        Layer(weight=(size * rng.normal(size=(b, a))).astype(np.float32), bias=rng.normal(size=b).astype(np.float32))
+        LinearLayer(
+            weight=(size * rng.normal(size=(b, a))).astype(np.float32), bias=rng.normal(size=b).astype(np.float32)
+        )
         for a, b in pairwise(widths)
     )
     actor = Actor(n_motors=6, layers=layers, activation="tanh", output="clip", factored=True)
@@ -40,7 +42,7 @@ def random_actor(rng, **options):
     """An actor for two motors with random weights."""
 
     def layer(outputs, inputs):
-        return Layer(weight=rng.normal(size=(outputs, inputs)), bias=rng.normal(size=outputs))
+        return LinearLayer(weight=rng.normal(size=(outputs, inputs)), bias=rng.normal(size=outputs))
 
     factored = options.get("factored", False)
     lstm = None if factored else LSTM(inputs=layer(20, 18), hidden=layer(20, 5))

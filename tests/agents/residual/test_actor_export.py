@@ -7,8 +7,8 @@ from gymnasium import spaces
 from torch import nn
 
 from ffgym.agents.residual.actor import LSTM, Actor
-from ffgym.agents.residual.environment import environment_of
-from ffgym.agents.residual.sb3 import actor_of, algorithm_of
+from ffgym.agents.residual.environment import make_environment
+from ffgym.agents.residual.sb3 import export_actor, make_algorithm
 from ffgym.core.errors import FFGymError
 from tests.agents.residual.residual_samples import random_actor, tiny
 
@@ -17,18 +17,18 @@ CASES = [("ppo", True), ("ppo", False), ("recurrent_ppo", False), ("sac", True),
 
 @pytest.fixture(scope="module")
 def env():
-    env = environment_of(tiny())
+    env = make_environment(tiny())
     yield env
     env.close()
 
 
 @pytest.mark.parametrize(("algorithm", "factored"), CASES)
 def test_torch_and_numpy_act_alike_whatever_the_algorithm(algorithm, factored, env):
-    model = algorithm_of(tiny(algorithm, factored=factored), env, seed=3, segment=0)
+    model = make_algorithm(tiny(algorithm, factored=factored), env, seed=3, segment=0)
     with torch.no_grad():
         for values in model.policy.parameters():
             values.add_(0.3 * torch.randn_like(values))
-    actor = actor_of(model.policy)
+    actor = export_actor(model.policy)
     rng = np.random.default_rng(0)
     theirs, ours = None, actor.initial_state((2,))
     actions = []
@@ -45,7 +45,7 @@ def test_torch_and_numpy_act_alike_whatever_the_algorithm(algorithm, factored, e
 
 @pytest.mark.parametrize("algorithm", ["ppo", "recurrent_ppo", "sac", "tqc"])
 def test_an_untrained_actor_adds_nothing(algorithm, env):
-    actor = actor_of(algorithm_of(tiny(algorithm), env, seed=0, segment=0).policy)
+    actor = export_actor(make_algorithm(tiny(algorithm), env, seed=0, segment=0).policy)
     features = np.random.default_rng(1).normal(size=(5, actor.n_features))
     np.testing.assert_array_equal(actor.act(features, actor.initial_state((5,)))[0], np.zeros((5, 6)))
 
@@ -85,4 +85,4 @@ def test_a_network_of_another_form_is_no_actor():
         action_net = nn.Linear(3, 2)
 
     with pytest.raises(FFGymError, match="so there is no actor"):
-        actor_of(Policy())
+        export_actor(Policy())

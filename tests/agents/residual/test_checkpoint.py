@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 import torch
 
-from ffgym.agents.residual.environment import environment_of
+from ffgym.agents.residual.environment import make_environment
 from ffgym.agents.residual.hyperparameters import ALGORITHMS
-from ffgym.agents.residual.sb3 import algorithm_of
+from ffgym.agents.residual.sb3 import make_algorithm
 from ffgym.agents.residual.training import read_checkpoint, restore, write_checkpoint
 from tests.agents.residual.residual_samples import tiny
 
@@ -37,8 +37,8 @@ def state_of(model):
 @pytest.mark.parametrize("algorithm", ALGORITHMS)
 def test_an_algorithm_comes_back_with_all_that_it_had(algorithm, tmp_path):
     training, file = tiny(algorithm), tmp_path / "checkpoint.pt"
-    env = environment_of(training)
-    model = algorithm_of(training, env, seed=1, segment=0)
+    env = make_environment(training)
+    model = make_algorithm(training, env, seed=1, segment=0)
     first = state_of(model)
     for segment in (1, 2):  # the replay buffer of 20 rows is full, and begins anew, in the second
         model.learn(24, reset_num_timesteps=segment == 1)
@@ -46,7 +46,7 @@ def test_an_algorithm_comes_back_with_all_that_it_had(algorithm, tmp_path):
         assert [*tmp_path.iterdir()] == [file]
         standing = read_checkpoint(file, {"a": 1})
         assert (standing["segment"], standing["curve"]) == (segment, ((24, -0.5),))
-        again = algorithm_of(training, env, seed=2, segment=0)
+        again = make_algorithm(training, env, seed=2, segment=0)
         restore(again, standing)
         wanted, found = state_of(model), state_of(again)
         assert wanted.keys() == found.keys()

@@ -4,7 +4,7 @@ import tomllib
 
 import pytest
 
-from ffgym.agents.residual.hyperparameters import ALGORITHMS, FILE, checked, hyperparameters
+from ffgym.agents.residual.hyperparameters import ALGORITHMS, FILE, check_hyperparameters, hyperparameters
 from ffgym.agents.residual.plan import Training
 from ffgym.core.errors import FFGymError
 
@@ -17,7 +17,7 @@ def text_of(algorithm):
 def test_each_algorithm_has_a_file_with_all_of_its_hyperparameters(algorithm):
     values = hyperparameters(algorithm)
     assert values.keys() == ALGORITHMS[algorithm].keys()
-    assert checked(algorithm, values) == values
+    assert check_hyperparameters(algorithm, values) == values
 
 
 @pytest.mark.parametrize("algorithm", ["ppo", "sac"])
@@ -69,7 +69,9 @@ def test_a_hyperparameter_is_changed_once_and_none_may_be_missing():
     with pytest.raises(FFGymError, match=r"'gamma=0.2' stands twice"):
         hyperparameters("ppo", ["gamma=0.1", "gamma=0.2"])
     with pytest.raises(FFGymError, match="Hyper-parameters of ppo lack clip_range, gamma"):
-        checked("ppo", {k: v for k, v in hyperparameters("ppo").items() if k not in ("gamma", "clip_range")})
+        check_hyperparameters(
+            "ppo", {k: v for k, v in hyperparameters("ppo").items() if k not in ("gamma", "clip_range")}
+        )
     with pytest.raises(FFGymError, match="Unknown algorithm 'dqn'"):
         hyperparameters("dqn")
 

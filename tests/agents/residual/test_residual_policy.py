@@ -11,9 +11,9 @@ import pytest
 from ffgym.agents.elastic import elastic_feedforward
 from ffgym.agents.law_agent import LawAgent
 from ffgym.agents.law_files import pack, unpack
-from ffgym.agents.residual.actor import Layer
+from ffgym.agents.residual.actor import LinearLayer
 from ffgym.agents.residual.bases import BASES, base_law, base_named
-from ffgym.agents.residual.environment import environment_of
+from ffgym.agents.residual.environment import make_environment
 from ffgym.agents.residual.policy import encode_policy, load_policy, save_policy
 from ffgym.agents.residual.validation import base_errors, validate
 from ffgym.control import Agent, ObservationLayout, Policy
@@ -62,8 +62,8 @@ def test_running_a_policy_needs_neither_torch_nor_environments(tmp_path):
 def test_a_policy_acts_as_in_its_training(irb4600):
     """Other paths, same numbers: over ends of episodes, with memory, from the environment of a training."""
     training = tiny(memory=2)
-    trained_in = environment_of(training, horizon=9)
-    plain = environment_of(training, horizon=9).venv
+    trained_in = make_environment(training, horizon=9)
+    plain = make_environment(training, horizon=9).venv
     policy = policy_of()
     agent = policy.agent(irb4600, plain.get_attr("observation_layout")[0])
     assert isinstance(agent, Agent)
@@ -90,7 +90,9 @@ def test_a_silent_policy_is_its_base(env, irb4600):
     silent = policy_of(size=0.0)
     silent = replace(
         silent,
-        actor=replace(silent.actor, layers=tuple(Layer(weight=x.weight, bias=0 * x.bias) for x in silent.actor.layers)),
+        actor=replace(
+            silent.actor, layers=tuple(LinearLayer(weight=x.weight, bias=0 * x.bias) for x in silent.actor.layers)
+        ),
     )
     law = base_law("lugre_dynamic", None, irb4600)
     base = LawAgent.for_env(law, env)
@@ -217,7 +219,7 @@ def test_the_text_of_a_machine_file_goes_with_its_base_alone(irb4600):
 @pytest.mark.slow
 def test_a_silent_policy_gains_nothing_in_the_validation():
     silent = policy_of(size=0.0)
-    layers = tuple(Layer(weight=layer.weight, bias=0 * layer.bias) for layer in silent.actor.layers)
+    layers = tuple(LinearLayer(weight=layer.weight, bias=0 * layer.bias) for layer in silent.actor.layers)
     base_errors.cache_clear()
     result = validate(replace(silent, actor=replace(silent.actor, layers=layers)), plants=1)
     assert result.policy.shape == (6,)

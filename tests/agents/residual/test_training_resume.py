@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from ffgym.agents.residual import training as under_test
-from ffgym.agents.residual.environment import environment_of
+from ffgym.agents.residual.environment import make_environment
 from ffgym.agents.residual.policy import load_policy
 from ffgym.agents.residual.training import segment_seed, train
 from ffgym.agents.residual.validation import POINTS, RADIUS, SPEEDS
@@ -195,8 +195,8 @@ def test_a_training_that_diverges_says_so(steps, tmp_path, monkeypatch):
 
 def test_the_base_acts_while_a_replay_buffer_is_filled():
     training = tiny("sac", "learning_starts=1000", "prefill_std=0.05", steps=1001)
-    env = environment_of(training)
-    model = under_test.algorithm_of(training, env, seed=0, segment=0)
+    env = make_environment(training)
+    model = under_test.make_algorithm(training, env, seed=0, segment=0)
     model.learn(16)
     env.close()
     actions = model.replay_buffer.actions[:8]
@@ -205,7 +205,7 @@ def test_the_base_acts_while_a_replay_buffer_is_filled():
 
 
 def test_training_sees_p1_alone_and_the_validation_no_named_position():
-    env = environment_of(tiny())
+    env = make_environment(tiny())
     tasks = env.get_attr("core")[0].tasks
     env.close()
     assert tuple(tasks._positions) == ("p1",)

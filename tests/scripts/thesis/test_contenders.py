@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import pytest
 
 from ffgym.agents.catalogue import CATALOGUE
-from ffgym.agents.declaration import Setting
+from ffgym.agents.declaration import AgentSetting
 from ffgym.agents.trials import CountedTrial, thesis_motions
 from ffgym.control import NoCompensation
 from ffgym.simulation import Run
@@ -18,7 +18,7 @@ CLAIMS = {claim.name: claim for item in ITEMS for claim in item.claims}
 
 
 def test_trials_are_counted_and_pass_through(one_axis):
-    setting = Setting.of(one_axis)
+    setting = AgentSetting.of(one_axis)
     [reference] = thesis_motions(setting.arm)
     counted = CountedTrial(lambda runs, number: [f"{number}: {run.law.name}" for run in runs])
     runs = [Run(reference=reference, law=NoCompensation())] * 2
@@ -28,12 +28,12 @@ def test_trials_are_counted_and_pass_through(one_axis):
 
 
 def test_a_law_that_learns_counts_its_trials_and_one_that_does_not_has_none(one_axis):
-    network = contender("bsn_static", Setting.of(one_axis))
+    network = contender("bsn_static", AgentSetting.of(one_axis))
     assert network.entry is CATALOGUE["bsn_static"]
     assert network.law.name == "bsn_static"
     assert 1 < network.trials <= 16  # 15 iterations and the trial before them, unless locked earlier
     assert network.robot_seconds == pytest.approx(10.0 * network.trials)
-    assert contender("lugre_static", Setting.of(one_axis)).trials == 0
+    assert contender("lugre_static", AgentSetting.of(one_axis)).trials == 0
 
 
 def test_members_whose_packages_are_missing_are_left_out_and_named(compared, monkeypatch):
