@@ -118,7 +118,7 @@ def acting_in(env: Any) -> tuple[ObservationLayout, float]:
     if decision_dt != dt:
         raise FFGymError(
             f"A law acts at every sample of {dt} s, this environment decides every {decision_dt} s; leave out Hold, or "
-            f"put Residual(law) below it."
+            f"put ResidualAction(law) below it."
         )
     return layout, float(dt)
 

@@ -9,7 +9,7 @@ import gymnasium as gym
 import pytest
 
 from ffgym.core.registration import ENVIRONMENTS
-from ffgym.envs import Settings
+from ffgym.envs import EnvSettings
 from ffgym.envs.rewards import REWARDS
 from ffgym.envs.start import COMMON_OPTIONS
 from ffgym.simulation.plant import PlantDistribution
@@ -46,7 +46,7 @@ def test_the_code_of_a_page_runs(page, tmp_path, monkeypatch):
 
 
 def test_the_overview_names_every_setting_option_reward_entry_and_layer():
-    for setting in fields(Settings):
+    for setting in fields(EnvSettings):
         assert f"| `{setting.name}` |" in OVERVIEW
     options = OVERVIEW.partition("`reset(options={...})` fixes")[2].partition("\n")[0]
     assert set(re.findall(r"`(\w+)`", options)) == set(COMMON_OPTIONS)

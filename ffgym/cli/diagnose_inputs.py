@@ -12,7 +12,7 @@ from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.nominal import EXAMPLE_ROBOT, example_logs, fitted_nominal
 from ffgym.diagnosis.thinning import thin
 from ffgym.effects import Origin
-from ffgym.envs.machines import described_robot
+from ffgym.envs.machines import load_described_robot
 from ffgym.logs import load_columns, read_logs
 from ffgym.logs.quality import conditioned_alike
 from ffgym.logs.read import corrected
@@ -85,7 +85,7 @@ def nominal_named(name: str | None) -> Nominal:
     """
     name = EXAMPLE_ROBOT if name is None else name
     if not is_machine_file(name):
-        return Nominal(machine=Machine(robot=described_robot(name)), reference=name)
+        return Nominal(machine=Machine(robot=load_described_robot(name)), reference=name)
     return Nominal(machine=load_machine(name, partial=True), reference=robot_reference(name), origins=origins_of(name))
 
 

@@ -9,7 +9,7 @@ from ffgym.cli.outputs import check_outputs, given_options, print_places, proven
 from ffgym.cli.progress import progress_bar
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import check_vacant
-from ffgym.envs.machines import described_robot
+from ffgym.envs.machines import load_described_robot
 from ffgym.paths.motions import load_motion
 from ffgym.robot import ModelOptions, RigidArm, physics_fingerprint
 from ffgym.simulation import Run, SimulatedRig
@@ -27,7 +27,7 @@ def run(config: Export) -> None:
     check_outputs({"--json": config.json})
     check_laws([config.feedforward], "--feedforward")
     is_machine = is_machine_file(config.robot)
-    known = known_robot(config.robot) if is_machine else described_robot(config.robot)
+    known = known_robot(config.robot) if is_machine else load_described_robot(config.robot)
     machine = load_machine(config.robot) if is_machine else Machine.of(known)
     given = given_options(config, ("entry", "feedforward", "parameters", "sides", "angles", "record_dt_ms"))
     if config.path is None and given:

@@ -17,7 +17,7 @@ from ffgym.diagnosis.identification import LowPass, friction_torque, identify_fr
 from ffgym.diagnosis.identification.friction import friction_quantities
 from ffgym.diagnosis.identification.parameter_file import parameter_text
 from ffgym.diagnosis.identification.rigid_body import Filtering, RigidBodyOptions, identify_rigid_body, starting_robot
-from ffgym.envs.machines import described_robot
+from ffgym.envs.machines import load_described_robot
 from ffgym.logs import read_logs as read_motions
 from ffgym.logs.quality import check_quality, conditioned_alike
 from ffgym.recordings import Recording
@@ -48,7 +48,7 @@ def run(config: Identify) -> None:
     """Check, identify, write, print."""
     _check(config)
     if config.what == "friction":
-        robot = described_robot(config.robot)
+        robot = load_described_robot(config.robot)
         outcome = identified_friction(config, robot, read_logs(config, robot))
     else:
         draft = load_draft(config.robot)

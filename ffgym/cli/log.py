@@ -9,7 +9,7 @@ from ffgym.cli.outputs import check_new, check_outputs, file_of_each, print_plac
 from ffgym.cli.progress import progress_bar
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.files import write_text
-from ffgym.envs.machines import described_robot
+from ffgym.envs.machines import load_described_robot
 from ffgym.logs import TextLayout, read_contents, read_logs
 from ffgym.logs.draft import draft, listing
 from ffgym.logs.entries import fitting_maps
@@ -148,5 +148,5 @@ def _described(name: str | None) -> tuple[RobotDescription | None, RobotDescript
         lacking = f"{known.missing[0]} and {len(known.missing) - 1} more" if known.missing[1:] else known.missing[0]
         print(f"note: {name} lacks {lacking}; nothing is judged that hangs on masses, ranges or limits")
         return known.description_for("kinematics", "drive.gear_ratio"), None
-    robot = described_robot(name)
+    robot = load_described_robot(name)
     return robot, robot

@@ -19,7 +19,7 @@ from ffgym.core.files import check_writable
 from ffgym.core.measures import rms
 from ffgym.core.registration import ENVIRONMENTS
 from ffgym.core.types import Array
-from ffgym.envs import Residual
+from ffgym.envs import ResidualAction
 from ffgym.envs.machines import WORKCELL, is_workcell, rig_of
 from ffgym.envs.rendering import Rendering
 from ffgym.simulation.plant.machine_file import is_machine_file
@@ -92,7 +92,7 @@ def make(config: Play) -> Any:
     return gym.make(
         config.env,
         render_mode="rgb_array",
-        layers=(Residual(law),),
+        layers=(ResidualAction(law),),
         action_scale=ACTION_SCALE,
         rendering=Rendering(magnify=config.magnify, width=config.width, height=config.height, title=LAWS[config.law]),
         **machine,

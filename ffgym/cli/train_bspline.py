@@ -16,7 +16,7 @@ from ffgym.cli.outputs import check_outputs, given_options, print_places, proven
 from ffgym.cli.progress import progress_bar
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
 from ffgym.core.types import Array
-from ffgym.envs.machines import described_robot, is_workcell, rig_of
+from ffgym.envs.machines import is_workcell, load_described_robot, rig_of
 from ffgym.paths import Reference
 from ffgym.report import check_figure, save_figure
 from ffgym.report.learning_plots import learning_figure
@@ -106,7 +106,7 @@ def stability(config: Stability) -> None:
             check_number("figure rate", rate, low=0.0, open_low=True)
         if not config.figure_rates or np.any(np.diff(config.figure_rates) <= 0):
             raise FFGymError(f"figure rates = {list(config.figure_rates)} must be one or more, ascending.")
-    arm, record_dt = RigidArm(described_robot(config.robot)), config.record_dt_ms / 1e3
+    arm, record_dt = RigidArm(load_described_robot(config.robot)), config.record_dt_ms / 1e3
     for joint in config.figure_joints:
         check_choice("joint", joint, arm.robot.joints)
     rate, iterations = _rate_and_iterations(config, arm.robot)

@@ -1,4 +1,4 @@
-"""What callers of an environment pass to `reset` and `step`, checked before anything has changed."""
+"""Checks of the arguments of `reset` and `step`, made before anything has changed."""
 
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
@@ -11,9 +11,9 @@ from ffgym.core.errors import FFGymError, check_shape
 from ffgym.core.types import Array, BoolArray
 
 
-def checked_actions(actions: Any, shape: tuple[int, int], going: BoolArray | None) -> Array:
+def check_actions(actions: Any, shape: tuple[int, int], going: BoolArray | None) -> Array:
     """Return actions as float64 of `shape` (B, N), zero where no episode is `going`, None is everywhere."""
-    with suppress(TypeError, ValueError, OverflowError):  # then check_shape says what is wrong
+    with suppress(TypeError, ValueError, OverflowError):  # then check_shape names the mistake
         values: Array = np.asarray(actions, dtype=np.float64)
         if values.shape == shape:
             if going is not None:
@@ -67,7 +67,7 @@ def check_seed(seed: Any) -> int:
     return int(seed)
 
 
-def autoreset_mode_of(mode: AutoresetMode | str) -> AutoresetMode:
+def parse_autoreset_mode(mode: AutoresetMode | str) -> AutoresetMode:
     """Return Gymnasium's autoreset mode of that name."""
     try:
         return AutoresetMode(mode)

@@ -1,16 +1,16 @@
-"""Rows of all motions that a batch follows, in one table, so that each step looks all of them up at once."""
+"""Bank of motions: rows of all motions that a batch follows in one table, looked up at once in each step."""
 
 import numpy as np
 
 from ffgym.control.setpoints import interpolate_motion
 from ffgym.core.types import Array, IntArray
-from ffgym.envs.motion import Columns, Motion
+from ffgym.envs.motion import EpisodeMotion, MotionColumns
 from ffgym.simulation.plant import Plant
 
 LARGEST = 64 * 2**20
 """Size beyond which no controls are kept [bytes]: room for all motions of the thesis' circle test."""
 _KEEP_ROWS = 200_000
-"""Motions that nobody follows any more are kept up to this number of rows in all: 50 MB, several times the thesis'
+"""Motions that are no longer followed are kept up to this number of rows in all: 50 MB, several times the thesis'
 circle test."""
 
 
@@ -22,22 +22,22 @@ class MotionBank:
 
     Args:
         n: number of sub-environments B.
-        columns: what stands where in the rows.
-        padding: how often the last row of a motion is repeated.
-        plant: whose controls are kept; None keeps none.
+        columns: columns of the rows.
+        padding: number of copies of the last row of a motion behind it.
+        plant: plant whose controls are kept; None keeps none.
     """
 
-    def __init__(self, n: int, columns: Columns, padding: int, plant: Plant | None = None) -> None:
+    def __init__(self, n: int, columns: MotionColumns, padding: int, plant: Plant | None = None) -> None:
         self.columns, self._plant, self._padding = columns, plant, padding
         self._table = np.zeros((0, columns.width))
         self._controls = None if plant is None else np.zeros((0, plant.n_substeps, plant.model.nu))
         self._filled = 0
-        self._place: dict[int, tuple[Motion, int]] = {}
-        """By identity: motion and its first row."""
-        self.motions: list[Motion | None] = [None] * n
+        self._place: dict[int, tuple[EpisodeMotion, int]] = {}
+        """Motion and its first row, by identity."""
+        self.motions: list[EpisodeMotion | None] = [None] * n
         self._offset = np.zeros(n, dtype=np.int64)
 
-    def assign(self, i: int, motion: Motion) -> None:
+    def assign(self, i: int, motion: EpisodeMotion) -> None:
         """Let sub-environment `i` follow `motion`."""
         self.motions[i] = motion
         if id(motion) not in self._place:
@@ -45,12 +45,12 @@ class MotionBank:
         self._offset[i] = self._place[id(motion)][1]
 
     def window(self, step: IntArray, width: int) -> Array:
-        """Rows of `width` samples from sample `step` (B,) on, shape (B, width, W); a copy."""
+        """Look up `width` rows from sample `step` (B,) on, shape (B, width, W); a copy."""
         first: IntArray = self._offset + step
         return self._table.take(first[:, None] + np.arange(width), axis=0)
 
     def setpoints(self, step: IntArray, ids: IntArray | None) -> Array | None:
-        """Controls of the control step from sample `step` (B,) on, torque still open, for sub-environments `ids`.
+        """Look up controls of the control step from sample `step` (B,) on, without torque, for sub-environments `ids`.
 
         Shape (B', S, 3 N), a copy; None is all sub-environments. Returns None where they are not kept, because there
         are too many motions.
@@ -60,7 +60,7 @@ class MotionBank:
         first: IntArray = self._offset + step
         return self._controls.take(first if ids is None else first[ids], axis=0)
 
-    def _store(self, motion: Motion) -> None:
+    def _store(self, motion: EpisodeMotion) -> None:
         rows, start = motion.rows(self._padding), self._filled
         if start + len(rows) > len(self._table):
             self._make_room(len(rows))
@@ -77,12 +77,13 @@ class MotionBank:
         self._controls[end - 1] = 0.0
 
     def _make_room(self, wanted: int) -> None:
-        """Move what is followed (and, if it is little, what was) to the front of the tables, and make them longer."""
+        """Move motions that are followed (all, if they are few) to the front of the tables, and make these longer."""
         followed = {id(motion) for motion in self.motions if motion is not None}
         keep_all = self._filled <= _KEEP_ROWS
         kept = [(m, at) for key, (m, at) in self._place.items() if keep_all or key in followed]
         self._place, self._filled = {}, 0
-        for motion, at in kept:  # as they stand in the table, so that none is overwritten before it has moved
+        # in the order of the table, so that no motion is overwritten before it has moved
+        for motion, at in kept:
             length = motion.n_steps + 1 + self._padding
             for table in (self._table, self._controls):
                 if table is not None:
@@ -92,7 +93,8 @@ class MotionBank:
         for i, followed_now in enumerate(self.motions):
             if id(followed_now) in self._place:
                 self._offset[i] = self._place[id(followed_now)][1]
-        if self._filled + wanted > len(self._table):  # in place: a second table would double the memory
+        # longer tables, in place: a second table would double the memory
+        if self._filled + wanted > len(self._table):
             self._table.resize((int((self._filled + wanted) * 1.25), self.columns.width), refcheck=False)
         if self._controls is not None:
             shape = (len(self._table), *self._controls.shape[1:])
@@ -102,13 +104,13 @@ class MotionBank:
                 self._controls.resize(shape, refcheck=False)
 
 
-def path_error(tcp: Array, rows: Array, columns: Columns, centre: Array, normal: Array) -> Array:
-    """Distance of the TCP from its path [m], shape (B,).
+def path_error(tcp: Array, rows: Array, columns: MotionColumns, centre: Array, normal: Array) -> Array:
+    """Compute the distance of the TCP from its path [m], shape (B,).
 
     On a circle it is the distance to its nearest point, in its plane, as `ffgym.recordings.metrics.path_errors`;
-    elsewhere the part of TCP - reference across the direction of motion, all of it at rest. Where a motion tells how
-    its path bends, what the path leaves its tangent by, s^2 / 2 times the curvature, is taken off at the TCP's distance
-    s along it.
+    elsewhere the part of TCP - reference across the direction of motion, all of it at rest. Where a motion has the
+    curvature of its path, the path's distance from its tangent, s^2 / 2 times the curvature, is subtracted at the TCP's
+    distance s along it.
 
     The `tcp` (B, 3) is without its offset at standstill [m], `rows` (B, W) are those of the motions now; circles have a
     `centre` [m] and a `normal` of their plane, (B, 3) each.

@@ -1,6 +1,6 @@
 """`ffgym/CirclePath-v0` and `ffgym/WorkcellCircles-v0`: the circle test of the thesis, on robots and on workcells.
 
-It runs at positions of a work area and constant TCP speeds. The friction of a workcell nobody told its controller.
+It runs at positions of a work area and constant TCP speeds. The controller of a workcell does not have its friction.
 """
 
 from collections.abc import Mapping, Sequence
@@ -15,7 +15,7 @@ from gymnasium.vector import AutoresetMode
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_shape
 from ffgym.core.types import Array
 from ffgym.envs.machines import WORKCELL
-from ffgym.envs.motion import Motion
+from ffgym.envs.motion import EpisodeMotion
 from ffgym.envs.single import TrackingEnv
 from ffgym.envs.tasks import Sensing, Tasks, check_not_empty
 from ffgym.envs.vector import TrackingVectorEnv
@@ -32,7 +32,7 @@ class CircleTasks(Tasks):
     """Circle tests at several positions and speeds.
 
     Args:
-        robot: what the controller knows: a description, a built-in name, or a path to a description ending in .toml;
+        robot: the controller's nominal robot: a description, a built-in name, or a path to a description ending in .toml;
             it must have a work area.
         positions: names in its work area, or points [m]; None takes all of the area.
         speeds: TCP speeds [m/s].
@@ -64,14 +64,14 @@ class CircleTasks(Tasks):
         self._speeds = check_not_empty("speeds", _numbers("speeds", speeds), "0.010 m/s")
         self._radii = check_not_empty("radii", _numbers("radii", radii), "0.003 m")
         self._order = check_choice("order", order, ORDERS)
-        # complain now, not in the middle of a training
+        # refuse now, not in the middle of a training
         for position in self._positions:
             solve_path(self.arm, self._point(position)[1][None], self._area.tool_rotation, self._area.home)
         for radius, speed in product(self._radii, self._speeds):
             circle_test(np.zeros(3), speed, radii=[radius], dt=self.robot.servo.control_dt)
 
-    def draw(self, rng: np.random.Generator, options: Mapping[str, Any]) -> Motion:
-        """See base class; the order of draws is position, speed, order of the circles."""
+    def draw(self, rng: np.random.Generator, options: Mapping[str, Any]) -> EpisodeMotion:
+        """Draw a circle test: position, speed, then the order of the circles."""
         position = options["position"] if "position" in options else _pick(self._positions, rng)
         speed = check_number("speed", options["speed"] if "speed" in options else _pick(self._speeds, rng), unit="m/s")
         radii = check_not_empty("radii", _numbers("radii", options.get("radii", self._radii)), "0.003 m")
@@ -82,8 +82,8 @@ class CircleTasks(Tasks):
             radii = (_pick(radii, rng),)
         return self._motion(position, speed, radii)
 
-    def listed(self) -> list[dict[str, Any]]:
-        """See base class: every position at every speed, and with order 'one' every radius."""
+    def list_options(self) -> list[dict[str, Any]]:
+        """List every position at every speed, and with order 'one' every radius."""
         every = [(r,) for r in self._radii] if self._order == "one" else [self._radii]
         return [
             {"position": position, "speed": speed, "radii": radii}
@@ -91,17 +91,17 @@ class CircleTasks(Tasks):
             for speed, position, radii in product(self._speeds, self._positions, every)
         ]
 
-    def _motion(self, position: Position, speed: float, radii: tuple[float, ...]) -> Motion:
+    def _motion(self, position: Position, speed: float, radii: tuple[float, ...]) -> EpisodeMotion:
         label, point = self._point(position)
 
-        def make() -> Motion:
+        def make() -> EpisodeMotion:
             name = f"{label}, {speed * 1e3:g} mm/s"
             normal, dt = self._area.normal, self.robot.servo.control_dt
             path = circle_test(point, speed, radii=radii, normal=normal, dt=dt, name=name)
             task = {"position": label, "speed": speed, "radii": list(radii)}
-            return Motion(reference=cartesian_reference(self.arm, path), arm=self.arm, task=task)
+            return EpisodeMotion(reference=cartesian_reference(self.arm, path), arm=self.arm, task=task)
 
-        return self._cached((label, tuple(point), speed, radii), make)
+        return self._keep_motion((label, tuple(point), speed, radii), make)
 
     def _point(self, position: Position) -> tuple[str, Array]:
         """Label of a position and where it is [m]."""
@@ -116,12 +116,12 @@ def _pick(values: Sequence[Any], rng: np.random.Generator) -> Any:
 
 
 def _numbers(name: str, values: Any) -> tuple[float, ...]:
-    """Numbers from a sequence of them, or from one."""
+    """Return a sequence of numbers, or one number, as a tuple."""
     return tuple(check_shape(name, np.atleast_1d(values), (None,)).tolist())
 
 
 def _sequence(name: str, values: Any) -> tuple[Any, ...]:
-    """Positions from a sequence of them; one alone is a slip that would be read as its letters or coordinates."""
+    """Return a sequence of positions as a tuple; refuse one alone, which would be read as letters or coordinates."""
     if isinstance(values, np.ndarray):
         values = list(np.atleast_1d(values))
     single = isinstance(values, str) or not isinstance(values, Sequence)
@@ -133,7 +133,7 @@ def _sequence(name: str, values: Any) -> tuple[Any, ...]:
 class CirclePathVectorEnv(TrackingVectorEnv):
     """Six-axis robots on the circle test.
 
-    Keyword arguments are those of `CircleTasks` and of `ffgym.envs.Settings`.
+    Keyword arguments are those of `CircleTasks` and of `ffgym.envs.EnvSettings`.
     """
 
     tasks = CircleTasks
@@ -146,10 +146,10 @@ class CirclePathEnv(TrackingEnv):
 
 
 CONTROLLER = "irb4600_60_205_commissioned"
-"""What the controller of every workcell knows."""
+"""Nominal robot of every workcell's controller."""
 
 _ITS_OWN = ("robot", "plant", "randomization")
-"""Arguments of other environments that a workcell answers itself."""
+"""Arguments of other environments that a workcell sets itself."""
 
 
 class WorkcellCirclesVectorEnv(CirclePathVectorEnv):

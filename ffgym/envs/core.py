@@ -17,9 +17,9 @@ from ffgym.control.setpoints import interpolate_motion, interpolate_torque, serv
 from ffgym.core.errors import check_whole
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.envs.bank import MotionBank, path_error
-from ffgym.envs.motion import Columns, Motion
-from ffgym.envs.rewards import Reward, Signals, reward_of
-from ffgym.envs.settings import Settings
+from ffgym.envs.motion import EpisodeMotion, MotionColumns
+from ffgym.envs.rewards import Reward, RewardSignals, reward_of
+from ffgym.envs.settings import EnvSettings
 from ffgym.envs.start import Starts
 from ffgym.envs.tasks import MotorSensors, Observer, Tasks, Transition
 from ffgym.recordings import PHASE_KINDS
@@ -32,7 +32,7 @@ _PHASES = np.array(PHASE_KINDS)
 class TrackingCore:
     """B robots that track motions under their existing controller, with torque added by an agent."""
 
-    def __init__(self, tasks: Tasks, n: int, settings: Settings) -> None:
+    def __init__(self, tasks: Tasks, n: int, settings: EnvSettings) -> None:
         self.n = n = check_whole("num_envs", n, low=1)
         self.tasks, self.settings, self.robot = tasks, settings, tasks.robot
         robot = self.robot
@@ -45,7 +45,7 @@ class TrackingCore:
         self.observation_space: spaces.Box = spaces.Box(-BOUND, BOUND, shape=(layout.size,), dtype=np.float64)
         self.action_space: spaces.Box = spaces.Box(-1.0, 1.0, shape=(robot.n_joints,), dtype=np.float32)
         self.decision_dt = robot.servo.control_dt
-        self.columns = Columns(n_joints=robot.n_joints, has_tcp=robot.tool is not None)
+        self.columns = MotionColumns(n_joints=robot.n_joints, has_tcp=robot.tool is not None)
         self._width = max(layout.preview + 1, 2)
         self._fractions = np.arange(self.plant.n_substeps) / self.plant.n_substeps
         self._bank = MotionBank(n, self.columns, self._width, self.plant)
@@ -53,12 +53,12 @@ class TrackingCore:
             self._sites = self.plant.batch.bind("site_xpos")
             self._tcp_site = self.plant.model.site("tcp").id
         self.observers: list[Observer] = []
-        """Told of every episode that begins and of every control step, whatever layers are on top."""
+        """Observers, called when episodes begin and after every control step, whatever layers are on top."""
         self._sensors = MotorSensors(n, robot.n_joints, robot.servo.control_dt)
         self._start_over(n, robot.n_joints)
 
     def _start_over(self, n: int, n_joints: int) -> None:
-        """State before the first reset."""
+        """Set the state before the first reset."""
         self.step_index: IntArray = np.zeros(n, dtype=np.int64)
         """Control steps done in the episode, shape (B,)."""
         self._last_step: IntArray = np.zeros(n, dtype=np.int64)
@@ -72,11 +72,11 @@ class TrackingCore:
         self._touched = False
         self._running: BoolArray = np.zeros(n, dtype=np.bool_)
         self._in_step = True
-        """Whether the last step came to its end, so that engine and books agree."""
+        """True if the last step came to its end, so that engine and counters agree."""
 
     @property
-    def motions(self) -> Sequence[Motion | None]:
-        """What each sub-environment follows; None before its first reset."""
+    def motions(self) -> Sequence[EpisodeMotion | None]:
+        """Motion of each sub-environment; None before its first reset."""
         return self._bank.motions
 
     @property
@@ -86,7 +86,7 @@ class TrackingCore:
 
     @property
     def rows(self) -> Array:
-        """Rows of the motions at the present sample, shape (B, W); `columns` says what stands where."""
+        """Rows of the motions at the present sample, shape (B, W), by `columns`."""
         return self._window[:, 0]
 
     @property
@@ -99,12 +99,14 @@ class TrackingCore:
         recorder = self.settings.recorder
         if recorder is not None:
             recorder.claim(self)
+        # draw the episodes, and put the plant to their starts
         starts = self.starts.draw(ids, options)
         self.plant.become(ids, [start.machine for start in starts])
         references = [start.motion.reference for start in starts]
         self.plant.rest(np.stack([r.q[0] for r in references]), np.stack([r.dq[0] for r in references]), ids)
         self._touched = True
         self._rest(ids, [start.motion for start in starts])
+        # motion, length, reward and sensors of each episode
         for i, start in zip(ids, starts, strict=True):
             self._bank.assign(i, start.motion)
             self._last_step[i], self._rewards[i] = start.last_step, start.reward
@@ -113,6 +115,7 @@ class TrackingCore:
                 self._centre[i], self._normal[i] = start.motion.plane
         self._labels = np.array([str(motion.label) if motion else "" for motion in self.motions])
         self._one_reward = len({id(reward) for reward in self._rewards}) == 1
+        # first observation
         fresh = np.zeros(self.n, dtype=np.bool_)
         fresh[ids] = True
         self._look(fresh)
@@ -124,7 +127,7 @@ class TrackingCore:
 
     @contextmanager
     def all_or_nothing(self, ids: IntArray) -> Iterator[None]:
-        """Where a `reset` of sub-environments `ids` fails, leave physics and randomness as they were.
+        """Leave physics and randomness as they were if a `reset` of sub-environments `ids` fails.
 
         If it fails after the engine has begun the new episodes (in a layer, or by Ctrl-C), they wait for another reset.
         """
@@ -139,7 +142,7 @@ class TrackingCore:
                 self._running[ids] = False
             raise
 
-    def _rest(self, ids: IntArray, motions: Sequence[Motion]) -> None:
+    def _rest(self, ids: IntArray, motions: Sequence[EpisodeMotion]) -> None:
         """Put robots to the start of their motions, in equilibrium."""
         self._running, self._in_step = self.running, True
         self.step_index[ids], self.action[ids], self._running[ids] = 0, 0.0, True
@@ -155,7 +158,7 @@ class TrackingCore:
 
         Args:
             action: finite, shape (B, N); clipped to [-1, 1].
-            active: which sub-environments, all in the middle of an episode.
+            active: sub-environments to step, all in the middle of an episode.
 
         Raises:
             FFGymError: if a simulation becomes unstable.
@@ -163,13 +166,15 @@ class TrackingCore:
         if active is not None and active.all():
             active = None
         action = np.minimum(np.maximum(action, -1.0), 1.0)
-        self._in_step = False  # until engine and books agree again
+        # move, and count the step
+        self._in_step = False  # until engine and counters agree again
         self._move(action, None if active is None else np.flatnonzero(active))
         if active is None:
             self.action, self.step_index = action, self.step_index + 1
         else:
             self.action = np.where(active[:, None], action, self.action)
             self.step_index = self.step_index + active
+        # ends and reward
         self._look(active)
         terminated: BoolArray = np.abs(self.signals.error).max(axis=1) > self.settings.error_limit
         truncated: BoolArray = self.step_index >= self._last_step
@@ -181,6 +186,7 @@ class TrackingCore:
             self._running = self._running & ~done
             if self.settings.recorder is not None:
                 self.settings.recorder.end(self, np.flatnonzero(done))
+        # observers, which change nothing
         for observer in self.observers:
             observer.follow(np.arange(self.n) if active is None else np.flatnonzero(active))
         self._in_step = True
@@ -198,14 +204,16 @@ class TrackingCore:
             self.plant.batch.forward(ids, stage=_POSITIONS)
 
     def _controls(self, action: Array, ids: IntArray | None) -> Array:
-        """MuJoCo's controls at every physics step of one control step, shape (B', S, 3 N)."""
+        """Compute MuJoCo's controls at every physics step of one control step, shape (B', S, 3 N)."""
         at = self.columns
         rows, last = self._window, self.action
         if ids is not None:
             rows, last, action = rows[ids], last[ids], action[ids]
+        # feed-forward plus added torque at both ends of the step
         torque = rows[:, :2, at.feedforward].copy()
         torque[:, 0] += last * self.action_torque
         torque[:, 1] += action * self.action_torque
+        # set-points, kept or interpolated
         controls = self._bank.setpoints(self.step_index, ids)
         if controls is None:
             controls = np.empty((len(rows), self.plant.n_substeps, self.plant.model.nu))
@@ -216,15 +224,17 @@ class TrackingCore:
         return controls
 
     def _look(self, fresh: BoolArray | None) -> None:
-        """Take in the state after a step or a reset; sensors are sampled where it is `fresh`, None is everywhere."""
+        """Read the state after a step or a reset; sensors are sampled where it is `fresh`, None is everywhere."""
+        # error of the servos
         at = self.columns
         self._window = self._bank.window(self.step_index, self._width)
         now = self._window[:, 0]
         n, state = self.robot.n_joints, self.plant.servo_state()
         both = now[:, : 2 * n] - state[:, : 2 * n]
         error, error_rate = both[:, :n], both[:, n:]
+        # true signals, for rewards and info
         tcp = self._sites[:, self._tcp_site].copy() if at.has_tcp else None
-        self.signals = Signals(
+        self.signals = RewardSignals(
             error=error,
             error_rate=error_rate,
             feedback=servo_torque(self.robot.servo, error, error_rate, state[:, 2 * n :]),
@@ -232,6 +242,7 @@ class TrackingCore:
             tcp=tcp,
             path_error=None if tcp is None else path_error(tcp - self.tcp_offset, now, at, self._centre, self._normal),
         )
+        # error that sensors measure, for observations
         if self._sensors.exact:
             self._seen = (error, error_rate)
             return
@@ -239,16 +250,16 @@ class TrackingCore:
         self._seen = (now[:, at.position] - angle, now[:, at.velocity] - speed)
 
     def _observe(self) -> Array:
-        """Observations, shape (B, D)."""
+        """Encode observations, shape (B, D)."""
         window = self._window[:, : self.observation_layout.preview + 1, self.columns.reference]
         drive, at = self.robot.drive, self.columns
-        if drive.coupling is not None:  # laws divide by the own gear ratio, so other joints' share is taken off
+        if drive.coupling is not None:  # laws divide by the own gear ratio only
             window = window.copy()
             window[..., at.position] = drive.joint_angle(window[..., at.position]) * drive.gear_ratio
         return self.observation_layout.encode(*self._seen, self.action, window)
 
     def _reward(self, stopped: BoolArray) -> Array:
-        """Reward of the last step, shape (B,)."""
+        """Compute the reward of the last step, shape (B,)."""
         if self._one_reward:
             return self._rewards[0](self.signals, self.robot, stopped)
         rewards = {id(reward): reward for reward in self._rewards}
@@ -256,7 +267,7 @@ class TrackingCore:
         return np.array([each[id(reward)][i] for i, reward in enumerate(self._rewards)])
 
     def info(self) -> dict[str, Array]:
-        """What the machine and its simulation know beside the observation, each of shape (B, ...), copies."""
+        """Return signals of machine and simulation beside the observation, each of shape (B, ...), copies."""
         now, signals, at = self._window[:, 0], self.signals, self.columns
         out: dict[str, Array] = {
             "time": self.time,

@@ -1,6 +1,6 @@
-"""What an environment id stands for: its physics and its behaviour, as numbers that are kept with the version.
+"""Fingerprints of environment ids: their physics and behaviour as numbers that are kept with the version.
 
-A published result names an id. If what the id does changes, old results no longer compare with new ones, so that the
+A published result names an id. If its behaviour changes, old results no longer compare with new ones, so that the
 version must change too: `check` compares an environment with `fingerprints.json`.
 """
 
@@ -33,12 +33,12 @@ EPISODES: tuple[dict[str, Any], ...] = (
     {"error_limit": 1e-3},
     {"reward": "relative_path_error", "speed": 0.1},
 )
-"""Options of the episodes: defaults, every reward, a circle that is reached, and an emergency stop. What an environment
-does not offer is left out; seeds count from 0."""
+"""Options of the episodes: defaults, every reward, a circle that is reached, and an emergency stop. Options that an
+environment lacks are left out; seeds count from 0."""
 
 
 def fingerprint(name: str) -> dict[str, Any]:
-    """Fingerprint of a registered environment with its default arguments.
+    """Compute the fingerprint of a registered environment with its default arguments.
 
     Returns:
         `mujoco` (version), `model` (hash of the compiled model's numbers), `layout` (of the observation) and
@@ -55,7 +55,7 @@ def fingerprint(name: str) -> dict[str, Any]:
 
 
 def _episode(name: str, seed: int, options: dict[str, Any]) -> list[float]:
-    """Numbers along an episode: observations, sum of rewards, and everything in info."""
+    """Run an episode; return its numbers: observations, sum of rewards, and everything in info."""
     limit = {key: options.pop(key) for key in ("error_limit",) if key in options}
     env = gym.make(name, **limit).unwrapped
     core = env.core  # type: ignore[attr-defined]
@@ -63,21 +63,21 @@ def _episode(name: str, seed: int, options: dict[str, Any]) -> list[float]:
         return []
     known = {key: value for key, value in options.items() if key in ("reward", *core.tasks.option_names)}
     observation, info = env.reset(seed=seed, options=known)
-    numbers, total = _rounded(observation), 0.0
+    numbers, total = _round(observation), 0.0
     for action in np.random.default_rng(seed).uniform(-1, 1, size=(STEPS, core.robot.n_joints)):
         observation, reward, terminated, truncated, info = env.step(action)
         total += float(reward)
         if terminated or truncated:
             break
-    numbers += [*_rounded(observation), *_rounded(np.array([total]))]
+    numbers += [*_round(observation), *_round(np.array([total]))]
     return numbers + [
-        x for _, value in sorted(info.items()) if not isinstance(value, str | dict) for x in _rounded(value)
+        x for _, value in sorted(info.items()) if not isinstance(value, str | dict) for x in _round(value)
     ]
 
 
 def check(name: str) -> None:
-    """Check that an environment still is what its id stands for."""
-    kept = stored().get(name)
+    """Check that an environment still has the fingerprint of its id."""
+    kept = read_fingerprints().get(name)
     if kept is None:
         raise FFGymError(f"{name} has no stored fingerprint; run python -m scripts.env_fingerprints.")
     now = fingerprint(name)
@@ -96,21 +96,21 @@ def check(name: str) -> None:
 
 
 @cache
-def stored() -> dict[str, Any]:
-    """Fingerprints kept with the package, by id."""
+def read_fingerprints() -> dict[str, Any]:
+    """Read the fingerprints that are kept with the package, by id."""
     text = (resources.files("ffgym.envs") / "fingerprints.json").read_text(encoding="utf-8")
     kept: dict[str, Any] = json.loads(text)
     return kept
 
 
 def _model_hash(model: mujoco.MjModel) -> str:
-    """Hash of all numbers of a compiled model to DIGITS digits, 16 hexadecimal digits."""
+    """Hash all numbers of a compiled model to DIGITS digits; return 16 hexadecimal digits."""
     digest = hashlib.sha256()
     for name in sorted(batch.MODEL_FIELDS):
-        digest.update(f"{name} {_rounded(np.asarray(model_field(model, name)))}\n".encode())
+        digest.update(f"{name} {_round(np.asarray(model_field(model, name)))}\n".encode())
     return digest.hexdigest()[:16]
 
 
-def _rounded(values: Array) -> list[float]:
-    """Numbers to DIGITS significant digits; -0 is 0."""
+def _round(values: Array) -> list[float]:
+    """Round numbers to DIGITS significant digits; -0 becomes 0."""
     return [float(f"{x:.{DIGITS - 1}e}") + 0.0 for x in np.ravel(values).astype(np.float64).tolist()]

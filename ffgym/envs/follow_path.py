@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ffgym.core.errors import FFGymError
-from ffgym.envs.motion import Motion
+from ffgym.envs.motion import EpisodeMotion
 from ffgym.envs.single import TrackingEnv
 from ffgym.envs.tasks import Tasks, check_not_empty
 from ffgym.envs.vector import TrackingVectorEnv
@@ -19,14 +19,14 @@ Source = str | Path | Reference
 """Name of a built-in motion, path to a file that `ffgym.paths.motions.load_motion` reads, or a reference."""
 
 ROBOT = "irb4600_60_205"
-"""Robot where neither one nor a reference that brings one is given."""
+"""Robot if neither a robot nor a reference, which has one, is given."""
 
 
 class PathTasks(Tasks):
     """Motions that were made before; each episode follows one of them.
 
     Args:
-        robot: what the controller knows: a description, a built-in name, or a path to a description ending in .toml;
+        robot: the controller's nominal robot: a description, a built-in name, or a path to a description ending in .toml;
             None takes that of the first reference among `path`, or the built-in six-axis robot.
         path: name of a built-in motion, file of a motion, `Reference`, or a list of these, one of which is drawn for
             each episode. A file may bring its own tool, which then is the robot's.
@@ -43,27 +43,27 @@ class PathTasks(Tasks):
         references = [_reference(arm, source) for source in sources]
         super().__init__(references[0].robot)
         self._plain = arm
-        """Of the robot as it was given, which files of motions are made for."""
+        """Model of the robot as it was given, for files of motions."""
         self._fingerprint = _fingerprint(self.robot)
         self._sources = sources
         for source, reference in zip(sources, references, strict=True):
-            self._made(source, reference)  # complain now, not in the middle of a training
+            self._make_motion(source, reference)  # refuse now, not in the middle of a training
 
-    def draw(self, rng: np.random.Generator, options: Mapping[str, Any]) -> Motion:
-        """See base class; `path` may be any motion that the keyword takes."""
+    def draw(self, rng: np.random.Generator, options: Mapping[str, Any]) -> EpisodeMotion:
+        """Draw one of the motions; the option `path` may be any motion that the keyword takes."""
         if "path" in options:
             sources = _sources(options["path"])
             if len(sources) != 1:
                 raise FFGymError(f"path = {options['path']!r} must be one motion: an episode follows one.")
-            return self._made(sources[0])
-        return self._made(self._sources[int(rng.integers(len(self._sources)))])
+            return self._make_motion(sources[0])
+        return self._make_motion(self._sources[int(rng.integers(len(self._sources)))])
 
-    def listed(self) -> list[dict[str, Any]]:
-        """See base class: every motion."""
+    def list_options(self) -> list[dict[str, Any]]:
+        """List every motion."""
         return [{"path": source} for source in self._sources]
 
-    def _made(self, source: Source, reference: Reference | None = None) -> Motion:
-        def make() -> Motion:
+    def _make_motion(self, source: Source, reference: Reference | None = None) -> EpisodeMotion:
+        def make() -> EpisodeMotion:
             made = _reference(self._plain, source) if reference is None else reference
             if made.robot is not self.robot and _fingerprint(made.robot) != self._fingerprint:
                 raise FFGymError(
@@ -72,13 +72,13 @@ class PathTasks(Tasks):
                     f"environment of its own."
                 )
             task = {"path": made.name if isinstance(source, Reference) else str(source)}
-            return Motion(reference=made, arm=self.arm, task=task, in_space=True)
+            return EpisodeMotion(reference=made, arm=self.arm, task=task, in_space=True)
 
-        return self._cached(id(source) if isinstance(source, Reference) else str(source), make)
+        return self._keep_motion(id(source) if isinstance(source, Reference) else str(source), make)
 
 
 def _sources(path: Any) -> tuple[Source, ...]:
-    """Motions from one of them, or from a sequence."""
+    """Return one motion, or a sequence of them, as a tuple."""
     listed = path if isinstance(path, list | tuple) else [path]
     for source in listed:
         if not isinstance(source, str | Path | Reference):
@@ -99,7 +99,7 @@ def _fingerprint(robot: RobotDescription) -> str:
 class FollowPathVectorEnv(TrackingVectorEnv):
     """Robots of any kind on motions of any kind.
 
-    Keyword arguments are those of `PathTasks` and of `ffgym.envs.Settings`.
+    Keyword arguments are those of `PathTasks` and of `ffgym.envs.EnvSettings`.
     """
 
     tasks = PathTasks

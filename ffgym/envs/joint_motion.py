@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ffgym.core.errors import FFGymError, check_number, check_shape
-from ffgym.envs.motion import Motion
+from ffgym.envs.motion import EpisodeMotion
 from ffgym.envs.single import TrackingEnv
 from ffgym.envs.tasks import Tasks
 from ffgym.envs.vector import TrackingVectorEnv
@@ -23,9 +23,9 @@ class RandomTasks(Tasks):
     """Random multisines; each episode has its own, and each joint its own peak speed.
 
     Args:
-        robot: what the controller knows: a description, a built-in name, or a path to a description ending in .toml.
-        duration: of an episode [s].
-        peak_speeds: range of the largest speed of each joint, motor side [rad/s], without what couplings add; drawn
+        robot: the controller's nominal robot: a description, a built-in name, or a path to a description ending in .toml.
+        duration: length of an episode [s].
+        peak_speeds: range of the largest speed of each joint, motor side [rad/s], without the share of couplings; drawn
             log-uniformly.
         spread: the centre of the motion is drawn within +- this of the home pose, link side [rad or m].
     """
@@ -47,10 +47,10 @@ class RandomTasks(Tasks):
             raise FFGymError(f"peak_speeds = ({low}, {high}) rad/s must be 0 < low <= high.")
         self._peak_speeds = (low, high)
         self._spread = check_number("spread", spread, unit="rad", low=0.0)
-        self.draw(np.random.default_rng(0), {})  # complain now, not in the middle of a training
+        self.draw(np.random.default_rng(0), {})  # refuse now, not in the middle of a training
 
-    def draw(self, rng: np.random.Generator, options: Mapping[str, Any]) -> Motion:
-        """See base class; the order of draws is centre, peak speeds, sines."""
+    def draw(self, rng: np.random.Generator, options: Mapping[str, Any]) -> EpisodeMotion:
+        """Draw a multisine: centre, peak speeds, then sines."""
         n, kinematics = self.robot.n_joints, self.robot.kinematics
         home = np.zeros(n) if self.robot.work_area is None else self.robot.work_area.home
         centre = home + rng.uniform(-self._spread, self._spread, size=n)
@@ -58,6 +58,7 @@ class RandomTasks(Tasks):
         middle, half = kinematics.range.mean(axis=1), np.diff(kinematics.range, axis=1)[:, 0] / 2
         low, high = middle - 0.8 * half, middle + 0.8 * half  # leaves room for the motion about its centre
         centre = np.clip(centre, low, high)
+        # centre and peak speeds that options fix
         if "centre" in options:
             centre = check_shape("centre", options["centre"], (n,))
             if np.any((centre < low) | (centre > high)):
@@ -66,7 +67,7 @@ class RandomTasks(Tasks):
                 )
         if "peak_speed" in options:
             speed = options["peak_speed"]
-            with suppress(ValueError):  # then check_shape says what is wrong
+            with suppress(ValueError):  # then check_shape names the mistake
                 speed = np.broadcast_to(speed, n)
             speed = check_shape("peak_speed", speed, (n,))
             if np.any(speed < 0):
@@ -74,13 +75,13 @@ class RandomTasks(Tasks):
         joint_speed = speed / np.abs(self.robot.drive.gear_ratio)
         path = random_multisine(rng, centre, joint_speed, self._duration, dt=self.robot.servo.control_dt)
         task = {"centre": centre.tolist(), "peak_speed": speed.tolist()}
-        return Motion(reference=joint_reference(self.robot, path), arm=self.arm, task=task)
+        return EpisodeMotion(reference=joint_reference(self.robot, path), arm=self.arm, task=task)
 
 
 class JointMotionVectorEnv(TrackingVectorEnv):
     """Robots on random smooth joint motions, a new one for each episode.
 
-    Keyword arguments are those of `RandomTasks` and of `ffgym.envs.Settings`.
+    Keyword arguments are those of `RandomTasks` and of `ffgym.envs.EnvSettings`.
     """
 
     tasks = RandomTasks

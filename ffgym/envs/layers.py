@@ -1,4 +1,4 @@
-"""What stands between agent and robot: residuals on a base, history, filters, a slower decision rate.
+"""Layers between agent and robot: residuals on a base, history, filters, a slower decision rate.
 
 Layers are given as `layers=(innermost, ..., outermost)` to `gym.make` and `gym.make_vec` alike. They live inside the
 environment, below the automatic reset: each is written once, for a batch, and works the same in the single and the
@@ -18,42 +18,42 @@ from ffgym.control import Agent, FeedForwardLaw
 from ffgym.core.errors import FFGymError, check_number, check_shape, check_whole
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.envs.core import TrackingCore
-from ffgym.envs.motion import Motion
-from ffgym.envs.tasks import KEPT, Stage, Transition
+from ffgym.envs.motion import EpisodeMotion
+from ffgym.envs.tasks import KEPT, EngineStage, Transition
 
 
 class Layer(ABC):
     """Description of a layer; `over` builds it."""
 
     @abstractmethod
-    def over(self, inner: Stage, core: TrackingCore) -> Stage:
-        """The layer on top of `inner`, whose lowest stage is `core`."""
+    def over(self, inner: EngineStage, core: TrackingCore) -> EngineStage:
+        """Build the layer on top of `inner`, whose lowest stage is `core`."""
 
 
-class Passing:
+class PassThroughStage:
     """A stage that changes nothing, to derive from."""
 
-    def __init__(self, inner: Stage, core: TrackingCore) -> None:
+    def __init__(self, inner: EngineStage, core: TrackingCore) -> None:
         self.inner, self.core = inner, core
         self.observation_space, self.action_space = inner.observation_space, inner.action_space
         self.decision_dt = inner.decision_dt
 
     def reset(self, ids: IntArray, options: Sequence[Mapping[str, Any]]) -> Array:
-        """See `Stage`."""
+        """Begin episodes below."""
         return self.inner.reset(ids, options)
 
     def step(self, action: Array, active: BoolArray | None = None) -> Transition:
-        """See `Stage`."""
+        """Step below."""
         return self.inner.step(action, active)
 
 
-def stacked(core: TrackingCore, layers: Sequence[Layer]) -> Stage:
-    """The engine with layers on top, the first one lowest.
+def stack_layers(core: TrackingCore, layers: Sequence[Layer]) -> EngineStage:
+    """Stack layers on the engine, the first one lowest.
 
     Raises:
         FFGymError: if one of them is no layer, or does not fit the one below.
     """
-    stage: Stage = core
+    stage: EngineStage = core
     for layer in layers:
         if not isinstance(layer, Layer):
             raise FFGymError(f"layers must hold layers of ffgym.envs such as History(8), got {layer!r}.")
@@ -74,13 +74,13 @@ class History(Layer):
     def __post_init__(self) -> None:
         object.__setattr__(self, "length", check_whole("history length", self.length, low=1))
 
-    def over(self, inner: Stage, core: TrackingCore) -> Stage:
-        """See base class."""
+    def over(self, inner: EngineStage, core: TrackingCore) -> EngineStage:
+        """Build the stage that keeps past observations."""
         return _HistoryStage(inner, core, self.length)
 
 
-class _HistoryStage(Passing):
-    def __init__(self, inner: Stage, core: TrackingCore, length: int) -> None:
+class _HistoryStage(PassThroughStage):
+    def __init__(self, inner: EngineStage, core: TrackingCore, length: int) -> None:
         super().__init__(inner, core)
         box = inner.observation_space
         low, high = np.tile(box.low, length), np.tile(box.high, length)
@@ -105,22 +105,22 @@ class _HistoryStage(Passing):
 
 @final
 @dataclass(frozen=True)
-class LowPass(Layer):
+class LowPassAction(Layer):
     """First-order low-pass filter on the action; it starts at zero."""
 
     cutoff: float
-    """[Hz]."""
+    """Cut-off frequency [Hz]."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "cutoff", check_number("cutoff", self.cutoff, unit="Hz", low=0.0, open_low=True))
 
-    def over(self, inner: Stage, core: TrackingCore) -> Stage:
-        """See base class."""
+    def over(self, inner: EngineStage, core: TrackingCore) -> EngineStage:
+        """Build the stage that filters actions."""
         return _LowPassStage(inner, core, 1 - np.exp(-2 * np.pi * self.cutoff * inner.decision_dt))
 
 
-class _LowPassStage(Passing):
-    def __init__(self, inner: Stage, core: TrackingCore, share: float) -> None:
+class _LowPassStage(PassThroughStage):
+    def __init__(self, inner: EngineStage, core: TrackingCore, share: float) -> None:
         super().__init__(inner, core)
         self._share = share
         self._filtered = np.zeros((core.n, inner.action_space.shape[0]))
@@ -146,13 +146,13 @@ class Hold(Layer):
     def __post_init__(self) -> None:
         object.__setattr__(self, "steps", check_whole("held steps", self.steps, unit="control steps", low=1))
 
-    def over(self, inner: Stage, core: TrackingCore) -> Stage:
-        """See base class."""
+    def over(self, inner: EngineStage, core: TrackingCore) -> EngineStage:
+        """Build the stage that holds actions."""
         return _HoldStage(inner, core, self.steps)
 
 
-class _HoldStage(Passing):
-    def __init__(self, inner: Stage, core: TrackingCore, steps: int) -> None:
+class _HoldStage(PassThroughStage):
+    def __init__(self, inner: EngineStage, core: TrackingCore, steps: int) -> None:
         super().__init__(inner, core)
         self._steps = steps
         self.decision_dt = steps * inner.decision_dt
@@ -176,8 +176,8 @@ class _HoldStage(Passing):
 
 @final
 @dataclass(frozen=True, eq=False)
-class Residual(Layer):
-    """The agent's action is added to that of a base: a feed-forward law, or any agent with SB3's `predict`.
+class ResidualAction(Layer):
+    """Sum of the agent's action and that of a base: a feed-forward law, or any agent with SB3's `predict`.
 
     A law computes its torque from the whole reference, as in `ffgym.simulation`; an agent sees the observations of the
     stage below. The sum is clipped to [-1, 1].
@@ -187,7 +187,7 @@ class Residual(Layer):
     scale: float = 1.0
     """Share of an action of 1 that the agent may add."""
     deterministic: bool = True
-    """Whether an agent as base acts without exploration noise."""
+    """True if an agent as base acts without exploration noise."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "scale", check_number("residual scale", self.scale, low=0.0))
@@ -196,21 +196,21 @@ class Residual(Layer):
                 f"The base of a residual must be a feed-forward law or have a method predict, got {self.base!r}."
             )
 
-    def over(self, inner: Stage, core: TrackingCore) -> Stage:
-        """See base class."""
+    def over(self, inner: EngineStage, core: TrackingCore) -> EngineStage:
+        """Build the stage that adds actions to those of the base."""
         if isinstance(self.base, FeedForwardLaw):
             return _ResidualLawStage(inner, core, self.base, self.scale)
         return _ResidualAgentStage(inner, core, self)
 
 
-class _ResidualLawStage(Passing):
-    def __init__(self, inner: Stage, core: TrackingCore, law: FeedForwardLaw, scale: float) -> None:
+class _ResidualLawStage(PassThroughStage):
+    def __init__(self, inner: EngineStage, core: TrackingCore, law: FeedForwardLaw, scale: float) -> None:
         super().__init__(inner, core)
         if inner.decision_dt != core.robot.servo.control_dt:
-            raise FFGymError("A feed-forward law acts at every control step; put Residual below Hold.")
+            raise FFGymError("A feed-forward law acts at every control step; put ResidualAction below Hold.")
         self._law, self._scale = law, scale
         self._torques: list[Array] = [np.zeros((0, 0))] * core.n
-        self._known: dict[int, tuple[Motion, Array]] = {}
+        self._known: dict[int, tuple[EpisodeMotion, Array]] = {}
 
     def reset(self, ids: IntArray, options: Sequence[Mapping[str, Any]]) -> Array:
         observation = self.inner.reset(ids, options)
@@ -220,8 +220,8 @@ class _ResidualLawStage(Passing):
             self._torques[i] = self._along(motion)
         return observation
 
-    def _along(self, motion: Motion) -> Array:
-        """Actions of the law along a motion, (T, N); kept, as many episodes share a motion."""
+    def _along(self, motion: EpisodeMotion) -> Array:
+        """Compute the actions of the law along a motion, (T, N); kept, as many episodes share a motion."""
         if id(motion) not in self._known:
             if len(self._known) >= KEPT:
                 self._known.clear()
@@ -236,8 +236,8 @@ class _ResidualLawStage(Passing):
         return self.inner.step(base + self._scale * np.clip(action, -1.0, 1.0), active)
 
 
-class _ResidualAgentStage(Passing):
-    def __init__(self, inner: Stage, core: TrackingCore, layer: Residual) -> None:
+class _ResidualAgentStage(PassThroughStage):
+    def __init__(self, inner: EngineStage, core: TrackingCore, layer: ResidualAction) -> None:
         super().__init__(inner, core)
         self._layer = layer
         self._memory: Any = None
@@ -251,7 +251,7 @@ class _ResidualAgentStage(Passing):
 
     def step(self, action: Array, active: BoolArray | None = None) -> Transition:
         layer = self._layer
-        assert isinstance(layer.base, Agent)  # Residual.over chose this stage for it
+        assert isinstance(layer.base, Agent)  # ResidualAction.over chose this stage for it
         base, self._memory = layer.base.predict(
             self._observation.copy(), self._memory, self._starts.copy(), deterministic=layer.deterministic
         )

@@ -1,4 +1,4 @@
-"""Machines and rigs by name: what `plant=` may be, and the door to the workcell, through which no truth comes out."""
+"""Machines and rigs by name, as for `plant=`, and access to workcells, which keeps their truth shut away."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -37,28 +37,28 @@ if TYPE_CHECKING:  # loaded with the first workcell or rig
     from ffgym.workcell import Workcell
 
 WORKCELL = "workcell:"
-"""What names of workcells begin with."""
+"""Prefix of the names of workcells."""
 
 
 def is_workcell(name: str | Path) -> bool:
-    """Whether a name is that of a workcell."""
+    """Check if a name is that of a workcell."""
     return str(name).startswith(WORKCELL)
 
 
-def described_robot(name: str) -> RobotDescription:
-    """The built-in robot of a name, or that of a description's path, for what needs a description."""
+def load_described_robot(name: str) -> RobotDescription:
+    """Load a built-in robot or a description; refuse a workcell, which has none."""
     if is_workcell(name):
         from ffgym.envs.circle_path import CONTROLLER
 
         raise FFGymError(
             f"{name} has no description: nothing of it is known but what it measures (ffgym simulate, ffgym record). "
-            f"What its controller knows is {CONTROLLER}; give that, or another robot."
+            f"The nominal robot of its controller is {CONTROLLER}; give that, or another robot."
         )
     return load_robot(name)
 
 
 def workcell_named(name: str) -> "Workcell":
-    """The workcell called workcell:<name>, or workcell:<seed> for one that is drawn."""
+    """Return the workcell workcell:<name>, or draw one for workcell:<seed>."""
     from ffgym.workcell import INSTANCES, draw, workcell
 
     short = name.removeprefix(WORKCELL)
@@ -73,16 +73,16 @@ def workcell_named(name: str) -> "Workcell":
 def rig_of(
     name: str | Path, *, options: ModelOptions | None = None, sensors: "Sequence[Sensor] | None" = None
 ) -> "Rig":
-    """Where to run motions.
+    """Make a rig by name, to run motions on.
 
     Args:
         name: workcell:<name or seed>; a machine file; or a built-in robot, or a path to a description: that robot, as
             its own plant.
-        options: what to leave out of a simulated robot.
-        sensors: what measures on a simulated robot; none gives the exact state.
+        options: parts to leave out of a simulated robot.
+        sensors: sensors of a simulated robot; none gives the exact state.
 
     Raises:
-        FFGymError: if there is none of that name, or something is to be changed about a workcell.
+        FFGymError: if there is no rig of that name, or options or sensors are given for a workcell.
     """
     from ffgym.simulation import SimulatedRig
     from ffgym.simulation.plant import load_machine

@@ -27,18 +27,18 @@ _ID = re.compile(r"([-_\w][-_\w/]*/)?[-_\w]+-v\d+")
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Episode:
-    """One episode of T steps, and what makes it again: reset with `seed` and `options`, then step `actions`."""
+    """One episode of T steps; it is repeated by a reset with `seed` and `options` and steps of `actions`."""
 
     seed: int
     options: dict[str, Any]
     task: dict[str, Any]
     """The motion that was followed, e.g. position, speed and radii."""
     fingerprint: str
-    """Of the simulated physics."""
+    """Fingerprint of the simulated physics."""
     observations: Array
     """Shape (T + 1, D); the first is that of the reset."""
     actions: Array
-    """As applied, within the action space and of its type, shape (T, N)."""
+    """Applied actions, within the action space and of its type, shape (T, N)."""
     rewards: Array
     """Shape (T,)."""
     terminations: BoolArray
@@ -46,7 +46,7 @@ class Episode:
     truncations: BoolArray
     """End of the motion or of the horizon, shape (T,)."""
     infos: dict[str, Array]
-    """Entries of info that were asked for, shape (T + 1, ...) each."""
+    """Chosen entries of info, shape (T + 1, ...) each."""
 
 
 def collect(
@@ -66,7 +66,7 @@ def collect(
         agent: anything with the `predict` of stable-baselines3; None adds no torque.
         n_episodes: number of episodes.
         seed: episode k is reset with seed + k.
-        options: of every reset.
+        options: options of every reset.
         info_keys: entries of info to keep at every step, e.g. ('path_error', 'u_p').
         deterministic: passed on to `predict`.
 
@@ -131,14 +131,14 @@ def write_dataset(
     """Write episodes into the folder MINARI_DATASETS_PATH (or Minari's own), and return the `MinariDataset`.
 
     Metadata of an episode are its seed, options, task and physics fingerprint; those of the data set are the versions
-    of all that made it, and `requirements` by which Minari warns when the environment is recovered with others.
+    of all packages behind it, and `requirements` by which Minari warns when the environment is recovered with others.
 
     Args:
         dataset_id: e.g. 'ffgym/circle-path/zero-v0'.
-        env: where the episodes come from.
-        episodes: from `collect`.
+        env: environment of the episodes.
+        episodes: episodes from `collect`.
         recoverable: keep the arguments of the environment, so that `dataset.recover_environment()` makes it again.
-        about: passed on to Minari: algorithm_name, author, author_email, code_permalink, description, ...
+        about: arguments passed on to Minari: algorithm_name, author, author_email, code_permalink, description, ...
 
     Raises:
         FFGymError: if Minari is not installed, the id is not valid or taken, or something cannot be written.
@@ -193,7 +193,7 @@ def write_dataset(
 
 
 def _check_dataset(dataset_id: str, env: gym.Env[Array, Array], episodes: Sequence[Episode], recoverable: bool) -> None:
-    """Refuse what Minari would refuse in the middle of writing."""
+    """Refuse arguments that Minari would refuse in the middle of writing."""
     if not _ID.fullmatch(dataset_id):
         raise FFGymError(f"dataset_id = {dataset_id!r} must be namespace/name-v0 or name-v0, e.g. 'ffgym/circle-v0'.")
     if not episodes:
@@ -212,12 +212,12 @@ def _check_dataset(dataset_id: str, env: gym.Env[Array, Array], episodes: Sequen
         if not _is_plain(value):
             raise FFGymError(
                 f"The argument {name} = {value!r} of the environment has no written form. Use numbers and text only, "
-                f"or pass recoverable=False for a data set that does not know its environment."
+                f"or pass recoverable=False for a data set without its environment."
             )
 
 
 def _is_plain(value: Any) -> bool:
-    """Whether JSON gives a value back as it was, but for tuples; dataclasses would silently come back as dicts."""
+    """Check that JSON preserves a value, but for tuples; dataclasses would silently come back as dicts."""
     if isinstance(value, list | tuple):
         return all(_is_plain(item) for item in value)
     return value is None or isinstance(value, str | bool | int | float)

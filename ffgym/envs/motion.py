@@ -1,4 +1,4 @@
-"""One episode's motion: a reference, and everything about it that is looked up at every control step."""
+"""Motion of an episode: a reference, and the rows of it that are looked up at every control step."""
 
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -23,7 +23,7 @@ roundness that `metrics.fit_circle` asks of a circle."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Columns:
+class MotionColumns:
     """Columns of a motion's rows; N joints, motor side unless said otherwise."""
 
     n_joints: int
@@ -42,7 +42,7 @@ class Columns:
     phase: int = field(init=False)
     """Index in PHASE_KINDS."""
     circle: int = field(init=False)
-    """Which circle of the motion, from 0, with its leads; -1 between circles."""
+    """Number of the circle in the motion, from 0, with its leads; -1 between circles."""
     radius: int = field(init=False)
     """Radius [m] on a circle, 0 elsewhere."""
     tcp: slice = field(init=False)
@@ -78,16 +78,16 @@ class Columns:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Motion:
-    """What one episode follows."""
+class EpisodeMotion:
+    """Motion that one episode follows."""
 
     reference: Reference
     arm: RigidArm
-    """Rigid dynamics of the robot that the controller knows."""
+    """Rigid dynamics of the controller's nominal robot."""
     task: dict[str, Any]
-    """What was asked for, e.g. position, speed and radii."""
+    """Options that define it, e.g. position, speed and radii."""
     in_space: bool = False
-    """Whether deviations from circles count in space, like those from any path, and not in the plane of the circles."""
+    """True: deviations from circles count in space, like those from any path. False: in the plane of the circles."""
 
     @property
     def name(self) -> str:
@@ -96,7 +96,7 @@ class Motion:
 
     @property
     def label(self) -> str:
-        """What is followed, in words: its name, and the radii of its circles."""
+        """Name of the motion with the radii of its circles."""
         radii = self.task.get("radii")
         return self.name if radii is None else f"{self.name}, {' '.join(f'{radius * 1e3:g}' for radius in radii)} mm"
 
@@ -106,10 +106,10 @@ class Motion:
         return len(self.reference.t) - 1
 
     @cached_property
-    def columns(self) -> Columns:
-        """Where the quantities stand in `rows`."""
+    def columns(self) -> MotionColumns:
+        """Columns of `rows`."""
         robot = self.reference.robot
-        return Columns(n_joints=robot.n_joints, has_tcp=robot.tool is not None)
+        return MotionColumns(n_joints=robot.n_joints, has_tcp=robot.tool is not None)
 
     @cached_property
     def plane(self) -> tuple[Array, Array]:
@@ -128,11 +128,11 @@ class Motion:
 
     @cached_property
     def _circles(self) -> dict[Phase, Circle | None]:
-        """Circles of the phases that are called so."""
+        """Circles of the phases of that kind."""
         return {phase: self._circle(phase) for phase in self.reference.phases if phase.kind == "circle"}
 
     def _circle(self, phase: Phase) -> Circle | None:
-        """Circle of a phase; None if it is none, as a program's whose ends are rounded, which only counts in space."""
+        """Fit the circle of a phase; None if its ends are rounded, as in a program, and deviations count in space."""
         try:
             return fit_circle(self.arm.tcp_position(self.reference.q[self._within(phase)]))
         except FFGymError:
@@ -141,11 +141,11 @@ class Motion:
             raise
 
     def _within(self, phase: Phase) -> BoolArray:
-        """Samples of a phase, shape (T,)."""
+        """Mark the samples of a phase, shape (T,)."""
         return (self.reference.t >= phase.start) & (self.reference.t < phase.end)
 
     def rows(self, padding: int) -> Array:
-        """One row per sample, and the last one `padding` times more; shape (T + padding, W)."""
+        """Compute one row per sample, and copy the last one `padding` times; shape (T + padding, W)."""
         reference, at = self.reference, self.columns
         rows = np.zeros((len(reference.t), at.width))
         rows[:, at.position] = reference.motor_q
@@ -161,6 +161,7 @@ class Motion:
         return np.pad(rows, ((0, padding), (0, 0)), mode="edge")
 
     def _write_phases(self, rows: Array) -> None:
+        """Write phase, number of the circle and radius into rows."""
         reference, at = self.reference, self.columns
         rows[:, at.phase] = PHASE_KINDS.index("motion")
         rows[:, at.circle] = -1.0
@@ -180,14 +181,14 @@ class Motion:
 
 
 def _directions(points: Array) -> Array:
-    """Unit direction of motion at each of the points (T, 3) [m], zero where they rest."""
+    """Compute the unit direction of motion at each of the points (T, 3) [m], zero where they rest."""
     step = np.gradient(points, axis=0)
     length = np.linalg.norm(step, axis=1, keepdims=True)
     return np.divide(step, length, out=np.zeros_like(step), where=length > 1e-9)
 
 
 def _bends(points: Array, dt: float) -> Array:
-    """Curvature [1/m] at each of the points (T, 3) [m], sampled every `dt` [s]; zero where they are slow."""
+    """Compute the curvature [1/m] at points (T, 3) [m], sampled every `dt` [s]; zero where they are slow."""
     velocity = np.gradient(points, dt, axis=0)
     square = (velocity**2).sum(axis=1, keepdims=True)
     acceleration = np.zeros_like(points)

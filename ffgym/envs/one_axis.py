@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ffgym.core.errors import check_number, check_shape
-from ffgym.envs.motion import Motion
+from ffgym.envs.motion import EpisodeMotion
 from ffgym.envs.single import TrackingEnv
 from ffgym.envs.tasks import Tasks, check_not_empty
 from ffgym.envs.vector import TrackingVectorEnv
@@ -19,11 +19,11 @@ class SineTasks(Tasks):
     """Sines of one joint.
 
     Args:
-        robot: what the controller knows: a description, a built-in name, or a path to a description ending in .toml,
+        robot: the controller's nominal robot: a description, a built-in name, or a path to a description ending in .toml,
             with one joint.
-        frequencies: [Hz], one is drawn for each episode; the thesis has 1 and 3.
-        amplitude: of the motor [rad].
-        duration: of an episode [s].
+        frequencies: frequencies [Hz], one is drawn for each episode; the thesis has 1 and 3.
+        amplitude: amplitude of the motor [rad].
+        duration: length of an episode [s].
     """
 
     option_names = ("frequency", "amplitude")
@@ -41,32 +41,34 @@ class SineTasks(Tasks):
         self._frequencies = check_not_empty("frequencies", values, "1.0 Hz")
         self._amplitude = check_number("amplitude", amplitude, unit="rad")
         self._duration = check_number("duration", duration, unit="s", low=0.0, open_low=True)
-        for task in self.listed():
-            self.draw(np.random.default_rng(0), task)  # complain now, not in the middle of a training
+        for task in self.list_options():
+            self.draw(np.random.default_rng(0), task)  # refuse now, not in the middle of a training
 
-    def draw(self, rng: np.random.Generator, options: Mapping[str, Any]) -> Motion:
-        """See base class; only the frequency is drawn."""
+    def draw(self, rng: np.random.Generator, options: Mapping[str, Any]) -> EpisodeMotion:
+        """Draw the frequency of a sine."""
         chosen = (
             options["frequency"] if "frequency" in options else self._frequencies[rng.integers(len(self._frequencies))]
         )
         frequency = check_number("frequency", chosen, unit="Hz", low=0.0, open_low=True)
         amplitude = check_number("amplitude", options.get("amplitude", self._amplitude), unit="rad")
 
-        def make() -> Motion:
+        def make() -> EpisodeMotion:
             reference = sine_reference(self.robot, frequency, amplitude, self._duration)
-            return Motion(reference=reference, arm=self.arm, task={"frequency": frequency, "amplitude": amplitude})
+            return EpisodeMotion(
+                reference=reference, arm=self.arm, task={"frequency": frequency, "amplitude": amplitude}
+            )
 
-        return self._cached((frequency, amplitude), make)
+        return self._keep_motion((frequency, amplitude), make)
 
-    def listed(self) -> list[dict[str, Any]]:
-        """See base class: every frequency."""
+    def list_options(self) -> list[dict[str, Any]]:
+        """List every frequency."""
         return [{"frequency": frequency} for frequency in self._frequencies]
 
 
 class OneAxisVectorEnv(TrackingVectorEnv):
     """One-axis robots that follow a sine.
 
-    Keyword arguments are those of `SineTasks` and of `ffgym.envs.Settings`.
+    Keyword arguments are those of `SineTasks` and of `ffgym.envs.EnvSettings`.
     """
 
     tasks = SineTasks

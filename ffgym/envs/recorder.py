@@ -22,10 +22,10 @@ class EpisodeRecorder:
 
     Args:
         record_dt: sample time [s]; a multiple of the physics step that divides the control step.
-        sensors: models of what is measured; none gives the exact state.
-        seed: of the sensors' noise.
-        keep: how many of the last episodes are kept; None keeps all (10 MB for the longest circle test).
-        on_episode: called with each recording when its episode ends, e.g. to write it to a file.
+        sensors: models of the sensors; none gives the exact state.
+        seed: seed of the sensors' noise.
+        keep: number of the last episodes to keep; None keeps all (10 MB for the longest circle test).
+        on_episode: function that is called with each recording when its episode ends, e.g. to write it to a file.
     """
 
     def __init__(
@@ -63,7 +63,7 @@ class EpisodeRecorder:
         self._owner = core
 
     def begin(self, core: "TrackingCore", ids: IntArray) -> None:
-        """Begin the episodes of sub-environments `ids`; what they had before and did not finish is dropped."""
+        """Begin the episodes of sub-environments `ids`; unfinished ones of theirs are dropped."""
         engine = core.plant.batch
         for i in ids.tolist():
             rows = slice(i, i + 1)
@@ -88,7 +88,7 @@ class EpisodeRecorder:
                 self._on_episode(recording)
 
     def recording(self, core: "TrackingCore", i: int) -> Recording:
-        """The episode of sub-environment `i` as far as it has come."""
+        """Make the recording of the episode of sub-environment `i` up to now."""
         motion = core.motions[i]
         assert motion is not None  # an episode has begun
         plant = core.plant

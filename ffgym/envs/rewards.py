@@ -18,8 +18,8 @@ is so far out that under the default reward no standard motion costs as much, so
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Signals:
-    """What happened in a control step, at its end, in B sub-environments; motor side."""
+class RewardSignals:
+    """Signals at the end of a control step, in B sub-environments; motor side."""
 
     error: Array
     """True position error [rad], shape (B, N)."""
@@ -40,26 +40,26 @@ class Reward(ABC):
     """Minus a cost, minus a weight on the added torque, minus the price of an emergency stop."""
 
     effort_weight: float = 0.0
-    """Cost of an applied action of 1 on every joint, that of a base below included; it grows with the square."""
+    """Cost of an applied action of 1 on every joint, with that of a base below; it grows with the square."""
     stop_steps: int = STOP_STEPS
     """Price of an emergency stop, in steps at the cost at which it happened."""
     name: ClassVar[str]
     privileged: ClassVar[bool] = False
-    """Whether it uses what no robot measures by itself."""
+    """True if it uses signals that no robot measures by itself."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "effort_weight", check_number("effort_weight", self.effort_weight, low=0.0))
         object.__setattr__(self, "stop_steps", check_whole("stop_steps", self.stop_steps, low=0))
 
-    def check(self, robot: RobotDescription) -> None:  # noqa: B027  (most rewards ask nothing of a robot)
+    def check(self, robot: RobotDescription) -> None:  # noqa: B027  (most rewards are defined for every robot)
         """Raise FFGymError if the reward is not defined for a robot."""
 
     @abstractmethod
-    def cost(self, signals: Signals, robot: RobotDescription) -> Array:
-        """Cost of a step, shape (B,), >= 0."""
+    def cost(self, signals: RewardSignals, robot: RobotDescription) -> Array:
+        """Compute the cost of a step, shape (B,), >= 0."""
 
-    def __call__(self, signals: Signals, robot: RobotDescription, stopped: BoolArray) -> Array:
-        """Reward of a step, shape (B,), <= 0; `stopped` (B,) marks emergency stops."""
+    def __call__(self, signals: RewardSignals, robot: RobotDescription, stopped: BoolArray) -> Array:
+        """Compute the reward of a step, shape (B,), <= 0; `stopped` (B,) marks emergency stops."""
         cost = np.asarray(self.cost(signals, robot), dtype=np.float64)
         if cost.shape != stopped.shape or not math.isfinite(cost.sum()):
             what = f"has shape {cost.shape}" if cost.shape != stopped.shape else f"is {cost}"
@@ -81,14 +81,14 @@ class MotorError(Reward):
 
     name: ClassVar[str] = "motor_error"
 
-    def cost(self, signals: Signals, robot: RobotDescription) -> Array:
-        """See base class."""
+    def cost(self, signals: RewardSignals, robot: RobotDescription) -> Array:
+        """Compute the root mean square of scaled motor errors."""
         return np.sqrt(_mean_square(signals.error * (robot.servo.position_gain / robot.friction.static)))
 
 
 @dataclass(frozen=True, kw_only=True)
-class OfPathError(Reward):
-    """A cost of the distance of the TCP from its path. Privileged: a robot needs a laser tracker for it."""
+class PathErrorReward(Reward):
+    """Cost by the distance of the TCP from its path. Privileged: a robot needs a laser tracker for it."""
 
     scale: float
     """Unit of the distance [m], > 0."""
@@ -100,34 +100,34 @@ class OfPathError(Reward):
         object.__setattr__(self, "scale", scale)
 
     def check(self, robot: RobotDescription) -> None:
-        """See base class."""
+        """Refuse a robot without a tool."""
         if robot.tool is None:
             raise FFGymError(f"Robot {robot.name!r} has no tool, so there is no path error; use reward='motor_error'.")
 
-    def cost(self, signals: Signals, robot: RobotDescription) -> Array:
-        """See base class; the distance itself, in units of `scale`."""
-        assert signals.path_error is not None  # `check` asks for a tool
+    def cost(self, signals: RewardSignals, robot: RobotDescription) -> Array:
+        """Return the distance in units of `scale`."""
+        assert signals.path_error is not None  # `check` refuses robots without a tool
         return signals.path_error / self.scale
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class PathError(OfPathError):
+class AbsolutePathError(PathErrorReward):
     """Distance of the TCP from its path in units of `scale`. Privileged: a robot needs a laser tracker for it."""
 
     scale: float = 1e-4
-    """[m]; 0.1 mm is the order of the uncompensated error at 10 mm/s (thesis, Table 4.1)."""
+    """Unit of the distance [m]; 0.1 mm is the order of the uncompensated error at 10 mm/s (thesis, Table 4.1)."""
     name: ClassVar[str] = "path_error"
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class RelativePathError(OfPathError):
-    r"""Logarithm of the path error: halving an error is worth the same at every speed. Privileged, as `PathError`.
+class RelativePathError(PathErrorReward):
+    r"""Logarithm of the path error: halving an error gains the same at every speed. Privileged, as `AbsolutePathError`.
 
     .. math:: c = \ln(1 + e / s)
 
-    Errors at 100 mm/s are ten times those at 10 mm/s, so that a reward linear in them says little of slow motions.
+    Errors at 100 mm/s are ten times those at 10 mm/s, so that a reward linear in them hardly depends on slow motions.
     """
 
     scale: float = 2e-5
@@ -135,28 +135,28 @@ class RelativePathError(OfPathError):
     friction is off by tens of per cent."""
     name: ClassVar[str] = "relative_path_error"
 
-    def cost(self, signals: Signals, robot: RobotDescription) -> Array:
-        """See base class."""
+    def cost(self, signals: RewardSignals, robot: RobotDescription) -> Array:
+        """Compute ln(1 + e / s)."""
         return np.log1p(super().cost(signals, robot))
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
 class FeedbackEffort(Reward):
-    """What the feedback still has to do: u_p in units of breakaway torque, root mean square over the joints.
+    """Effort of the feedback: u_p in units of breakaway torque, root mean square over the joints.
 
     u_p is the learning signal of the thesis (chapter 5): the feed-forward is right when it vanishes.
     """
 
     name: ClassVar[str] = "feedback_effort"
 
-    def cost(self, signals: Signals, robot: RobotDescription) -> Array:
-        """See base class."""
+    def cost(self, signals: RewardSignals, robot: RobotDescription) -> Array:
+        """Compute the root mean square of scaled u_p."""
         return np.sqrt(_mean_square(signals.feedback.u_p / robot.friction.static))
 
 
 REWARDS: dict[str, type[Reward]] = {
-    reward.name: reward for reward in (MotorError, PathError, RelativePathError, FeedbackEffort)
+    reward.name: reward for reward in (MotorError, AbsolutePathError, RelativePathError, FeedbackEffort)
 }
 """Rewards by name."""
 
@@ -173,6 +173,6 @@ def reward_of(reward: str | Reward, robot: RobotDescription | None = None) -> Re
 
 
 def _mean_square(values: Array) -> Array:
-    """Mean square over the joints; a row's sum does not depend on the number of rows (tested)."""
+    """Compute the mean square over the joints; a row's sum does not depend on the number of rows (tested)."""
     mean: Array = np.square(values).sum(axis=-1) / values.shape[-1]
     return mean

@@ -31,7 +31,7 @@ def make_sb3_env(name: str, n_envs: int = 1, *, info_keys: Sequence[str] = (), *
     Args:
         name: id, e.g. 'ffgym/CirclePath-v0'.
         n_envs: number of sub-environments.
-        info_keys: see `SB3VecEnv`.
+        info_keys: as for `SB3VecEnv`.
         kwargs: keyword arguments of the environment.
     """
     for own, instead in {"num_envs": "n_envs", "autoreset_mode": "nothing, it is always SameStep"}.items():
@@ -73,7 +73,7 @@ class SB3VecEnv(VecEnv):
         options = {"each": self._options} if any(self._options) else None
         try:
             observation, info = self.env.reset(seed=seeds, options=options)  # type: ignore[arg-type]
-        finally:  # what is refused is not asked for again
+        finally:  # refused seeds and options are dropped
             self._reset_seeds()
             self._reset_options()
         self._return[:], self._length[:] = 0.0, 0
@@ -98,6 +98,7 @@ class SB3VecEnv(VecEnv):
         infos: list[dict[str, Any]] = [self._info_of(info, i) for i in range(self.num_envs)]
         for own, cut in zip(infos, (truncated & ~terminated).tolist(), strict=True):
             own["TimeLimit.truncated"] = cut
+        # statistics and last observation of the episodes that ended
         for i in np.flatnonzero(done).tolist():
             infos[i] |= self._info_of(info["final_info"], i)  # of the episode that ended, not of the new one
             infos[i]["terminal_observation"] = info["final_obs"][i]
@@ -118,24 +119,24 @@ class SB3VecEnv(VecEnv):
         self.env.close()
 
     def get_images(self) -> Sequence[Array | None]:
-        """Pictures of all sub-environments."""
+        """Render pictures of all sub-environments."""
         pictures = self.env.render()
         return [None] * self.num_envs if pictures is None else list(pictures)  # type: ignore[arg-type]
 
     def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
-        """Attribute of the environment; all sub-environments share it."""
+        """Return an attribute of the environment; all sub-environments share it."""
         value = getattr(self.env.unwrapped if not hasattr(self.env, attr_name) else self.env, attr_name)
         return [value for _ in self._get_indices(indices)]
 
     def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
-        """Not supported: sub-environments share one engine."""
+        """Refuse: sub-environments share one engine."""
         raise FFGymError(
             f"Cannot set {attr_name!r} of single sub-environments, they share one engine; give it to make_sb3_env, or "
             f"use set_options for the next episodes."
         )
 
     def env_method(self, method_name: str, *method_args: Any, indices: Any = None, **method_kwargs: Any) -> list[Any]:
-        """Result of a method of the vector environment, called once; the same for all sub-environments."""
+        """Call a method of the vector environment once; return its result for all sub-environments."""
         chosen = list(self._get_indices(indices))
         if len(chosen) < self.num_envs:
             raise FFGymError(f"Sub-environments share one engine: call {method_name!r} for all, not for {chosen}.")
@@ -143,5 +144,5 @@ class SB3VecEnv(VecEnv):
         return [result for _ in chosen]
 
     def env_is_wrapped(self, wrapper_class: type[gym.Wrapper[Any, Any, Any, Any]], indices: Any = None) -> list[bool]:
-        """Whether the statistics of that wrapper are there: those of Monitor are."""
+        """Report Monitor as present, since its statistics are."""
         return [issubclass(wrapper_class, Monitor) for _ in self._get_indices(indices)]

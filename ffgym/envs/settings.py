@@ -1,4 +1,4 @@
-"""What all environments can be told, beside what they follow."""
+"""Settings that all environments share, beside their motions."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields
@@ -29,14 +29,14 @@ test (0.11 rad, joint 1 at 100 mm/s)."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Settings:
+class EnvSettings:
     """Keyword arguments of every environment."""
 
     plant: Machine | RobotDescription | str | Path | None = None
-    """What is simulated, if it is not the robot the controller knows: a description, a built-in name, a path to a
+    """Simulated robot if it is not the nominal one of the controller: a description, a built-in name, a path to a
     description that ends in .toml, or a machine with physical effects of its own."""
     randomization: PlantDistribution | None = None
-    """Draws a plant like `plant` for every episode; None always simulates `plant` itself."""
+    """Distribution of plants around `plant`, drawn for every episode; None always simulates `plant` itself."""
     reward: str | Reward = "motor_error"
     """'motor_error', 'path_error' (privileged), 'feedback_effort', or a Reward with its own weights."""
     action_scale: float | Sequence[float] = ACTION_SCALE
@@ -48,16 +48,16 @@ class Settings:
     error_limit: float = ERROR_LIMIT
     """Position error of any motor at which the controller stops the robot, motor side [rad]."""
     sensing: Sensing = field(default_factory=Sensing)
-    """How the agent's motor angle is measured."""
+    """Measurement of the motor angle that the agent observes."""
     sampling: Literal["random", "sequence"] = "random"
     """'random' draws the motion of each episode; 'sequence' runs all motions of the task one after the other: the k-th
     episode of sub-environment i is motion i + k B. To meet each of them equally often, B must divide their number."""
     layers: Sequence["Layer"] = ()
-    """What stands between agent and robot, from the robot outwards: Residual, History, LowPass, Hold, ..."""
+    """Layers between agent and robot, from the robot outwards: ResidualAction, History, LowPassAction, Hold, ..."""
     rendering: Rendering = field(default_factory=Rendering)
-    """Size of pictures, and how much they magnify the error."""
+    """Size of pictures, and magnification of the error."""
     recorder: EpisodeRecorder | None = None
-    """Turns every finished episode into a Recording."""
+    """Recorder that turns every finished episode into a Recording."""
     n_threads: int = 0
     """Threads of the engine, 0 for all cores; results are the same at any number."""
 
@@ -76,8 +76,8 @@ class Settings:
             check_kind(name, getattr(self, name))
 
     @classmethod
-    def of(cls, values: dict[str, Any], own: Sequence[str]) -> "Settings":
-        """Build from keyword arguments that are left when an environment has taken its `own`.
+    def of(cls, values: dict[str, Any], own: Sequence[str]) -> "EnvSettings":
+        """Build settings from the keyword arguments that are left when an environment has taken its `own`.
 
         Raises:
             FFGymError: if one is unknown.
@@ -88,7 +88,7 @@ class Settings:
         return cls(**values)
 
     def action_torque(self, robot: RobotDescription) -> Array:
-        """Torque of an action of 1, motor side [N m], shape (N,)."""
+        """Compute the torque of an action of 1, motor side [N m], shape (N,)."""
         n = robot.n_joints
         scale = np.full(n, self.action_scale) if np.ndim(self.action_scale) == 0 else self.action_scale
         scale = check_shape("action_scale", scale, (n,))
@@ -103,7 +103,7 @@ _KINDS: dict[str, tuple[type, bool, str]] = {
     "rendering": (Rendering, False, "Rendering(magnify=20)"),
     "recorder": (EpisodeRecorder, True, "EpisodeRecorder()"),
 }
-"""What an argument must be, whether it may be None, and an example."""
+"""Class of an argument, True if it may be None, and an example."""
 
 
 def check_kind(name: str, value: Any) -> Any:

@@ -1,4 +1,4 @@
-"""The single environment: the vector environment with one robot."""
+"""Single environment: the vector environment with one robot."""
 
 from typing import Any, ClassVar, SupportsFloat
 
@@ -40,7 +40,7 @@ class TrackingEnv(gym.Env[Array, Array]):
 
     @property
     def observation_layout(self) -> ObservationLayout:
-        """What stands where in an observation, with units and scales."""
+        """Layout of an observation, with units and scales."""
         return self._batch.observation_layout
 
     @property
@@ -62,8 +62,8 @@ class TrackingEnv(gym.Env[Array, Array]):
         """Begin an episode.
 
         Args:
-            seed: of everything that is drawn; None goes on with the present randomness.
-            options: fixed for the episode: what the task offers (see its page), plant, randomization, reward, sensing,
+            seed: seed of everything that is drawn; None goes on with the present randomness.
+            options: settings of the episode: options of the task (see its page), plant, randomization, reward, sensing,
                 horizon.
 
         Raises:
@@ -96,7 +96,7 @@ class TrackingEnv(gym.Env[Array, Array]):
         return observation[0], float(reward[0]), bool(terminated[0]), bool(truncated[0]), _first(info)
 
     def render(self) -> NDArray[np.uint8] | None:
-        """Picture of the present state, (height, width, 3) of uint8; None in mode 'human', which shows it."""
+        """Render the present state, (height, width, 3) of uint8; None in mode 'human', which shows it."""
         if self.render_mode == "human":
             self._batch.show()
             return None
@@ -113,7 +113,7 @@ class TrackingEnv(gym.Env[Array, Array]):
 
 
 def _first(info: dict[str, Any]) -> dict[str, Any]:
-    """Info of sub-environment 0, without masks."""
+    """Return the info of sub-environment 0, without masks."""
     first = {}
     for name, value in info.items():
         if not name.startswith("_"):

@@ -1,4 +1,4 @@
-"""What an episode will be: its motion, its robot, how it is rewarded and measured; drawn, or fixed by options."""
+"""Start of an episode: motion, plant, reward and sensing, drawn or fixed by options."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -10,23 +10,23 @@ import numpy as np
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.types import IntArray
 from ffgym.envs.machines import machine_of
-from ffgym.envs.motion import Motion
+from ffgym.envs.motion import EpisodeMotion
 from ffgym.envs.rewards import Reward, reward_of
-from ffgym.envs.settings import Settings, check_horizon, check_kind
+from ffgym.envs.settings import EnvSettings, check_horizon, check_kind
 from ffgym.envs.tasks import Sensing, Tasks
 from ffgym.simulation.plant import Machine
 
 COMMON_OPTIONS = ("plant", "randomization", "reward", "sensing", "horizon")
-"""What `reset(options=...)` may change for an episode in every environment."""
+"""Options of `reset(options=...)` in every environment."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Start:
-    """What an episode will be, checked."""
+class EpisodeStart:
+    """Checked start of an episode."""
 
-    motion: Motion
+    motion: EpisodeMotion
     machine: Machine
-    """What is simulated."""
+    """Simulated machine."""
     last_step: int
     """Control steps until the motion or the horizon ends."""
     reward: Reward
@@ -38,11 +38,11 @@ class Start:
 class Starts:
     """Draws the episodes of B sub-environments, each with randomness of its own."""
 
-    def __init__(self, tasks: Tasks, n: int, settings: Settings) -> None:
+    def __init__(self, tasks: Tasks, n: int, settings: EnvSettings) -> None:
         self.tasks, self._n, self._settings = tasks, n, settings
         self.machine = Machine.of(tasks.robot) if settings.plant is None else machine_of(settings.plant)
-        """What is simulated, before randomisation."""
-        self._listed = tasks.listed() if settings.sampling == "sequence" else []
+        """Simulated machine, before randomisation."""
+        self._listed = tasks.list_options() if settings.sampling == "sequence" else []
         if settings.sampling == "sequence" and not self._listed:
             raise FFGymError("sampling = 'sequence' needs motions that can be listed; random motions cannot.")
         self.rngs: list[np.random.Generator | None] = [None] * n
@@ -55,8 +55,8 @@ class Starts:
         if fresh:
             self._episodes[i] = 0
 
-    def draw(self, ids: IntArray, options: Sequence[Mapping[str, Any]]) -> list[Start]:
-        """The next episodes of sub-environments `ids`, with options for each.
+    def draw(self, ids: IntArray, options: Sequence[Mapping[str, Any]]) -> list[EpisodeStart]:
+        """Draw the next episodes of sub-environments `ids`, with options for each.
 
         Raises:
             FFGymError: if an option is unknown or not valid.
@@ -68,8 +68,8 @@ class Starts:
         self._episodes[ids] += 1
         return starts
 
-    def _draw(self, i: int, options: Mapping[str, Any]) -> Start:
-        """The next episode; its motion is drawn first, then its plant, then the randomness of its sensors."""
+    def _draw(self, i: int, options: Mapping[str, Any]) -> EpisodeStart:
+        """Draw the next episode: its motion first, then its plant, then the randomness of its sensors."""
         rng, settings = self.rngs[i], self._settings
         assert rng is not None  # the environment seeds before it resets
         horizon = check_horizon(options.get("horizon", settings.horizon))
@@ -83,7 +83,7 @@ class Starts:
         machine = machine_of(options["plant"]) if options.get("plant") is not None else self.machine
         if distribution is not None:
             machine = machine.with_robot(distribution.draw(machine.robot, rng))
-        return Start(
+        return EpisodeStart(
             motion=motion,
             machine=machine,
             last_step=motion.n_steps if horizon is None else min(motion.n_steps, horizon),
@@ -94,7 +94,7 @@ class Starts:
 
     @contextmanager
     def all_or_nothing(self) -> Iterator[None]:
-        """Where the block fails, leave randomness and sequence as they were."""
+        """Leave randomness and sequence as they were if the block fails."""
         rngs, episodes = self.rngs.copy(), self._episodes.copy()
         drawn = [(rng.bit_generator, rng.bit_generator.state) for rng in rngs if rng is not None]
         try:

@@ -1,4 +1,4 @@
-"""Tasks that draw motions, and what engine and layers share: they begin episodes and make steps, for a batch."""
+"""Tasks, which draw motions, and the interface of engine and layers: episodes and steps of a batch."""
 
 from abc import ABC, abstractmethod
 from collections import OrderedDict
@@ -12,13 +12,13 @@ from gymnasium import spaces
 
 from ffgym.core.errors import FFGymError, check_number, check_whole
 from ffgym.core.types import Array, BoolArray, IntArray
-from ffgym.envs.motion import Motion
+from ffgym.envs.motion import EpisodeMotion
 from ffgym.robot import RigidArm, RobotDescription, robot_of
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Transition:
-    """What a step brings in B sub-environments."""
+    """Result of a step in B sub-environments."""
 
     observation: Array
     """Shape (B, D)."""
@@ -30,7 +30,7 @@ class Transition:
     """End of the motion or of the horizon, shape (B,)."""
 
 
-class Stage(Protocol):
+class EngineStage(Protocol):
     """The engine, or a layer on top of it."""
 
     observation_space: spaces.Box
@@ -42,17 +42,17 @@ class Stage(Protocol):
         """Begin episodes in sub-environments `ids`, with options for each; returns all observations, (B, D)."""
 
     def step(self, action: Array, active: BoolArray | None = None) -> Transition:
-        """One decision where `active`, shape (B,), None is everywhere; `action` (B, N) is finite."""
+        """Take one decision where `active`, shape (B,), None is everywhere; `action` (B, N) is finite."""
 
 
 class Observer(Protocol):
-    """Something that watches an engine, and leaves it as it is."""
+    """Observer of an engine, which leaves it as it is."""
 
     def begin(self, ids: IntArray) -> None:
-        """Sub-environments `ids` have begun an episode."""
+        """Take note that sub-environments `ids` have begun an episode."""
 
     def follow(self, ids: IntArray) -> None:
-        """Sub-environments `ids` have done a control step."""
+        """Take note that sub-environments `ids` have done a control step."""
 
 
 KEPT = 128
@@ -63,27 +63,27 @@ class Tasks(ABC):
     """A family of motions of one robot."""
 
     option_names: ClassVar[tuple[str, ...]]
-    """What `reset(options=...)` may fix for an episode."""
+    """Options of `reset(options=...)` that fix a motion."""
 
     def __init__(self, robot: RobotDescription | str | Path) -> None:
         self.robot = robot_of(robot)
         self.arm = RigidArm(self.robot)
-        self._cache: OrderedDict[Hashable, Motion] = OrderedDict()
+        self._cache: OrderedDict[Hashable, EpisodeMotion] = OrderedDict()
 
     @abstractmethod
-    def draw(self, rng: np.random.Generator, options: Mapping[str, Any]) -> Motion:
-        """Return a motion; what `options` leave open is drawn.
+    def draw(self, rng: np.random.Generator, options: Mapping[str, Any]) -> EpisodeMotion:
+        """Draw a motion; `options` fix parts of it.
 
         Raises:
             FFGymError: if an option is not valid, or the robot cannot follow the motion.
         """
 
-    def listed(self) -> list[dict[str, Any]]:
-        """Options of every motion of the family, in order; empty if they cannot be listed."""
+    def list_options(self) -> list[dict[str, Any]]:
+        """List the options of every motion of the family, in order; empty if they cannot be listed."""
         return []
 
-    def _cached(self, key: Hashable, make: Callable[[], Motion]) -> Motion:
-        """Motion of that key, made once; the least recently used ones are forgotten."""
+    def _keep_motion(self, key: Hashable, make: Callable[[], EpisodeMotion]) -> EpisodeMotion:
+        """Return the motion of a key, made once; the least recently used ones are forgotten."""
         if key not in self._cache:
             self._cache[key] = make()
             if len(self._cache) > KEPT:
@@ -101,7 +101,7 @@ def check_not_empty(name: str, values: tuple[Any, ...], example: str) -> tuple[A
 
 @dataclass(frozen=True, kw_only=True)
 class Sensing:
-    """How the agent's motor angle is measured; the servo sees the exact one. The default is exact."""
+    """Measurement of the agent's motor angle; the servo sees the exact one. The default is exact."""
 
     encoder_bits: int | None = None
     """Resolution [bit/turn]; the speed is then the backward difference of the measured angle over a control step."""
@@ -116,12 +116,12 @@ class Sensing:
 
     @property
     def is_exact(self) -> bool:
-        """Whether angle and speed are the true ones."""
+        """True if angle and speed are the true ones."""
         return self.encoder_bits is None and self.noise == 0.0
 
     @property
     def step(self) -> float:
-        """Smallest angle that is told apart [rad], 0 without encoder."""
+        """Resolution of the angle [rad], 0 without encoder."""
         return 0.0 if self.encoder_bits is None else 2 * np.pi / 2**self.encoder_bits
 
 
@@ -135,7 +135,7 @@ class MotorSensors:
         self._angle, self._speed = np.zeros((n, n_joints)), np.zeros((n, n_joints))
         self._rngs: list[np.random.Generator | None] = [None] * n
         self.exact = True
-        """Whether all of them measure the true angle and speed."""
+        """True if all of them measure the true angle and speed."""
 
     def set(self, i: int, sensing: Sensing, rng: np.random.Generator) -> None:
         """Choose the sensors of one sub-environment, and the randomness of their noise."""
@@ -144,10 +144,10 @@ class MotorSensors:
         self.exact = bool(self._exact.all())
 
     def read(self, angle: Array, speed: Array, fresh: BoolArray | None, first: BoolArray) -> tuple[Array, Array]:
-        """Measured angle [rad] and speed [rad/s], shape (B, N), of the true ones.
+        """Measure angle [rad] and speed [rad/s], shape (B, N).
 
         A new sample is taken where `fresh` (B,), None is everywhere; elsewhere the last one stays. At the `first` one
-        of an episode (B,) there is no difference yet: the speed is true.
+        of an episode (B,), without a backward difference, the speed is true.
         """
         if self.exact:
             return angle, speed
@@ -166,14 +166,14 @@ class MotorSensors:
 
 
 def masks_for(info: dict[str, Any], n: int) -> dict[str, BoolArray]:
-    """Masks that say that all `n` sub-environments have every entry of `info`; one read-only array."""
+    """Make the masks of info that all `n` sub-environments have; one read-only array."""
     every = np.ones(n, dtype=np.bool_)
     every.flags.writeable = False
     return dict.fromkeys([f"_{name}" for name in info], every)
 
 
 def score(done: BoolArray, returns: Array, lengths: IntArray) -> dict[str, Any]:
-    """Return and length of the episodes that are done."""
+    """Collect return and length of the episodes that are done."""
     mask = done.copy()
     values = {
         "return": np.where(done, returns, 0.0),
@@ -185,7 +185,7 @@ def score(done: BoolArray, returns: Array, lengths: IntArray) -> dict[str, Any]:
 
 
 def finals(observation: Array, info: dict[str, Any], done: BoolArray) -> dict[str, Any]:
-    """Last observation and info of the episodes that are done, for the autoreset mode SAME_STEP."""
+    """Collect last observation and info of the episodes that are done, for the autoreset mode SAME_STEP."""
     final_obs = np.full(len(done), None, dtype=object)
     for i in np.flatnonzero(done):
         final_obs[i] = observation[i].copy()

@@ -1,4 +1,4 @@
-"""The vector environment: Gymnasium's interface and automatic reset, around the engine."""
+"""Vector environment: Gymnasium's interface and automatic reset, around the engine."""
 
 from collections.abc import Mapping, Sequence
 from inspect import signature
@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 from ffgym.control.observation import ObservationLayout
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array, BoolArray, IntArray
-from ffgym.envs.arguments import autoreset_mode_of, checked_actions, options_for_each, reset_mask, seeds_for_each
+from ffgym.envs.arguments import check_actions, options_for_each, parse_autoreset_mode, reset_mask, seeds_for_each
 from ffgym.envs.core import TrackingCore
-from ffgym.envs.layers import stacked
+from ffgym.envs.layers import stack_layers
 from ffgym.envs.rendering import EpisodeRenderer, check_render_mode
-from ffgym.envs.settings import Settings
+from ffgym.envs.settings import EnvSettings
 from ffgym.envs.tasks import Tasks, Transition, finals, masks_for, score
 
 
@@ -32,7 +32,7 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 25}  # noqa: RUF012  (Gymnasium's way)
 
     tasks: ClassVar[type[Tasks]]
-    """Motions of an environment of this kind; its keyword arguments are the environment's, beside `Settings`."""
+    """Motions of an environment of this kind; its keyword arguments are the environment's, beside `EnvSettings`."""
 
     def __init__(
         self,
@@ -48,16 +48,16 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
             num_envs: number of robots.
             autoreset_mode: Gymnasium's NextStep, SameStep or Disabled.
             render_mode: 'rgb_array' or None.
-            arguments: those of `tasks` and of `Settings`.
+            arguments: those of `tasks` and of `EnvSettings`.
         """
         own = list(signature(self.tasks).parameters)
         tasks = self.tasks(**{name: value for name, value in arguments.items() if name in own})
-        settings = Settings.of({name: value for name, value in arguments.items() if name not in own}, own)
-        self.autoreset_mode = autoreset_mode_of(autoreset_mode)
+        settings = EnvSettings.of({name: value for name, value in arguments.items() if name not in own}, own)
+        self.autoreset_mode = parse_autoreset_mode(autoreset_mode)
         self.metadata = type(self).metadata | {"autoreset_mode": self.autoreset_mode}
         self.render_mode = check_render_mode(render_mode, num_envs)
         self.core = TrackingCore(tasks, num_envs, settings)
-        self._stage = stacked(self.core, settings.layers)
+        self._stage = stack_layers(self.core, settings.layers)
         self.num_envs = self.core.n
         self.single_observation_space = self._stage.observation_space
         self.single_action_space = self._stage.action_space
@@ -66,14 +66,14 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
         self._seeds: list[int | None] = [None] * self.num_envs
         self._ended = np.zeros(self.num_envs, dtype=np.bool_)
         self._flags = (self._ended.copy(), self._ended.copy())
-        """How they ended: terminated, truncated."""
+        """Ends of the episodes: terminated, truncated."""
         self._return, self._length = np.zeros(self.num_envs), np.zeros(self.num_envs, dtype=np.int64)
         self._masks: dict[str, BoolArray] = {}
         self._renderer = None if self.render_mode is None else EpisodeRenderer(self.core, self.render_mode)
 
     @property
     def observation_layout(self) -> ObservationLayout:
-        """What stands where in an observation, with units and scales."""
+        """Layout of an observation, with units and scales."""
         return self.core.observation_layout
 
     @property
@@ -98,7 +98,7 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
 
         Args:
             seed: sub-environment i gets seed + i; or one seed for each; None goes on with the present randomness.
-            options: fixed for the episode: what the task offers (see its page), plant, randomization, reward, sensing,
+            options: settings of the episode: options of the task (see its page), plant, randomization, reward, sensing,
                 horizon. `options["each"]`: a list with one such dict per sub-environment.
 
         Raises:
@@ -119,29 +119,31 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
     def step(self, actions: Array) -> tuple[Array, Any, Any, Any, dict[str, Any]]:
         """Add torque for one decision: shape (B, N), clipped to [-1, 1].
 
-        What a sub-environment does whose episode ended in an earlier step depends on the autoreset mode: with NextStep
+        A sub-environment whose episode ended in an earlier step follows the autoreset mode: with NextStep
         it begins anew in this step, whatever its action; with Disabled it waits for `reset`, its flags stay and its
-        reward is 0. (With SameStep there is none.)
+        reward is 0. (SameStep leaves no such sub-environment.)
 
         Raises:
             FFGymError: if an action has the wrong shape or is not finite, or no episode is running, before anything
                 has moved.
         """
         going = ~self._ended if self._ended.any() else None
-        actions = self._checked(actions, going)
+        actions = self._check_actions(actions, going)
         if going is None or going.any():
             result = self._stage.step(actions, going)
-        else:  # nobody moves
+        else:  # all episodes have ended
             no, still = np.zeros(self.num_envs, dtype=np.bool_), np.zeros(self.num_envs)
             empty = np.zeros(self.observation_space.shape or ())
             result = Transition(observation=empty, reward=still, terminated=no, truncated=no.copy())
         self._return += result.reward
         self._length += 1 if going is None else going
+        # episodes that ended in an earlier step
         observation, terminated, truncated = result.observation, result.terminated, result.truncated
         if going is not None and self.autoreset_mode is AutoresetMode.NEXT_STEP:
             observation = self._begin_again(self._ended)
         elif going is not None:
             terminated, truncated = terminated | self._flags[0], truncated | self._flags[1]
+        # episodes that end in this step
         info = self._info()
         done = result.terminated | result.truncated
         if done.any():
@@ -154,12 +156,12 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
         return observation, result.reward, terminated, truncated, info
 
     def _begin_again(self, which: BoolArray) -> Array:
-        """Begin new episodes by themselves; returns all observations."""
+        """Begin new episodes without options; return all observations."""
         ids = np.flatnonzero(which)
         return self._begin(ids, [{}] * len(ids))
 
     def _info(self) -> dict[str, Any]:
-        """Info of all sub-environments, with Gymnasium's masks."""
+        """Return the info of all sub-environments, with Gymnasium's masks."""
         info = self.core.info()
         if not self._masks:
             self._masks = masks_for(info, self.num_envs)
@@ -172,8 +174,8 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
             flag[ids] = False
         return observation
 
-    def _checked(self, actions: Any, going: BoolArray | None) -> Array:
-        """Actions as numbers, checked where an episode is `going`, before anything has moved."""
+    def _check_actions(self, actions: Any, going: BoolArray | None) -> Array:
+        """Check actions where an episode is `going`, before anything has moved; return them as numbers."""
         if self.closed:
             raise FFGymError("This environment is closed; make another one.")
         idle = ~self.core.running if going is None else going & ~self.core.running
@@ -181,7 +183,7 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
             raise FFGymError(f"Sub-environments {np.flatnonzero(idle).tolist()} have no episode running; call reset.")
         if self.autoreset_mode is AutoresetMode.DISABLED and going is not None and not going.any():
             raise FFGymError("No episode is running, all have ended; call reset.")
-        return checked_actions(actions, (self.num_envs, self.core.robot.n_joints), going)
+        return check_actions(actions, (self.num_envs, self.core.robot.n_joints), going)
 
     def _seed(self, seeds: Sequence[int | None], ids: IntArray) -> list[int | None]:
         """Give sub-environments their randomness, new where a seed is given or there was none; returns all seeds."""
@@ -212,7 +214,7 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
             self._renderer.show()
 
     def render(self) -> tuple[NDArray[np.uint8], ...] | None:
-        """One picture per sub-environment, each (height, width, 3) of uint8."""
+        """Render one picture per sub-environment, each (height, width, 3) of uint8."""
         if self.closed:
             raise FFGymError("This environment is closed; make another one.")
         if self._renderer is None:

@@ -65,11 +65,11 @@ def test_a_point_is_a_position_too_and_keeps_its_own_name(drawn, irb4600):
 
 
 def test_all_of_the_thesis_is_the_default(irb4600):
-    listed = CircleTasks(irb4600).listed()
+    listed = CircleTasks(irb4600).list_options()
     assert len(listed) == len(SPEEDS) * 4
     assert {(task["position"], task["speed"]) for task in listed} == {(f"p{k}", v) for k in range(1, 5) for v in SPEEDS}
     assert all(task["radii"] == RADII for task in listed)
-    assert len(CircleTasks(irb4600, order="one").listed()) == len(SPEEDS) * 4 * len(RADII)
+    assert len(CircleTasks(irb4600, order="one").list_options()) == len(SPEEDS) * 4 * len(RADII)
 
 
 def test_listed_runs_as_given_shuffled_in_every_order_and_one_runs_each(drawn):

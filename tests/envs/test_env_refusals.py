@@ -7,14 +7,14 @@ import pytest
 from ffgym.control import NoCompensation
 from ffgym.core.errors import FFGymError
 from ffgym.envs import (
+    AbsolutePathError,
     EpisodeRecorder,
     History,
     Hold,
-    LowPass,
+    LowPassAction,
     MotorError,
-    PathError,
     RelativePathError,
-    Residual,
+    ResidualAction,
     Sensing,
 )
 from tests.envs.env_samples import CIRCLE, FAST_SERVO, JOINTS, ONE_AXIS, OTHER_GEAR, Remembering
@@ -71,7 +71,7 @@ ARGUMENTS = {
         ({"sampling": "all"}, "Unknown sampling 'all'. Available: random, sequence"),
         ({"layers": History(2)}, r"layers = History\(length=2\) must be a list"),
         ({"layers": [History]}, r"layers must hold layers .* History\(8\)"),
-        ({"layers": [Hold(2), Residual(NoCompensation())]}, "put Residual below Hold"),
+        ({"layers": [Hold(2), ResidualAction(NoCompensation())]}, "put ResidualAction below Hold"),
         ({"n_threads": -1}, "n_threads = -1"),
         ({"num_envs": 3}, "num_envs = 3 is for many robots: use gymnasium.make_vec"),
         ({"autoreset_mode": "SameStep"}, "autoreset_mode = 'SameStep' is for many robots"),
@@ -112,16 +112,16 @@ def test_arguments_that_make_no_vector_environment_are_refused(kwargs, message):
         (lambda: History(0), "history length = 0"),
         (lambda: History(1.5), "history length = 1.5 must be a whole number"),
         (lambda: Hold(0), "held steps = 0.0 control steps"),
-        (lambda: LowPass(0.0), "cutoff = 0.0 Hz"),
-        (lambda: Residual(5), "base of a residual must be .* predict, got 5"),
-        (lambda: Residual(Remembering), "base of a residual must be .* got <class"),
-        (lambda: Residual(NoCompensation), "base of a residual must be .* got <class"),
-        (lambda: Residual(NoCompensation(), scale=-1.0), "residual scale = -1.0"),
+        (lambda: LowPassAction(0.0), "cutoff = 0.0 Hz"),
+        (lambda: ResidualAction(5), "base of a residual must be .* predict, got 5"),
+        (lambda: ResidualAction(Remembering), "base of a residual must be .* got <class"),
+        (lambda: ResidualAction(NoCompensation), "base of a residual must be .* got <class"),
+        (lambda: ResidualAction(NoCompensation(), scale=-1.0), "residual scale = -1.0"),
         (lambda: Sensing(encoder_bits=0), "encoder_bits = 0"),
         (lambda: Sensing(noise=-1.0), "angle noise = -1.0 rad"),
         (lambda: MotorError(effort_weight=-1.0), "effort_weight = -1.0"),
         (lambda: MotorError(stop_steps=-1), "stop_steps = -1"),
-        (lambda: PathError(scale=0.0), "scale = 0.0 m"),
+        (lambda: AbsolutePathError(scale=0.0), "scale = 0.0 m"),
         (lambda: RelativePathError(scale=0.0), "scale = 0.0 m"),
         (lambda: EpisodeRecorder(keep=-1), "keep = -1"),
         (lambda: EpisodeRecorder(record_dt=0.0), "record_dt = 0.0 s"),
@@ -136,7 +136,7 @@ def test_parts_that_make_no_sense_are_refused_when_they_are_made(make, message):
 
 
 def test_numbers_that_are_whole_are_taken_as_such():
-    layers = [History(2.0), Hold(2.0), LowPass(3)]
+    layers = [History(2.0), Hold(2.0), LowPassAction(3)]
     env = gym.make(ONE_AXIS, preview=1.0, horizon=4.0, layers=layers, sensing=Sensing(encoder_bits=16.0))
     env.reset(seed=np.int64(3))
     assert [env.step([0.0])[3] for _ in range(2)] == [False, True]

@@ -8,7 +8,7 @@ import pytest
 
 from ffgym.control import NoCompensation, StaticLuGre
 from ffgym.core.errors import FFGymError
-from ffgym.envs import EpisodeRecorder, History, Hold, LowPass, Residual, Sensing
+from ffgym.envs import EpisodeRecorder, History, Hold, LowPassAction, ResidualAction, Sensing
 from ffgym.simulation.plant import PlantDistribution, Uniform
 from tests.envs.env_samples import CIRCLE, FAST_SERVO, JOINTS, ONE_AXIS, OTHER_GEAR, Remembering, plant_state
 
@@ -161,7 +161,7 @@ ACTIONS = [
 @pytest.mark.parametrize("some_ended", [False, True])
 @pytest.mark.parametrize(("action", "message"), ACTIONS)
 def test_an_action_that_is_refused_moves_nothing(action, message, some_ended):
-    layers = [LowPass(20.0), Residual(Remembering()), History(2)]
+    layers = [LowPassAction(20.0), ResidualAction(Remembering()), History(2)]
     tried, untouched = (gym.make_vec(ONE_AXIS, num_envs=2, layers=layers) for _ in range(2))
     horizons = [{}, {}] if not some_ended else [{}, {"horizon": 1}] if "0, 0" in message else [{"horizon": 1}, {}]
     for env in (tried, untouched):
@@ -184,7 +184,9 @@ def test_the_action_of_a_sub_environment_that_begins_anew_is_ignored_whatever_it
     np.testing.assert_array_equal(info["time"] > 0, [False, True])
 
 
-@pytest.mark.parametrize("layers", [[], [Residual(NoCompensation())], [Residual(Remembering()), History(2), Hold(2)]])
+@pytest.mark.parametrize(
+    "layers", [[], [ResidualAction(NoCompensation())], [ResidualAction(Remembering()), History(2), Hold(2)]]
+)
 def test_a_step_before_the_first_reset_is_refused(layers):
     for env, action in (
         (gym.make_vec(ONE_AXIS, num_envs=2, layers=layers), np.zeros((2, 1))),
@@ -221,7 +223,7 @@ def test_a_base_agent_that_answers_nonsense_is_blamed_by_name():
             return self.answer, None
 
     agent = Wrong()
-    env = gym.make_vec(ONE_AXIS, num_envs=2, layers=[LowPass(5.0), Residual(agent)])
+    env = gym.make_vec(ONE_AXIS, num_envs=2, layers=[LowPassAction(5.0), ResidualAction(agent)])
     env.reset(seed=0)
     with pytest.raises(FFGymError, match=r"actions of the base agent has shape \(2, 3\), must be \(2, 1\)"):
         env.step(np.zeros((2, 1)))
@@ -233,7 +235,7 @@ def test_a_base_agent_that_answers_nonsense_is_blamed_by_name():
 
 
 def test_a_law_for_another_robot_is_refused(irb4600):
-    env = gym.make(ONE_AXIS, layers=[Residual(StaticLuGre(irb4600.friction))])
+    env = gym.make(ONE_AXIS, layers=[ResidualAction(StaticLuGre(irb4600.friction))])
     with pytest.raises(FFGymError, match="6 joints does not fit robot 'one_axis'"):
         env.reset(seed=0)
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from ffgym.control import DynamicLuGreExact, NoCompensation, StaticLuGre
-from ffgym.envs import EpisodeRecorder, Residual
+from ffgym.envs import EpisodeRecorder, ResidualAction
 from ffgym.paths import joint_reference, joint_sine
 from ffgym.robot import load_robot
 from ffgym.simulation import Run, simulate
@@ -15,7 +15,7 @@ from ffgym.studies import circle_references
 def episode(name, options, law=None, **kwargs):
     """Recording of an episode with zero actions on top of a law."""
     recorder = EpisodeRecorder()
-    layers = () if law is None else (Residual(law),)
+    layers = () if law is None else (ResidualAction(law),)
     env = gym.make(name, recorder=recorder, layers=layers, action_scale=30.0, **kwargs)
     env.reset(seed=0, options=options)
     ended = False

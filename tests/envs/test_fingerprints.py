@@ -11,7 +11,7 @@ import ffgym.envs.rewards
 import scripts.env_fingerprints
 from ffgym.core.errors import FFGymError
 from ffgym.core.registration import ENVIRONMENTS
-from ffgym.envs.fingerprint import check, stored
+from ffgym.envs.fingerprint import check, read_fingerprints
 from scripts.env_fingerprints import Config, main
 
 
@@ -21,7 +21,7 @@ def test_every_id_is_what_it_was_when_its_version_was_given(name):
 
 
 def test_no_fingerprint_is_kept_for_an_id_that_is_gone():
-    assert sorted(stored()) == sorted(ENVIRONMENTS)
+    assert sorted(read_fingerprints()) == sorted(ENVIRONMENTS)
 
 
 def changed_stiffness(robot):
@@ -51,7 +51,7 @@ def test_a_changed_reward_asks_for_a_new_version(monkeypatch):
     "change",
     [
         (ffgym.envs.core, "path_error", lambda original: lambda *a: 1.001 * original(*a)),
-        (ffgym.envs.rewards.PathError, "cost", lambda original: lambda *a: 1.001 * original(*a)),
+        (ffgym.envs.rewards.AbsolutePathError, "cost", lambda original: lambda *a: 1.001 * original(*a)),
         (ffgym.envs.rewards.RelativePathError, "cost", lambda original: lambda *a: 1.001 * original(*a)),
         (ffgym.envs.rewards.FeedbackEffort, "cost", lambda original: lambda *a: 1.001 * original(*a)),
         (ffgym.envs.rewards.Reward, "__call__", lambda original: lambda *a: original(*a) * np.where(a[3], 2, 1)),
@@ -76,13 +76,13 @@ def test_the_script_writes_what_is_stored(tmp_path, monkeypatch):
     monkeypatch.setattr(scripts.env_fingerprints, "ENVIRONMENTS", ["ffgym/OneAxis-v0"])
     main(Config(out=tmp_path / "fingerprints.json"))
     monkeypatch.setattr(ffgym.envs.fingerprint.resources, "files", lambda _: tmp_path)
-    stored.cache_clear()
+    read_fingerprints.cache_clear()
     try:
-        again = stored()
+        again = read_fingerprints()
     finally:
         monkeypatch.undo()
-        stored.cache_clear()
-    (name,), kept = again, stored()["ffgym/OneAxis-v0"]
+        read_fingerprints.cache_clear()
+    (name,), kept = again, read_fingerprints()["ffgym/OneAxis-v0"]
     assert name == "ffgym/OneAxis-v0"
     assert again[name]["model"] == kept["model"]
     np.testing.assert_allclose(again[name]["behaviour"], kept["behaviour"], rtol=1e-6, atol=1e-6)

@@ -9,8 +9,8 @@ import pytest
 import ffgym  # noqa: F401  (registers the environments)
 from ffgym.control import StaticLuGre
 from ffgym.core.errors import FFGymError
-from ffgym.envs import EpisodeRecorder, Residual
-from ffgym.envs.motion import Motion
+from ffgym.envs import EpisodeRecorder, ResidualAction
+from ffgym.envs.motion import EpisodeMotion
 from ffgym.paths import cartesian_reference, circle_test, joint_reference, joint_sine
 from ffgym.paths.motions import load_motion
 from ffgym.recordings.metrics import Contour
@@ -37,7 +37,7 @@ def tilted(arm, speed=0.1, centre="p1", radius=0.003):
 def run(law=None, steps=None, **arguments):
     """Recording of an episode without action, and its infos."""
     recorder = EpisodeRecorder()
-    layers = () if law is None else (Residual(law),)
+    layers = () if law is None else (ResidualAction(law),)
     env = gym.make(NAME, recorder=recorder, layers=layers, action_scale=30.0, **arguments)
     env.reset(seed=0)
     ended, infos = False, []
@@ -146,13 +146,13 @@ def test_the_path_error_of_info_is_the_distance_to_the_path(arm, speed, share):
 
 def test_circles_share_a_plane_only_if_they_share_their_centre(arm):
     one, other = (tilted(arm, centre=centre) for centre in ("p1", "p2"))
-    assert np.any(Motion(reference=one, arm=arm, task={}).plane[1])
+    assert np.any(EpisodeMotion(reference=one, arm=arm, task={}).plane[1])
     joined = {name: np.concatenate([getattr(one, name), getattr(other, name)]) for name in ("q", "dq", "ddq")}
     shift = one.t[-1] + one.robot.servo.control_dt
     phases = [replace(phase, end=min(phase.end, shift)) for phase in one.phases]
     phases += [replace(phase, start=phase.start + shift, end=phase.end + shift) for phase in other.phases]
     both = replace(one, t=np.concatenate([one.t, shift + other.t]), phases=tuple(phases), **joined)
-    motion = Motion(reference=both, arm=arm, task={})
+    motion = EpisodeMotion(reference=both, arm=arm, task={})
     assert not np.any(motion.plane[1])
     rows, at = motion.rows(0), motion.columns
     assert not rows[:, at.radius].any()
@@ -163,11 +163,11 @@ def test_a_phase_called_circle_that_is_none_is_a_path_like_any_other(arm):
     reference = tilted(arm)
     called = tuple(replace(p, kind="circle" if p.kind == "lead_in" else p.kind) for p in reference.phases)
     crooked = replace(reference, phases=called)
-    motion = Motion(reference=crooked, arm=arm, task={}, in_space=True)
+    motion = EpisodeMotion(reference=crooked, arm=arm, task={}, in_space=True)
     assert not np.any(motion.plane[1])
     assert not motion.rows(0)[:, motion.columns.radius].any()
     with pytest.raises(FFGymError, match="The reference is no circle"):
-        Motion(reference=crooked, arm=arm, task={}).rows(0)  # in its plane no deviation is defined
+        EpisodeMotion(reference=crooked, arm=arm, task={}).rows(0)  # in its plane no deviation is defined
 
 
 def test_a_spec_with_a_reference_makes_the_same_environment(one_axis):

@@ -8,13 +8,13 @@ import pytest
 
 from ffgym.control import FeedForwardLaw
 from ffgym.core.errors import FFGymError
-from ffgym.envs import EpisodeRecorder, LowPass, MotorError, Residual
+from ffgym.envs import EpisodeRecorder, LowPassAction, MotorError, ResidualAction
 
 ONE_AXIS = "ffgym/OneAxis-v0"
 
 
 def test_a_refused_reset_leaves_the_memory_of_layers():
-    tried, untouched = (gym.make(ONE_AXIS, layers=(LowPass(5.0),)) for _ in range(2))
+    tried, untouched = (gym.make(ONE_AXIS, layers=(LowPassAction(5.0),)) for _ in range(2))
     for env in (tried, untouched):
         env.reset(seed=0)
         for _ in range(5):
@@ -34,7 +34,7 @@ class HalfALaw(FeedForwardLaw):
 
 
 def test_after_a_reset_that_fails_in_a_layer_the_environment_waits_for_another():
-    env = gym.make(ONE_AXIS, layers=(Residual(HalfALaw()),))
+    env = gym.make(ONE_AXIS, layers=(ResidualAction(HalfALaw()),))
     env.reset(seed=0, options={"frequency": 1.0})
     env.step([0.0])
     with pytest.raises(FFGymError, match="torque of feed-forward law 'half' has shape"):

@@ -6,7 +6,7 @@ import pytest
 from gymnasium.vector import AutoresetMode
 
 from ffgym.control import DynamicLuGreExact, StaticLuGre
-from ffgym.envs import History, Hold, LowPass, Residual
+from ffgym.envs import History, Hold, LowPassAction, ResidualAction
 from ffgym.robot import load_robot
 from tests.envs.env_samples import CIRCLE, ONE_AXIS, Remembering, actions_for, synchronous
 
@@ -17,13 +17,18 @@ def stacks():
     """Layers in several orders, made anew for each environment."""
     return {
         "history": [History(3)],
-        "low pass": [LowPass(20.0)],
+        "low pass": [LowPassAction(20.0)],
         "hold": [Hold(4)],
-        "law": [Residual(StaticLuGre(FRICTION), scale=0.5)],
-        "agent": [Residual(Remembering())],
-        "agent on histories, held": [History(3), Residual(Remembering(), scale=0.7), Hold(3), History(2)],
-        "everything": [Residual(DynamicLuGreExact(FRICTION)), LowPass(30.0), Residual(Remembering()), Hold(3)],
-        "held agent, filtered": [Hold(2), Residual(Remembering()), LowPass(9.0), Hold(2), History(2)],
+        "law": [ResidualAction(StaticLuGre(FRICTION), scale=0.5)],
+        "agent": [ResidualAction(Remembering())],
+        "agent on histories, held": [History(3), ResidualAction(Remembering(), scale=0.7), Hold(3), History(2)],
+        "everything": [
+            ResidualAction(DynamicLuGreExact(FRICTION)),
+            LowPassAction(30.0),
+            ResidualAction(Remembering()),
+            Hold(3),
+        ],
+        "held agent, filtered": [Hold(2), ResidualAction(Remembering()), LowPassAction(9.0), Hold(2), History(2)],
     }
 
 
@@ -91,12 +96,12 @@ def test_history_counts_decisions_of_the_stage_below():
     np.testing.assert_array_equal(coarse, np.concatenate([seen[-1], seen[-3], seen[-5]]))
 
 
-# LowPass
+# LowPassAction
 
 
 @pytest.mark.parametrize("cutoff", [2.0, 40.0])
 def test_a_step_through_the_low_pass_rises_exponentially(cutoff):
-    env = gym.make_vec(ONE_AXIS, num_envs=2, layers=[LowPass(cutoff)], horizon=30, autoreset_mode="SameStep")
+    env = gym.make_vec(ONE_AXIS, num_envs=2, layers=[LowPassAction(cutoff)], horizon=30, autoreset_mode="SameStep")
     env.reset(seed=0)
     for _ in range(2):  # the filter begins anew with the episode
         for k in range(1, 30):
@@ -108,7 +113,7 @@ def test_a_step_through_the_low_pass_rises_exponentially(cutoff):
 
 def test_the_low_pass_knows_how_long_an_action_is_held():
     applied = []
-    for layers in ([LowPass(10.0), Hold(5)], [Hold(5), LowPass(10.0)]):
+    for layers in ([LowPassAction(10.0), Hold(5)], [Hold(5), LowPassAction(10.0)]):
         env = gym.make(ONE_AXIS, layers=layers)
         env.reset(seed=0)
         applied.append([float(env.step([1.0])[0][2]) for _ in range(6)])
@@ -117,7 +122,7 @@ def test_the_low_pass_knows_how_long_an_action_is_held():
 
 
 def test_the_low_pass_limits_the_action_before_it_filters():
-    env = gym.make(ONE_AXIS, layers=[LowPass(10.0)])
+    env = gym.make(ONE_AXIS, layers=[LowPassAction(10.0)])
     env.reset(seed=0)
     beyond = env.step([100.0])[0][2]
     np.testing.assert_allclose(beyond, 1 - np.exp(-2 * np.pi * 10 * 0.004), rtol=1e-12)
@@ -195,7 +200,9 @@ def test_gymnasiums_vector_statistics_agree_with_the_score(mode):
 
 def test_layers_work_on_the_six_axis_robot_too(irb4600):
     law = StaticLuGre(irb4600.friction)
-    env = gym.make_vec(CIRCLE, num_envs=2, layers=[Residual(law), LowPass(50.0), Hold(2), History(2)], horizon=20)
+    env = gym.make_vec(
+        CIRCLE, num_envs=2, layers=[ResidualAction(law), LowPassAction(50.0), Hold(2), History(2)], horizon=20
+    )
     observation, _ = env.reset(seed=0, options={"position": "p1", "speed": 0.1, "radii": 0.001})
     assert observation.shape == env.observation_space.shape
     for _ in range(10):

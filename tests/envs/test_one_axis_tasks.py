@@ -28,7 +28,7 @@ def test_frequencies_are_drawn_evenly_or_run_one_after_the_other(tasks):
     counts = [sum(task["frequency"] == f for task in drawn) for f in (1.0, 3.0)]
     assert sum(counts) == 200
     assert min(counts) > 65
-    assert tasks.listed() == [{"frequency": 1.0}, {"frequency": 3.0}]
+    assert tasks.list_options() == [{"frequency": 1.0}, {"frequency": 3.0}]
     env = gym.make_vec(ONE_AXIS, num_envs=3, sampling="sequence")
     env.reset(seed=0)
     assert [motion.task["frequency"] for motion in env.core.motions] == [1.0, 3.0, 1.0]

@@ -4,7 +4,7 @@ import gymnasium as gym
 import numpy as np
 import pytest
 
-from ffgym.envs import EpisodeRecorder, Hold, LowPass, Residual
+from ffgym.envs import EpisodeRecorder, Hold, LowPassAction, ResidualAction
 from ffgym.simulation import LaserTracker, Resolver
 from tests.envs.env_samples import CIRCLE, ONE_AXIS, Remembering, actions_for, plant_state
 
@@ -44,7 +44,7 @@ def test_every_episode_of_every_sub_environment_is_recorded_as_if_alone(mode):
 
 
 def test_added_torque_is_what_was_applied_whatever_the_layers():
-    layers = [LowPass(30.0), Residual(Remembering()), Hold(3)]
+    layers = [LowPassAction(30.0), ResidualAction(Remembering()), Hold(3)]
     recorder = EpisodeRecorder(record_dt=0.004)
     env = gym.make(ONE_AXIS, recorder=recorder, layers=layers, horizon=12)
     env.reset(seed=0)

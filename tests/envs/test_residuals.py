@@ -6,7 +6,7 @@ import pytest
 from gymnasium.vector import AutoresetMode
 
 from ffgym.control import DynamicLuGreExact, NoCompensation, StaticLuGre
-from ffgym.envs import History, Residual
+from ffgym.envs import History, ResidualAction
 from ffgym.robot import load_robot
 from tests.envs.env_samples import JOINTS, ONE_AXIS, Remembering, actions_for
 
@@ -17,7 +17,7 @@ FRICTION = load_robot("one_axis").friction
 
 @pytest.mark.parametrize("law", [NoCompensation(), StaticLuGre(FRICTION), DynamicLuGreExact(FRICTION)])
 def test_a_residual_on_a_law_adds_to_its_torque(law):
-    env = gym.make(ONE_AXIS, layers=[Residual(law, scale=0.25)], action_scale=20.0, horizon=80)
+    env = gym.make(ONE_AXIS, layers=[ResidualAction(law, scale=0.25)], action_scale=20.0, horizon=80)
     for seed in (0, None):
         observation, _ = env.reset(seed=seed)
         core = env.unwrapped.core
@@ -30,7 +30,7 @@ def test_a_residual_on_a_law_adds_to_its_torque(law):
 
 
 def test_the_sum_of_law_and_residual_is_clipped_to_the_range_of_actions():
-    env = gym.make(ONE_AXIS, layers=[Residual(StaticLuGre(FRICTION))], action_scale=0.5)
+    env = gym.make(ONE_AXIS, layers=[ResidualAction(StaticLuGre(FRICTION))], action_scale=0.5)
     env.reset(seed=0)
     added = [env.step([1.0])[0][2] for _ in range(200)]
     assert max(added) == 1.0
@@ -42,7 +42,7 @@ def test_the_sum_of_law_and_residual_is_clipped_to_the_range_of_actions():
 def test_a_law_on_many_motions_keeps_to_the_motion_of_each_episode():
     law = StaticLuGre(FRICTION)
     env = gym.make_vec(
-        JOINTS, num_envs=2, robot="one_axis", layers=[Residual(law)], horizon=2, autoreset_mode="SameStep",
+        JOINTS, num_envs=2, robot="one_axis", layers=[ResidualAction(law)], horizon=2, autoreset_mode="SameStep",
         duration=1.0, action_scale=20.0,
     )  # fmt: skip
     env.reset(seed=0)
@@ -61,7 +61,7 @@ def test_a_law_on_many_motions_keeps_to_the_motion_of_each_episode():
 
 def starts_of(mode, horizon, steps, n=2):
     agent = Remembering()
-    env = gym.make_vec(ONE_AXIS, num_envs=n, layers=[Residual(agent)], horizon=horizon, autoreset_mode=mode)
+    env = gym.make_vec(ONE_AXIS, num_envs=n, layers=[ResidualAction(agent)], horizon=horizon, autoreset_mode=mode)
     env.reset(seed=0)
     for action in actions_for(steps, n):
         env.step(action)
@@ -78,7 +78,7 @@ def test_the_base_agent_is_told_of_every_beginning_in_both_autoreset_modes():
 def test_the_base_agent_sees_the_stage_below_and_its_own_memory():
     agent = Remembering()
     env = gym.make_vec(
-        ONE_AXIS, num_envs=2, layers=[History(2), Residual(agent, deterministic=False)], autoreset_mode="Disabled"
+        ONE_AXIS, num_envs=2, layers=[History(2), ResidualAction(agent, deterministic=False)], autoreset_mode="Disabled"
     )
     observation, _ = env.reset(seed=0)
     for k, action in enumerate(actions_for(6, 2)):
@@ -97,7 +97,7 @@ def test_the_base_agent_sees_the_stage_below_and_its_own_memory():
 
 def test_the_base_agents_action_is_added_in_full_and_the_residual_in_part():
     agent = Remembering(size=0.1)
-    env = gym.make(ONE_AXIS, layers=[Residual(agent, scale=0.5)])
+    env = gym.make(ONE_AXIS, layers=[ResidualAction(agent, scale=0.5)])
     env.reset(seed=0)
     observation, *_ = env.step([-0.2])
     np.testing.assert_allclose(observation[2], 0.1 * agent.calls[0]["steps"][0, 0] - 0.1, rtol=1e-12)
@@ -113,7 +113,7 @@ def test_a_base_agent_cannot_change_the_observations_it_gets():
             kwargs["episode_start"] = None
             return result
 
-    env = gym.make(ONE_AXIS, layers=[History(2), Residual(Vandal())])
+    env = gym.make(ONE_AXIS, layers=[History(2), ResidualAction(Vandal())])
     observation, _ = env.reset(seed=0)
     for _ in range(3):
         before = observation

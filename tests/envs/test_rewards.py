@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ffgym.core.errors import FFGymError
-from ffgym.envs import EpisodeRecorder, FeedbackEffort, MotorError, PathError, RelativePathError, Reward
+from ffgym.envs import AbsolutePathError, EpisodeRecorder, FeedbackEffort, MotorError, RelativePathError, Reward
 from ffgym.envs.rewards import REWARDS, STOP_STEPS
 from ffgym.recordings.metrics import path_errors
 from tests.envs.env_samples import CIRCLE, JOINTS, ONE_AXIS, actions_for
@@ -46,7 +46,7 @@ def test_feedback_effort_is_the_learning_signal_in_units_of_breakaway_torque(irb
 
 def test_path_error_is_the_scored_deviation_on_circles():
     recorder = EpisodeRecorder(record_dt=0.004)
-    env = gym.make(CIRCLE, reward=PathError(scale=1e-3), recorder=recorder)
+    env = gym.make(CIRCLE, reward=AbsolutePathError(scale=1e-3), recorder=recorder)
     env.reset(seed=0, options=SHORT_CIRCLE)
     rows, ended = [], False
     while not ended:
@@ -170,7 +170,7 @@ def test_the_path_error_of_a_robot_without_tool_is_refused_before_it_moves():
     env = gym.make(ONE_AXIS)
     env.reset(seed=0)
     with pytest.raises(FFGymError, match="'one_axis' has no tool"):
-        env.reset(options={"reward": PathError()})
+        env.reset(options={"reward": AbsolutePathError()})
     env.step([0.0])
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ffgym.envs.bank import path_error
-from ffgym.envs.motion import Columns
+from ffgym.envs.motion import MotionColumns
 from ffgym.envs.rewards import _mean_square
 
 
@@ -21,7 +21,7 @@ def test_mean_squares_of_a_batch_are_those_of_its_rows(joints):
 
 
 def test_path_errors_of_a_batch_are_those_of_its_rows():
-    rng, columns = np.random.default_rng(0), Columns(n_joints=6, has_tcp=True)
+    rng, columns = np.random.default_rng(0), MotionColumns(n_joints=6, has_tcp=True)
     rows, tcp = of_any_size(rng, 300, columns.width), of_any_size(rng, 300, 3)
     rows[::2, columns.radius] = 0.0
     centre, normal = of_any_size(rng, 300, 3), of_any_size(rng, 300, 3)

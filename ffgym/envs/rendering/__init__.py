@@ -1,4 +1,4 @@
-"""Pictures of episodes. Nothing here loads OpenGL before a picture is asked for."""
+"""Pictures of episodes. OpenGL is loaded with the first picture."""
 
 import lazy_loader
 

@@ -19,9 +19,9 @@ SHADOW_PIXELS = 2048
 MAX_GEOMS = 6000
 """Room for the geoms of a scene."""
 MAX_POINTS = 200
-"""Of a line; MuJoCo draws shorter pieces with gaps."""
+"""Largest number of points of a line; MuJoCo draws shorter pieces with gaps."""
 RED = (0.85, 0.08, 0.15)
-"""Colour of what the robot does; blue is what it should do."""
+"""Colour of the robot's motion; blue is its reference."""
 BLUE = (0.10, 0.25, 0.55)
 
 
@@ -33,7 +33,7 @@ class Panel:
     """Left, bottom, width and height, as shares of the picture's."""
     content: mujoco.MjvCamera | mujoco.MjvFigure
     to_scale: bool = False
-    """Whether a plot, of a square about 0, is to have one scale on both axes."""
+    """True for a plot of a square about 0 with one scale on both axes."""
     ball: Array | None = None
     """Point [m] (3,) that a ball marks in the scene."""
     captions: Sequence[tuple[mujoco.mjtGridPos, str, str]] = ()
@@ -41,7 +41,7 @@ class Panel:
 
 
 class Canvas:
-    """Draws one model with one OpenGL context, which lives as long as this."""
+    """Canvas that draws one model with one OpenGL context, which lives as long as this."""
 
     def __init__(self, model: mujoco.MjModel, width: int, height: int) -> None:
         self._model, self._width, self._height = model, width, height
@@ -56,7 +56,7 @@ class Canvas:
         self.close = weakref.finalize(self, _free, self._gl, self._mjr)
 
     def picture(self, data: mujoco.MjData, panels: Sequence[Panel]) -> NDArray[np.uint8]:
-        """Picture of the panels, shape (height, width, 3)."""
+        """Draw the panels to a picture (height, width, 3)."""
         pixels = np.empty((self._height, self._width, 3), dtype=np.uint8)
         with self._gl.as_current():
             mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._mjr)
@@ -84,7 +84,7 @@ class Canvas:
 
 
 def rectangle(place: tuple[float, float, float, float], width: int, height: int) -> mujoco.MjrRect:
-    """Pixels of a `Panel.place` in a picture; neighbours meet without a gap."""
+    """Return the pixels of a `Panel.place` in a picture; neighbours meet without a gap."""
     left, bottom = round(place[0] * width), round(place[1] * height)
     right, top = round((place[0] + place[2]) * width), round((place[1] + place[3]) * height)
     return mujoco.MjrRect(left, bottom, right - left, top - bottom)
@@ -99,7 +99,7 @@ def add_ball(scene: mujoco.MjvScene, centre: Array, radius: float = 0.03) -> Non
 
 
 def camera_on(model: mujoco.MjModel, data: mujoco.MjData, azimuth: float, elevation: float) -> mujoco.MjvCamera:
-    """Camera that shows all of a robot in a panel about as wide as high, from angles [deg] as MuJoCo counts them."""
+    """Place a camera that shows all of a robot in a panel about as wide as high, from angles [deg] as in MuJoCo."""
     parts = np.flatnonzero(model.geom_bodyid > 0)
     points, sizes = data.geom_xpos[parts], model.geom_rbound[parts, None]
     if not len(parts):  # a robot without looks
@@ -120,14 +120,14 @@ def plot(
     xlabel: str,
     ticks: bool = True,
 ) -> mujoco.MjvFigure:
-    """A plot of lines by MuJoCo, dark on white.
+    """Plot lines by MuJoCo, dark on white.
 
     Args:
-        lines: points (T, 2) and colour of each line, at most 100; what comes first is drawn above the rest.
+        lines: points (T, 2) and colour of each line, at most 100; the first is drawn above the rest.
         span: lowest and highest value of both axes, shape (2, 2); MuJoCo rounds those of the second one outwards.
-        title: above the plot.
-        xlabel: below it.
-        ticks: with numbers on both axes.
+        title: text above the plot.
+        xlabel: text below it.
+        ticks: True for numbers on both axes.
     """
     figure = mujoco.MjvFigure()
     figure.title, figure.xlabel, figure.xformat, figure.yformat = title, xlabel, "%.3g", "%.4g"
@@ -141,7 +141,7 @@ def plot(
 
 
 def _free(gl: Any, mjr: mujoco.MjrContext) -> None:
-    """Free what the driver holds, while its context is there."""
+    """Free the memory of the driver, while its context is there."""
     with gl.as_current():
         mjr.free()
     gl.free()

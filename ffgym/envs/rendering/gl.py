@@ -1,4 +1,4 @@
-"""An OpenGL context without a window, from whatever this machine has."""
+"""OpenGL context without a window, by the first library that works on this machine."""
 
 import os
 import platform
@@ -21,7 +21,7 @@ _HELP = (
 
 
 def open_context(model: mujoco.MjModel, width: int, height: int, font: mujoco.mjtFontScale) -> tuple[Any, Any]:
-    """OpenGL's context, of MuJoCo's `GLContext` kind, for pictures of that size, and the `MjrContext` in it.
+    """Open a context of MuJoCo's `GLContext` kind for pictures of that size, and the `MjrContext` in it.
 
     MUJOCO_GL decides which library makes it; where it is not set, the first that works does.
     """
@@ -42,7 +42,7 @@ def open_context(model: mujoco.MjModel, width: int, height: int, font: mujoco.mj
 
 
 def candidates(asked: str, system: str, environment: Mapping[str, str]) -> list[str]:
-    """Names of MuJoCo's context modules to try, in order, for a value of MUJOCO_GL."""
+    """List the names of MuJoCo's context modules to try, in order, for a value of MUJOCO_GL."""
     if asked not in _ANY:
         return ["glfw" if asked in ("glx", "wgl") else asked]
     if system == "Darwin":
@@ -53,7 +53,7 @@ def candidates(asked: str, system: str, environment: Mapping[str, str]) -> list[
 
 
 def has_display(environment: Mapping[str, str]) -> bool:
-    """Whether a Linux session has a screen."""
+    """Check if a Linux session has a screen."""
     return bool(environment.get("DISPLAY") or environment.get("WAYLAND_DISPLAY"))
 
 

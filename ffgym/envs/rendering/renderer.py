@@ -11,7 +11,7 @@ from ffgym.core.errors import FFGymError, check_choice, check_number, check_whol
 from ffgym.core.types import IntArray
 from ffgym.envs.rendering.canvas import Canvas, Panel, camera_on
 from ffgym.envs.rendering.track import JointTrack, ToolTrack, Track
-from ffgym.envs.rendering.viewer import Window
+from ffgym.envs.rendering.viewer import ViewerWindow
 from ffgym.robot import ModelOptions
 
 if TYPE_CHECKING:
@@ -25,14 +25,14 @@ ROBOT, CLOSE_UP, ERRORS = (0.0, 0.0, 0.5, 1.0), (0.5, 0.35, 0.5, 0.65), (0.5, 0.
 
 @dataclass(frozen=True, kw_only=True)
 class Rendering:
-    """How episodes are drawn."""
+    """Size, title and magnification of the pictures of episodes."""
 
     magnify: float | None = None
-    """Factor on the error that is drawn; None takes a round one that suits the motion, the same for every agent."""
+    """Factor on the error that is drawn; defaults to a round one that suits the motion, the same for every agent."""
     width: int = 960
-    """Of a picture [pixel]."""
+    """Width of a picture [pixel]."""
     height: int = 540
-    """Of a picture [pixel]."""
+    """Height of a picture [pixel]."""
     title: str = ""
     """First line of the text, e.g. the agent's name."""
 
@@ -47,7 +47,7 @@ def check_render_mode(mode: str | None, num_envs: int) -> str | None:
     """Return a render mode if it is None or one that can show `num_envs` robots.
 
     Raises:
-        FFGymError: if it is not.
+        FFGymError: if it is unknown, or cannot show so many.
     """
     if mode is None:
         return None
@@ -60,10 +60,10 @@ def check_render_mode(mode: str | None, num_envs: int) -> str | None:
 
 
 class EpisodeRenderer:
-    """Draws the robots of an engine, which it follows at every control step; it changes nothing in it.
+    """Renderer of an engine's robots, which it follows at every control step without changing them.
 
     Args:
-        core: the engine; its settings say how to draw.
+        core: the engine, with settings of pictures.
         render_mode: 'rgb_array' or 'human'.
 
     Raises:
@@ -78,13 +78,13 @@ class EpisodeRenderer:
         self._cameras: dict[int, mujoco.MjvCamera] = {}
         self._canvas, self._window = None, None
         if render_mode == "human":
-            self._window = Window(self._model, self._data)
+            self._window = ViewerWindow(self._model, self._data)
         else:
             self._canvas = Canvas(self._model, options.width, options.height)
         core.observers.append(self)
 
     def begin(self, ids: IntArray) -> None:
-        """Sub-environments `ids` begin an episode: forget what they left behind, and look at all of the robot."""
+        """Begin episodes of sub-environments `ids` with empty tracks, and a camera on all of the robot."""
         for i in ids.tolist():
             motion = self._core.motions[i]
             assert motion is not None  # the engine has just assigned it
@@ -94,12 +94,12 @@ class EpisodeRenderer:
         self.follow(ids)
 
     def follow(self, ids: IntArray) -> None:
-        """Take in the present state of sub-environments `ids`."""
+        """Add the present state of sub-environments `ids` to their tracks."""
         for i in ids.tolist():
             self._tracks[i].add()
 
     def frame(self, index: int) -> NDArray[np.uint8]:
-        """Picture of a sub-environment, shape (height, width, 3)."""
+        """Draw a sub-environment, shape (height, width, 3)."""
         if self._canvas is None or index not in self._tracks:
             raise FFGymError("There is nothing to render before the first reset.")
         self._pose(index)
@@ -125,7 +125,7 @@ class EpisodeRenderer:
         self._canvas, self._window = None, None
 
     def _panels(self, index: int) -> list[Panel]:
-        """The whole robot on the left, the close-up and the motors' errors on the right."""
+        """Lay out the whole robot on the left, the close-up and the motors' errors on the right."""
         track, top, bottom = (
             self._tracks[index],
             mujoco.mjtGridPos.mjGRID_TOPLEFT,
@@ -141,7 +141,7 @@ class EpisodeRenderer:
         ]
 
     def _pose(self, index: int) -> None:
-        """Put the drawn robot where a simulated one is."""
+        """Put the drawn robot into the pose of a simulated one."""
         self._data.qpos[:] = self._core.plant.batch.qpos[index]
         mujoco.mj_kinematics(self._model, self._data)
         mujoco.mj_comPos(self._model, self._data)

@@ -1,4 +1,4 @@
-"""What one episode leaves behind for its pictures: its path, and what the robot made of it."""
+"""Tracks of an episode for its pictures: the path, and the deviation of the robot from it."""
 
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING
@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 
 from ffgym.core.types import Array, BoolArray
-from ffgym.envs.motion import Motion
+from ffgym.envs.motion import EpisodeMotion
 from ffgym.envs.rendering.canvas import BLUE, RED, plot
 from ffgym.recordings.metrics import magnification, magnified, round_down
 
@@ -27,21 +27,21 @@ HUES = {
 }
 """Colours of joints, those of Okabe and Ito; a seventh joint has the first one's."""
 RECENT = 1.0
-"""How long plots over time look back [s], and how much of a path without circles is drawn before and after now."""
+"""Time span [s] of plots over time, and of a path without circles before and after now."""
 FREE_RADIUS = 0.03
-"""Half of what is shown of a path without circles [m]."""
+"""Half the side of the close-up of a path without circles [m]."""
 CLOSE_UP = 1.75
-"""Half of what is shown of circles, in radii of the largest."""
+"""Half the side of the close-up of circles, in radii of the largest."""
 TYPICAL_LAG = 0.006
-"""The error of the uncompensated robot, RMS, is 4 to 8 ms times its speed; it is drawn as a TYPICAL_SHARE of what is
-shown of a path, or of the way of a joint."""
+"""The error of the uncompensated robot, RMS, is 4 to 8 ms times its speed; it is drawn as a TYPICAL_SHARE of half
+the close-up of a path, or of the range of a joint's motion."""
 TYPICAL_SHARE = 1 / 6
 
 
 class Track(ABC):
-    """Follows sub-environment `i` of an engine through one episode, one row per control step."""
+    """Track of sub-environment `i` of an engine through one episode, one row per control step."""
 
-    def __init__(self, core: "TrackingCore", i: int, motion: Motion, magnify: float) -> None:
+    def __init__(self, core: "TrackingCore", i: int, motion: EpisodeMotion, magnify: float) -> None:
         self.core, self.i, self.motion = core, i, motion
         asked = core.settings.rendering.magnify
         self.magnify = magnify if asked is None else asked
@@ -55,11 +55,11 @@ class Track(ABC):
 
     @property
     def trail(self) -> Array:
-        """What was sampled, and the error of each motor [rad], shape (T, W + N)."""
+        """Samples, and the error of each motor [rad], shape (T, W + N)."""
         return np.array(self._rows)
 
     def motor_errors(self) -> mujoco.MjvFigure:
-        """Plot of the motors' errors over the time that is just past."""
+        """Plot the motors' errors over the recent time."""
         errors = 1e3 * self.trail[:, -self.core.robot.n_joints :]
         limit = 0.999 / round_down(1 / max(float(np.abs(errors).max()), 1e-3))  # grows in steps: films stand still
         t, last = self._ages(len(errors)), errors[-self._recent :]
@@ -70,20 +70,20 @@ class Track(ABC):
         return plot(lines, span, title="errors of the motors [mrad] over time [s]", xlabel=names)
 
     def _ages(self, length: int) -> Array:
-        """Times [s] of the recent samples of `length`, 0 is now."""
+        """Compute times [s] of the recent samples of `length`, 0 is now."""
         return np.arange(1 - min(length, self._recent), 1, dtype=np.float64) * self.core.robot.servo.control_dt
 
     @abstractmethod
     def sample(self) -> Array:
-        """Nearest point of the path and deviation from it now, shape (W,)."""
+        """Compute the nearest point of the path and the deviation from it now, shape (W,)."""
 
     @abstractmethod
     def close_up(self) -> mujoco.MjvFigure:
-        """Plot of the path and of the trail with its error magnified."""
+        """Plot the path, and the trail with its error magnified."""
 
     @abstractmethod
     def values(self) -> tuple[str, str]:
-        """Names and numbers of the present state, in lines."""
+        """Return names and numbers of the present state, in lines."""
 
     @property
     def ball(self) -> Array | None:
@@ -94,7 +94,7 @@ class Track(ABC):
 class ToolTrack(Track):
     """Path of a tool; sampled are the nearest point of the path and the deviation from it [m]."""
 
-    def __init__(self, core: "TrackingCore", i: int, motion: Motion) -> None:
+    def __init__(self, core: "TrackingCore", i: int, motion: EpisodeMotion) -> None:
         at, rows = motion.columns, motion.rows(0)
         self._points = points = rows[:, at.tcp]
         self._centre, self._normal = motion.plane
@@ -108,10 +108,10 @@ class ToolTrack(Track):
         super().__init__(core, i, motion, magnification(TYPICAL_SHARE * self._radius, typical))
 
     def sample(self) -> Array:
-        """Nearest point and deviation, shape (6,); the deviation is as long as the path error.
+        """Compute nearest point and deviation, shape (6,); the deviation is as long as the path error.
 
-        On a circle in its plane; elsewhere across the direction of motion, all of TCP - reference at rest. What the TCP
-        lags behind along the path is no deviation and is not magnified.
+        It lies in the plane of a circle; elsewhere across the direction of motion, all of TCP - reference at rest. The
+        lag of the TCP along the path is no deviation and is not magnified.
         """
         core, at = self.core, self.core.columns
         assert core.signals.tcp is not None  # the robot has a tool
@@ -126,7 +126,7 @@ class ToolTrack(Track):
         return np.concatenate([nearest, tcp - nearest])
 
     def close_up(self) -> mujoco.MjvFigure:
-        """See base class; in the plane of the circles, or obliquely from above along with the tool."""
+        """Plot path and trail in the plane of the circles, or obliquely from above along with the tool."""
         trail, length = self.trail, len(self._rows)
         drawn = magnified(trail[:, :3], trail[:, 3:6], self.magnify)
         lines = [(np.stack([trail[-1, :3], drawn[-1]]), RED)]
@@ -134,8 +134,8 @@ class ToolTrack(Track):
             present = self._circle == self._circle[length - 1]
             start = int(np.argmax(present))
             lines += [(drawn[start:], RED), (self._points[present], BLUE)]
-            lines += [(drawn[run], PALE_RED) for run in runs(self._on_circle[:start])]
-            lines += [(self._points[run], PALE_BLUE) for run in runs(self._on_circle)]
+            lines += [(drawn[run], PALE_RED) for run in find_runs(self._on_circle[:start])]
+            lines += [(self._points[run], PALE_BLUE) for run in find_runs(self._on_circle)]
         else:
             lines += [(drawn[-self._recent :], RED)]
             lines += [(self._points[max(0, length - self._recent) : length + self._recent], BLUE)]
@@ -147,7 +147,7 @@ class ToolTrack(Track):
         return plot([(scale, GREY), *seen], square, title=title, xlabel=f"bar: {1e3 * bar:g} mm", ticks=False)
 
     def _axes(self) -> Array:
-        """Unit vectors that point right and up in the close-up, shape (2, 3)."""
+        """Compute unit vectors that point right and up in the close-up, shape (2, 3)."""
         toward = self._normal if self._has_circles else np.array([0.41, -0.71, 0.57])
         toward = toward if toward[2] >= 0 else -toward
         right = np.array([-toward[1], toward[0], 0.0])
@@ -156,14 +156,14 @@ class ToolTrack(Track):
         return np.stack([right, np.cross(toward / np.linalg.norm(toward), right)])
 
     def values(self) -> tuple[str, str]:
-        """See base class."""
+        """Return time, speed and path error."""
         row, speed = self._rows[-1], 1e3 * self._speed[len(self._rows) - 1]
         error = 1e3 * float(np.linalg.norm(row[3:6]))
         return "time\nspeed\npath error", f"{self.core.time[self.i]:.2f} s\n{speed:.0f} mm/s\n{error:.3f} mm"
 
     @property
     def ball(self) -> Array:
-        """See base class."""
+        """Nearest point of the path [m], (3,)."""
         return self._rows[-1][:3]
 
 
@@ -173,7 +173,7 @@ class JointTrack(Track):
     Sampled are its reference and error, position - reference [rad or m], link side.
     """
 
-    def __init__(self, core: "TrackingCore", i: int, motion: Motion) -> None:
+    def __init__(self, core: "TrackingCore", i: int, motion: EpisodeMotion) -> None:
         kinematics, q = core.robot.kinematics, motion.reference.q
         self._joint = j = int(np.argmax(np.ptp(q, axis=0) / np.ptp(kinematics.range, axis=1)))
         self._slides = bool(kinematics.is_sliding[j])
@@ -183,13 +183,13 @@ class JointTrack(Track):
         super().__init__(core, i, motion, magnification(TYPICAL_SHARE * float(np.ptp(self._span)), typical))
 
     def sample(self) -> Array:
-        """See base class, shape (2,)."""
+        """Return reference and error of the joint, shape (2,)."""
         core, drive, j = self.core, self.core.robot.drive, self._joint
         reference = drive.joint_angle(core.rows[self.i, core.columns.position])
         return np.array([reference[j], drive.joint_angle(-core.signals.error[self.i])[j]])
 
     def close_up(self) -> mujoco.MjvFigure:
-        """See base class; over the time that is just past."""
+        """Plot reference and joint over the recent time."""
         trail = self._per_unit * self.trail[-self._recent :, :2]
         drawn, t = magnified(trail[:, 0], trail[:, 1], self.magnify), self._ages(len(self._rows))
         low, high = self._per_unit * self._span
@@ -200,14 +200,14 @@ class JointTrack(Track):
         return plot(lines, np.array([[-RECENT, 0.0], [low - room, high + room]]), title=title, xlabel=words)
 
     def values(self) -> tuple[str, str]:
-        """See base class."""
+        """Return time, position and error."""
         position, error = self._per_unit * self._rows[-1][:2]
         word = "position" if self._slides else "angle"
         time = f"{self.core.time[self.i]:.2f} s"
         return f"time\n{word}\nerror", f"{time}\n{position:.1f} {self._unit}\n{error:.3f} {self._unit}"
 
 
-def runs(chosen: BoolArray) -> list[slice]:
-    """Where values are True without a gap; each with the sample after it, which closes a circle."""
+def find_runs(chosen: BoolArray) -> list[slice]:
+    """Find runs of True without a gap; each with the sample after it, which closes a circle."""
     edges = np.flatnonzero(np.diff(chosen.astype(np.int8), prepend=0, append=0))
     return [slice(int(start), int(end) + 1) for start, end in zip(edges[::2], edges[1::2], strict=True)]

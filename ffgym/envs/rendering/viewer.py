@@ -1,4 +1,4 @@
-"""MuJoCo's interactive viewer, which runs beside the simulation and takes what is drawn from it."""
+"""MuJoCo's interactive viewer, which runs beside the simulation and draws its state."""
 
 import atexit
 import os
@@ -20,8 +20,8 @@ FRAME = 1 / 25
 _WAY_OUT = "use render_mode='rgb_array', which needs no screen, or set DISPLAY (ssh -X, or xvfb-run)"
 
 
-class Window:
-    """The viewer; it opens when something is to be shown, and shows no more once it is closed by hand."""
+class ViewerWindow:
+    """Window of the viewer; it opens at the first picture, and stays closed once it is closed by hand."""
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
         check_screen()
@@ -36,7 +36,7 @@ class Window:
 
         Args:
             now: time in the episode [s].
-            look: puts the model's data into the present state and returns what is to be seen: the robot, then plots.
+            look: function that puts the model's data into the present state and returns panels: the robot, then plots.
         """
         begins = now < self._time or self._viewer is None
         if not begins and now - self._time < FRAME:
@@ -47,6 +47,7 @@ class Window:
             return
         if not begins:
             time.sleep(max(0.0, self._shown + now - self._time - time.monotonic()))
+        # robot, captions and plots
         self._shown, self._time = time.monotonic(), now
         with self._viewer.lock():
             robot, *plots = look()
