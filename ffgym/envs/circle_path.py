@@ -32,7 +32,7 @@ class CircleTasks(Tasks):
     """Circle tests at several positions and speeds.
 
     Args:
-        robot: the controller's nominal robot: a description, a built-in name, or a path to a description ending in .toml;
+        robot: nominal one of the controller: description, built-in name, or path to a description ending in .toml;
             it must have a work area.
         positions: names in its work area, or points [m]; None takes all of the area.
         speeds: TCP speeds [m/s].

@@ -26,7 +26,7 @@ class PathTasks(Tasks):
     """Motions that were made before; each episode follows one of them.
 
     Args:
-        robot: the controller's nominal robot: a description, a built-in name, or a path to a description ending in .toml;
+        robot: nominal one of the controller: description, built-in name, or path to a description ending in .toml;
             None takes that of the first reference among `path`, or the built-in six-axis robot.
         path: name of a built-in motion, file of a motion, `Reference`, or a list of these, one of which is drawn for
             each episode. A file may bring its own tool, which then is the robot's.

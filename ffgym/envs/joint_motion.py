@@ -23,7 +23,7 @@ class RandomTasks(Tasks):
     """Random multisines; each episode has its own, and each joint its own peak speed.
 
     Args:
-        robot: the controller's nominal robot: a description, a built-in name, or a path to a description ending in .toml.
+        robot: nominal one of the controller: description, built-in name, or path to a description ending in .toml.
         duration: length of an episode [s].
         peak_speeds: range of the largest speed of each joint, motor side [rad/s], without the share of couplings; drawn
             log-uniformly.

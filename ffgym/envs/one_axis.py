@@ -19,7 +19,7 @@ class SineTasks(Tasks):
     """Sines of one joint.
 
     Args:
-        robot: the controller's nominal robot: a description, a built-in name, or a path to a description ending in .toml,
+        robot: nominal one of the controller: description, built-in name, or path to a description ending in .toml,
             with one joint.
         frequencies: frequencies [Hz], one is drawn for each episode; the thesis has 1 and 3.
         amplitude: amplitude of the motor [rad].
