@@ -11,7 +11,7 @@ from ffgym.cli.outputs import check_outputs, need_extra, print_places, provenanc
 from ffgym.cli.progress import progress_bar, stages_bar
 from ffgym.core.files import write_text
 from ffgym.diagnosis import Diagnosis, examine
-from ffgym.diagnosis.document import diagnosis_document
+from ffgym.diagnosis.diagnosis_file import diagnosis_document
 from ffgym.diagnosis.nominal import EXAMPLE_ROBOT, example_logs
 from ffgym.envs.machines import is_workcell, rig_of
 from ffgym.report import format_one_axis, format_text, write_report

@@ -6,18 +6,18 @@ from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 
-from ffgym.cli.diagnose_inputs import ROBOT, Nominal, fit_nominal, logs_from, nominal_named
+from ffgym.cli.diagnose_inputs import ROBOT, Nominal, identify_nominal, logs_from, nominal_named
 from ffgym.cli.log_options import Diagnose
 from ffgym.cli.outputs import check_outputs, given_options, need_extra, print_places, provenance
 from ffgym.cli.progress import progress_bar, stages_bar
 from ffgym.core.errors import FFGymError, check_number, check_whole
 from ffgym.core.files import made_folder, write_text
-from ffgym.diagnosis import Calibration, Diagnosis, Examined, examine
-from ffgym.diagnosis.document import write_diagnosis
+from ffgym.diagnosis import Diagnosis, Examination, ParameterPrior, examine
+from ffgym.diagnosis.diagnosis_file import write_diagnosis
 from ffgym.diagnosis.extended import save_extended
-from ffgym.diagnosis.held_out import LoopLevel, check_comparable, closed_loop_gain, held_out_levels, is_better
+from ffgym.diagnosis.held_out import LoopLevel, check_comparable, compare_in_closed_loop, compare_replays, is_better
 from ffgym.diagnosis.settings import settings
-from ffgym.diagnosis.thinning import note_of
+from ffgym.diagnosis.thinning import read_notes
 from ffgym.logs import write_corrected
 from ffgym.logs.quality import accepted, judged
 from ffgym.recordings import Recording
@@ -54,13 +54,13 @@ def _diagnose(config: Diagnose) -> None:
     with stages_bar("reading logs") as tell:
         nominal, recordings = _inputs(config)
         held_out = _held_out(config, nominal)
-        calibration = nominal.calibration or Calibration()  # as fitted, or as usual
+        prior = nominal.prior or ParameterPrior()  # as fitted, or as usual
         if config.calibration is not None:
-            calibration = Calibration.of_share(config.calibration)
+            prior = ParameterPrior.of_share(config.calibration)
         examined = examine(
             nominal.machine,
             recordings,
-            calibration=calibration,
+            prior=prior,
             seed=config.seed,
             report=tell,
             # soon and on stderr: what is printed is the verdict
@@ -130,7 +130,7 @@ def _inputs(config: Diagnose) -> tuple[Nominal, list[Recording]]:
     draft = load_draft(config.robot)
     recordings = logs_from(config.logs, config.columns, draft.description_for("identification"))
     sound = judged(recordings, needs=("diagnosis",), accept=config.accept).recordings
-    return fit_nominal(draft, config.robot, sound or recordings), recordings
+    return identify_nominal(draft, config.robot, sound or recordings), recordings
 
 
 def _held_out(config: Diagnose, nominal: Nominal) -> list[Recording]:
@@ -140,7 +140,7 @@ def _held_out(config: Diagnose, nominal: Nominal) -> list[Recording]:
     read = logs_from(config.validate, config.columns, nominal.machine.robot)
     sound = judged(read, nominal.machine.physical, needs=("diagnosis",), accept=config.accept)
     held_out = [*sound.recordings]
-    for note in note_of(held_out):
+    for note in read_notes(held_out):
         print(f"--validate: {note}", file=sys.stderr, flush=True)
     if not held_out:
         raise FFGymError(f"--validate: none of these logs can be used: {sound.left_out[0]}")
@@ -155,14 +155,14 @@ def _runs_again(nominal: Nominal, held_out: Sequence[Recording]) -> bool:
 
 
 def _models(
-    config: Diagnose, examined: Examined, nominal: Nominal, recordings: Sequence[Recording]
+    config: Diagnose, examined: Examination, nominal: Nominal, recordings: Sequence[Recording]
 ) -> tuple[Machine, Machine]:
     """Nominal and extended model; written and read back, if there is a folder for them."""
     if config.out is None:
         return examined.nominal, examined.machine
     _remove(config, NOMINAL, EXTENDED, NEXT, COLUMNS)
     robot, before = nominal.describe_in(config.out), examined.nominal
-    if nominal.calibration is not None:
+    if nominal.prior is not None:
         source = "fitted to the logs before the diagnosis"
         title = f"{before.robot.title}, fitted by ffgym diagnose"
         save_machine(before, config.out / NOMINAL, title=title, source=source, robot=robot)
@@ -190,22 +190,22 @@ def _remove(config: Diagnose, *names: str) -> None:
 def _compared(
     config: Diagnose,
     models: tuple[Machine, Machine],
-    examined: Examined,
+    examined: Examination,
     nominal: Nominal,
     held_out: Sequence[Recording],
 ) -> tuple[Sequence[LoopLevel], Sequence[LoopLevel]]:
     """Replay both models along logs that were not diagnosed, and run them along their set-points if they have some."""
     if not held_out or examined.before is None:
         return (), ()
-    replayed = held_out_levels(*models, held_out, cutoff=examined.before.cutoff)
+    replayed = compare_replays(*models, held_out, cutoff=examined.before.cutoff)
     if not _runs_again(nominal, held_out):
         return replayed, ()
     with progress_bar("closed loops", "s") as progress:
-        return replayed, closed_loop_gain(*models, held_out, n_threads=config.threads, progress=progress)
+        return replayed, compare_in_closed_loop(*models, held_out, n_threads=config.threads, progress=progress)
 
 
 def _write(
-    config: Diagnose, examined: Examined, replayed: Sequence[LoopLevel], closed_loop: Sequence[LoopLevel]
+    config: Diagnose, examined: Examination, replayed: Sequence[LoopLevel], closed_loop: Sequence[LoopLevel]
 ) -> None:
     """Files first: nobody may read what is printed."""
     diagnosis = examined.diagnosis

@@ -8,8 +8,8 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import read_text, write_text
-from ffgym.diagnosis.calibration import Calibration
-from ffgym.diagnosis.nominal import EXAMPLE_ROBOT, example_logs, fitted_nominal
+from ffgym.diagnosis.nominal import EXAMPLE_ROBOT, example_logs, fit_nominal
+from ffgym.diagnosis.nuisance import ParameterPrior
 from ffgym.diagnosis.thinning import thin
 from ffgym.effects import Origin
 from ffgym.envs.machines import load_described_robot
@@ -36,7 +36,7 @@ class Nominal:
     """What a machine file calls its robot: a built-in name, or the path of a description."""
     origins: tuple[Origin, ...] = ()
     """Of the effects that it has already."""
-    calibration: Calibration | None = None
+    prior: ParameterPrior | None = None
     """How sure its numbers are, if they were fitted to the logs."""
     draft: RobotDraft | None = None
     """What its description says, if numbers were fitted that it lacks."""
@@ -89,14 +89,14 @@ def nominal_named(name: str | None) -> Nominal:
     return Nominal(machine=load_machine(name, partial=True), reference=robot_reference(name), origins=origins_of(name))
 
 
-def fit_nominal(draft: RobotDraft, reference: str | Path, recordings: Sequence[Recording]) -> Nominal:
+def identify_nominal(draft: RobotDraft, reference: str | Path, recordings: Sequence[Recording]) -> Nominal:
     """Fit the nominal model: masses, rotors and friction that predict the torque of recordings best.
 
     Raises:
         FFGymError: if recordings do not fit the robot, or do not tell its numbers.
     """
-    machine, calibration = fitted_nominal(draft if draft.missing else draft.complete(), recordings)
-    return Nominal(machine=machine, reference=reference, calibration=calibration, draft=draft)
+    machine, prior = fit_nominal(draft if draft.missing else draft.complete(), recordings)
+    return Nominal(machine=machine, reference=reference, prior=prior, draft=draft)
 
 
 def _read(path: Path, columns: str | None, robot: RobotDescription) -> Sequence[Recording | Stored]:

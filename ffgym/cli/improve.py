@@ -37,8 +37,8 @@ def run(config: Improve) -> None:
         rig,
         _plan(config),
         folder,
-        diagnose=lambda machine, recordings, calibration, most: diagnose(
-            machine, recordings, calibration=calibration, seed=config.seed, most=most
+        diagnose=lambda machine, recordings, prior, most: diagnose(
+            machine, recordings, prior=prior, seed=config.seed, most=most
         ),
         stage=progress_bar,
         positions=config.positions or None,

@@ -1,5 +1,4 @@
-from .calibration import Calibration as Calibration
-from .document import read_diagnosis as read_diagnosis
+from .diagnosis_file import read_diagnosis as read_diagnosis
 from .identification import Blocks as Blocks
 from .identification import Estimate as Estimate
 from .identification import FrictionIdentification as FrictionIdentification
@@ -34,10 +33,11 @@ from .identification.rigid_body import identify_rigid_body as identify_rigid_bod
 from .identification.rigid_body import starting_robot as starting_robot
 from .nominal import EXAMPLE_ROBOT as EXAMPLE_ROBOT
 from .nominal import example_logs as example_logs
-from .patterns import cycles_per_turn as cycles_per_turn
+from .nuisance import ParameterPrior as ParameterPrior
+from .patterns import compute_turn_spectrum as compute_turn_spectrum
 from .patterns import find_patterns as find_patterns
-from .prepare import Memory as Memory
-from .procedure import Examined as Examined
+from .prepare import DiagnosisCache as DiagnosisCache
+from .procedure import Examination as Examination
 from .procedure import diagnose as diagnose
 from .procedure import examine as examine
 from .result import Diagnosis as Diagnosis

@@ -11,12 +11,12 @@ import scipy
 from ffgym.core.measures import rms
 from ffgym.core.types import Array
 from ffgym.diagnosis.log import Log
-from ffgym.diagnosis.measured import counting_rows, residual_of, residual_rows
-from ffgym.diagnosis.noise import torque_noise
+from ffgym.diagnosis.noise import compute_torque_noise
 from ffgym.diagnosis.patterns.periodic import PerTurn
-from ffgym.diagnosis.patterns.rows import TO_HALF, rows_of
-from ffgym.diagnosis.patterns.significance import tried
-from ffgym.diagnosis.replay import Replay, predicted, replay
+from ffgym.diagnosis.patterns.rows import TO_HALF, collect_pattern_rows
+from ffgym.diagnosis.patterns.significance import judge_form
+from ffgym.diagnosis.replay import Replay, predict, replay
+from ffgym.diagnosis.residual_rows import assemble_residual, compute_residuals, find_counting_rows
 from ffgym.diagnosis.sampling import white_noise
 from ffgym.diagnosis.settings import settings
 from ffgym.simulation.plant import Machine
@@ -25,29 +25,29 @@ _SURE, _RIPPLES = 1e-3, 0.1
 """Probability by chance below which, and share of what is above the narrow band from which on, it is ripple."""
 
 
-def comparison_cutoff(log: Log, machine: Machine) -> float:
+def choose_cutoff(log: Log, machine: Machine) -> float:
     """Cut-off [Hz] of what is compared: the usual one, or a lower one above which a rigid model knows nothing."""
     limits = settings().sampling
     usual = log.sampling.cutoff
     if not machine.physical.drive.is_rigid.all():
         return usual
-    narrow = max(limits.lowest_cutoff, limits.harmonics * motion_bandwidth(log))
+    narrow = max(limits.lowest_cutoff, limits.harmonics * compute_motion_bandwidth(log))
     if limits.narrower * narrow > usual:
         return usual
     run = replay(log.torque_alone, machine)
     # what the model leaves of the torque above the narrow band, rows (R, M, N)
-    rest = residual_rows(run.log, predicted(run))["torque"]
+    rest = compute_residuals(run.log, predict(run))["torque"]
     width = TO_HALF / (narrow * run.log.sampling.row_dt)
     above = rest - scipy.ndimage.gaussian_filter1d(rest, width, axis=0, mode="nearest")
     # noise of torque and angle makes as much, at most, where nothing else is there
-    floor, counting, ratio = torque_noise(run), counting_rows(run.log), []
+    floor, counting, ratio = compute_torque_noise(run), find_counting_rows(run.log), []
     for j in range(above.shape[2]):
         over = (above[..., j] / floor[:, j])[counting["torque", j]]
         ratio.append(rms(over) if over.size else 0.0)
     return usual if max(ratio) < limits.above_noise or _is_ripple(run, above) else narrow
 
 
-def motion_bandwidth(log: Log) -> float:
+def compute_motion_bandwidth(log: Log) -> float:
     """Frequency [Hz] below which nearly all power of the speed of every joint lies, noise of the reading taken off."""
     limits = settings().sampling
     total, frequency = 0.0, np.zeros(1)
@@ -71,14 +71,14 @@ def motion_bandwidth(log: Log) -> float:
 
 def _is_ripple(run: Replay, above: Array) -> bool:
     """Tell whether torque (R, M, N) repeats with the turns of a motor, on halves of motions that were not used."""
-    residual = residual_of(run.log, run, {"torque": above}, {"torque": torque_noise(run)})
-    rows = rows_of(residual, "torque", np.random.default_rng(0))
+    residual = assemble_residual(run.log, run, {"torque": above}, {"torque": compute_torque_noise(run)})
+    rows = collect_pattern_rows(residual, "torque", np.random.default_rng(0))
     if rows is None:
         return False
     values = rows.centred(rows.values)
     energy = np.maximum(np.sum(values**2, axis=0), np.finfo(np.float64).tiny)
     for j in range(values.shape[1]):
-        trial = tried(PerTurn(joint=j), rows, values, [j])
+        trial = judge_form(PerTurn(joint=j), rows, values, [j])
         if trial.p[j] < _SURE and trial.gain[:, j].sum() > _RIPPLES * energy[j]:
             return True
     return False

@@ -9,16 +9,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ffgym.diagnosis.calibration import Calibration, doubts_of
-from ffgym.diagnosis.column import columns_of
-from ffgym.diagnosis.evidence import Values, blocks_of, half_folds
 from ffgym.diagnosis.log import Log
-from ffgym.diagnosis.measured import knows_low_speed, residual_rows, valid_rows
-from ffgym.diagnosis.noise import torque_noise
-from ffgym.diagnosis.replay import predicted, replay
-from ffgym.diagnosis.result import Cause, Pattern, Rival, Unjudged
-from ffgym.diagnosis.search.candidates import candidates_of
-from ffgym.diagnosis.search.found import Found
+from ffgym.diagnosis.noise import compute_torque_noise
+from ffgym.diagnosis.normal_equations import Values, cut_blocks, make_half_folds
+from ffgym.diagnosis.nuisance import ParameterPrior, list_nuisance_parameters
+from ffgym.diagnosis.replay import predict, replay
+from ffgym.diagnosis.residual_rows import compute_residuals, describes_low_speed, find_valid_rows
+from ffgym.diagnosis.result import Cause, Pattern, Rival, UnjudgedEffect
+from ffgym.diagnosis.search.candidates import build_candidates
+from ffgym.diagnosis.search.rounds import SearchResult
+from ffgym.diagnosis.sensitivity import compute_sensitivities
 from ffgym.diagnosis.settings import settings
 from ffgym.diagnosis.solving import screen
 from ffgym.effects import EFFECTS, ClockEffect, Effect, ModelEffect, ResolverEffect, TrackerEffect
@@ -36,23 +36,23 @@ _UNITS = {"temperature": "K", "running": "s"}
 _OPEN = "it is a number of the model that is not known any better than that: it is fitted beside the causes"
 
 
-def judgeable_kinds(
-    log: Log, machine: Machine, calibration: Calibration, no_servo: str = ""
-) -> tuple[list[type[Effect]], tuple[Unjudged, ...]]:
+def sort_effects(
+    log: Log, machine: Machine, prior: ParameterPrior, no_servo: str = ""
+) -> tuple[list[type[Effect]], tuple[UnjudgedEffect, ...]]:
     """Effects that a log may show, and the others with the reason; `no_servo` is that of effects in the servo."""
     judgeable, others = [], []
     for kind in EFFECTS.values():
-        reason = _OPEN if kind in calibration.open_numbers else _missing(kind, log, machine)
+        reason = _OPEN if kind in prior.open_numbers else _explain_missing(kind, log, machine)
         if reason == _NO_FEEDBACK:
             reason = no_servo or reason
         if reason:
-            others.append(Unjudged(effect=kind.name, joint="", reason=reason))
+            others.append(UnjudgedEffect(effect=kind.name, joint="", reason=reason))
         else:
             judgeable.append(kind)
     return judgeable, tuple(others)
 
 
-def _missing(kind: type[Effect], log: Log, machine: Machine) -> str:
+def _explain_missing(kind: type[Effect], log: Log, machine: Machine) -> str:
     """Why a log cannot show an effect at all; empty if it can."""
     if issubclass(kind, TrackerEffect) and log.tool is None:
         return "the log has no tracked tool position (tcp.position)"
@@ -62,7 +62,7 @@ def _missing(kind: type[Effect], log: Log, machine: Machine) -> str:
         return _NO_FEEDBACK
     if kind.needs_elasticity and bool(machine.physical.drive.is_rigid.all()):
         return "the joints are described as rigid"
-    if kind.at_low_speed and not knows_low_speed(log.robot).any():
+    if kind.at_low_speed and not describes_low_speed(log.robot).any():
         return "the model has no friction of its own at low speed (static equals coulomb), where this effect acts"
     if issubclass(kind, ModelEffect) and any(isinstance(effect, kind) for effect in machine.effects):
         return "the model has it already, and a machine cannot have it twice"
@@ -71,13 +71,13 @@ def _missing(kind: type[Effect], log: Log, machine: Machine) -> str:
     for name in kind.varies_with:
         if name == "temperature" and log.temperature is None and machine.climate is None:
             return "the log has no temperature"
-        span = _span(log, machine, name)
+        span = _measure_span(log, machine, name)
         if span < LEAST_SPAN[name]:
             return f"{name} changes by {span:.3g} {_UNITS[name]} only, of {LEAST_SPAN[name]:g} that it takes"
     return ""
 
 
-def _span(log: Log, machine: Machine, name: str) -> float:
+def _measure_span(log: Log, machine: Machine, name: str) -> float:
     if name == "running":
         lasted = [recording.t[-1] - recording.t[0] for recording in log.recordings]
         return float(np.max(log.started + lasted) - np.min(log.started))
@@ -90,7 +90,7 @@ def _span(log: Log, machine: Machine, name: str) -> float:
     return float(np.max(np.ptp(seen, axis=0)))
 
 
-def not_excited(found: Found) -> tuple[Unjudged, ...]:
+def list_not_excited(found: SearchResult) -> tuple[UnjudgedEffect, ...]:
     """Effects that would not show even at the largest plausible size, joint by joint."""
     ranking, candidates = found.rounds[0].ranking, found.candidates
     listed: dict[tuple[str, str], bool] = {}
@@ -99,31 +99,31 @@ def not_excited(found: Found) -> tuple[Unjudged, ...]:
         key = (column.effect.name, column.joint)
         listed[key] = listed.get(key, True) and bool(most <= ranking.threshold)
     reason = "these motions would not show even the largest that is plausible above the noise"
-    return tuple(Unjudged(effect=e, joint=j, reason=reason) for (e, j), quiet in listed.items() if quiet)
+    return tuple(UnjudgedEffect(effect=e, joint=j, reason=reason) for (e, j), quiet in listed.items() if quiet)
 
 
 _QUIET = "it explains no more of motions that were not used than chance, or than a cause must"
 
 
-def with_leads(
+def add_leads(
     patterns: Sequence[Pattern],
     causes: Sequence[Cause],
     rivals: Sequence[Rival],
-    not_excited: Sequence[Unjudged],
-    not_judgeable: Sequence[Unjudged],
+    not_excited: Sequence[UnjudgedEffect],
+    not_judgeable: Sequence[UnjudgedEffect],
 ) -> tuple[Pattern, ...]:
     """Patterns with the effects that have their form, and why these are no causes, a sentence for each effect."""
     unjudged = (*not_judgeable, *not_excited)
     found = []
     for pattern in patterns:
-        kinds = [kind for kind in effects_of_form(pattern) if kind.side == "motor" or pattern.channel != "servo"]
-        reasons = [_reason(kind.name, pattern.component, causes, rivals, unjudged) for kind in kinds]
+        kinds = [kind for kind in find_effects_of_form(pattern) if kind.side == "motor" or pattern.channel != "servo"]
+        reasons = [_explain(kind.name, pattern.component, causes, rivals, unjudged) for kind in kinds]
         leads = tuple(f"{kind.title}: {reason}" for kind, reason in zip(kinds, reasons, strict=True))
         found.append(replace(pattern, leads=leads))
     return tuple(found)
 
 
-def effects_of_form(pattern: Pattern) -> list[type[Effect]]:
+def find_effects_of_form(pattern: Pattern) -> list[type[Effect]]:
     """Effects whose equation has the form of a pattern of its own joint, the nearest first.
 
     Of those that are as near, torques come before springs, and what acts before what is measured.
@@ -135,8 +135,8 @@ def effects_of_form(pattern: Pattern) -> list[type[Effect]]:
     )
 
 
-def _reason(
-    effect: str, joint: str, causes: Sequence[Cause], rivals: Sequence[Rival], unjudged: Sequence[Unjudged]
+def _explain(
+    effect: str, joint: str, causes: Sequence[Cause], rivals: Sequence[Rival], unjudged: Sequence[UnjudgedEffect]
 ) -> str:
     """Why an effect of a joint does not explain a pattern."""
     here = ("", joint)
@@ -150,7 +150,7 @@ def _reason(
 
 
 @dataclass(frozen=True, kw_only=True)
-class FirstLook:
+class Preview:
     """The effect that would explain most, if one stands out."""
 
     effect: type[Effect] | None
@@ -173,25 +173,29 @@ class FirstLook:
         )
 
 
-def first_look(log: Log, nominal: Machine, calibration: Calibration) -> FirstLook:
+def preview(log: Log, nominal: Machine, prior: ParameterPrior) -> Preview:
     """Screen the effects before the gearbox on the torque of a log."""
     run = replay(log.torque_alone, nominal)
-    residual = residual_rows(run.log, predicted(run))["torque"]
+    residual = compute_residuals(run.log, predict(run))["torque"]
     values: Values = {("torque", j): residual[..., j : j + 1] for j in range(residual.shape[2])}
-    weights: Values = {("torque", j): 1 / column for j, column in enumerate(torque_noise(run).T)}
-    blocks = blocks_of(valid_rows(run.log), log.sampling.row_dt)
+    weights: Values = {("torque", j): 1 / column for j, column in enumerate(compute_torque_noise(run).T)}
+    blocks = cut_blocks(find_valid_rows(run.log), log.sampling.row_dt)
     # effects whose columns take no arm
-    kinds, _ = judgeable_kinds(run.log, nominal, calibration)
+    kinds, _ = sort_effects(run.log, nominal, prior)
     plain = [kind for kind in kinds if kind.side == "motor" and not issubclass(kind, ResolverEffect)]
-    candidates = candidates_of(doubts_of(run, calibration), columns_of(run, plain, {}), blocks, weights)
+    candidates = build_candidates(
+        list_nuisance_parameters(run, prior), compute_sensitivities(run, plain, {}), blocks, weights
+    )
     if not len(blocks) or not candidates.groups:
-        return FirstLook(effect=None, joint="", share=0.0)
-    evidence = candidates.stack.evidence(values)
-    gain, left = screen(evidence, half_folds(blocks), candidates.calibration, candidates.groups, candidates.priors)
+        return Preview(effect=None, joint="", share=0.0)
+    equations = candidates.design.form_equations(values)
+    gain, left = screen(
+        equations, make_half_folds(blocks), candidates.nuisance_places, candidates.groups, candidates.priors
+    )
     best = int(np.argmax(gain[:, 0]))
-    above = float(left[0] - evidence.rows.sum())
+    above = float(left[0] - equations.rows.sum())
     share = float(gain[best, 0]) / above if above > 0 else 0.0
     if share < settings().verdict.stands_out:
-        return FirstLook(effect=None, joint="", share=max(share, 0.0))
+        return Preview(effect=None, joint="", share=max(share, 0.0))
     first = candidates.first(candidates.groups[best])
-    return FirstLook(effect=first.effect, joint=first.joint, share=min(share, 1.0))
+    return Preview(effect=first.effect, joint=first.joint, share=min(share, 1.0))

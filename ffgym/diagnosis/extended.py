@@ -9,7 +9,7 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.types import Array
-from ffgym.diagnosis.result import Cause, Diagnosis, Number
+from ffgym.diagnosis.result import Cause, Diagnosis, FittedNumber
 from ffgym.effects import EFFECTS, Effect, Origin, Parameter
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
@@ -22,23 +22,25 @@ _EFFECT = "effects"
 """First word of an entry that is a parameter of an effect."""
 
 
-def fitted_numbers(nominal: Machine, fitted: Machine) -> tuple[Number, ...]:
+def list_fitted_numbers(nominal: Machine, fitted: Machine) -> tuple[FittedNumber, ...]:
     """In what a machine with fitted numbers differs from the nominal one."""
     found = []
     for path, rule in RULES.items():
-        before, after = _entry(nominal.robot, path), _entry(fitted.robot, path)
+        before, after = _read_entry(nominal.robot, path), _read_entry(fitted.robot, path)
         if before is not None and after is not None and not np.array_equal(before, after):
             units = si_units(rule, rule.side, nominal.robot.kinematics.types)
-            found.append(_number(path, ", ".join(dict.fromkeys(units)), before, after))
+            found.append(_compare_number(path, ", ".join(dict.fromkeys(units)), before, after))
     for effect in fitted.effects[len(nominal.effects) :]:
         for name, p in effect.parameters().items():
             value = getattr(effect, name)
             if p.null is not None and np.any(value != p.null):
-                found.append(_number(f"{_EFFECT}.{effect.name}.{name}", p.unit, np.full_like(value, p.null), value))
+                found.append(
+                    _compare_number(f"{_EFFECT}.{effect.name}.{name}", p.unit, np.full_like(value, p.null), value)
+                )
     return tuple(found)
 
 
-def with_fitted_numbers(nominal: Machine, numbers: Sequence[Number]) -> Machine:
+def apply_numbers(nominal: Machine, numbers: Sequence[FittedNumber]) -> Machine:
     """The nominal machine with fitted numbers; effects of sensors stand behind those that it has.
 
     Raises:
@@ -51,18 +53,20 @@ def with_fitted_numbers(nominal: Machine, numbers: Sequence[Number]) -> Machine:
             kind, _, parameter = name.partition(".")
             effects.setdefault(kind, {})[parameter] = np.array(number.after)
         else:
-            parts.setdefault(GROUPS.get(group, ""), {})[name] = _value(robot, number)
+            parts.setdefault(GROUPS.get(group, ""), {})[name] = _shape_value(robot, number)
     changed = {part: replace(getattr(robot, part), **values) for part, values in parts.items()}
     robot = replace(robot, **changed)  # entries of one part only fit together
-    beside = [_effect(kind, values, robot) for kind, values in effects.items()]
+    beside = [_build_effect(kind, values, robot) for kind, values in effects.items()]
     return replace(nominal, robot=robot, effects=(*nominal.effects, *beside))
 
 
-def _number(entry: str, unit: str, before: Array, after: Array) -> Number:
-    return Number(entry=entry, unit=unit, before=tuple(before.ravel().tolist()), after=tuple(after.ravel().tolist()))
+def _compare_number(entry: str, unit: str, before: Array, after: Array) -> FittedNumber:
+    return FittedNumber(
+        entry=entry, unit=unit, before=tuple(before.ravel().tolist()), after=tuple(after.ravel().tolist())
+    )
 
 
-def _entry(robot: RobotDescription, path: str) -> Array | None:
+def _read_entry(robot: RobotDescription, path: str) -> Array | None:
     """Numbers of one entry that can be fitted; None if it cannot, or the robot has none."""
     group, _, name = path.partition(".")
     part = getattr(robot, GROUPS[group]) if group in GROUPS else None
@@ -70,9 +74,9 @@ def _entry(robot: RobotDescription, path: str) -> Array | None:
     return None if value is None else np.asarray(value, dtype=np.float64)
 
 
-def _value(robot: RobotDescription, number: Number) -> Array | float:
+def _shape_value(robot: RobotDescription, number: FittedNumber) -> Array | float:
     """Values of a number in the shape that its entry has."""
-    before = _entry(robot, number.entry)
+    before = _read_entry(robot, number.entry)
     if before is None or before.size != len(number.after):
         raise FFGymError(
             f"Number {number.entry!r} of a diagnosis has {len(number.after)} values, which robot {robot.name!r} has no "
@@ -82,7 +86,7 @@ def _value(robot: RobotDescription, number: Number) -> Array | float:
     return value if value.ndim else float(value)
 
 
-def _effect(name: str, values: dict[str, Array], robot: RobotDescription) -> Effect:
+def _build_effect(name: str, values: dict[str, Array], robot: RobotDescription) -> Effect:
     kind = EFFECTS[check_choice("effect of a number", name, list(EFFECTS))]
     known = kind.parameters()
     full = {p: np.full(one.shape(robot.n_joints), one.neutral) for p, one in known.items() if one.null is not None}
@@ -99,18 +103,18 @@ _AT_ONCE = 1e-3
 """Time constant of a climate that does not change [s]: below any sample time."""
 
 
-def extended_machine(nominal: Machine, causes: Sequence[Cause], numbers: Sequence[Number] = ()) -> Machine:
+def extend_machine(nominal: Machine, causes: Sequence[Cause], numbers: Sequence[FittedNumber] = ()) -> Machine:
     """The nominal machine with numbers that were fitted beside causes, and the effects of these behind those it has.
 
     Raises:
         FFGymError: if a cause names an unknown effect, joint or parameter, or the robot cannot have the effect.
     """
-    machine = with_fitted_numbers(nominal, numbers)
-    effects = [effect_of(cause, nominal.robot) for cause in causes]
+    machine = apply_numbers(nominal, numbers)
+    effects = [build_effect(cause, nominal.robot) for cause in causes]
     return replace(machine, effects=(*machine.effects, *effects))
 
 
-def effect_of(cause: Cause, robot: RobotDescription) -> Effect:
+def build_effect(cause: Cause, robot: RobotDescription) -> Effect:
     """The effect that a cause says, on its joint alone.
 
     Raises:
@@ -121,7 +125,7 @@ def effect_of(cause: Cause, robot: RobotDescription) -> Effect:
     values: dict[str, Any] = {name: np.full(p.shape(robot.n_joints), p.neutral) for name, p in known.items()}
     given = {size.name: size.value for size in cause.parameters} | cause.fixed
     for name, value in given.items():
-        parameter, place = _place(name, cause, known, robot)
+        parameter, place = _locate(name, cause, known, robot)
         values[parameter][place] = value
     said = {name.partition(".")[0] for name in given}
     if missing := [name for name, p in known.items() if p.null is not None and name not in said]:
@@ -154,24 +158,26 @@ def save_extended(
     Raises:
         FFGymError: if a cause does not fit the robot, or the file cannot be written.
     """
-    machine = extended_machine(nominal, diagnosis.causes, diagnosis.numbers)
+    machine = extend_machine(nominal, diagnosis.causes, diagnosis.numbers)
     if machine.climate is None:
-        machine = replace(machine, climate=recorded_climate(recordings))
+        machine = replace(machine, climate=derive_climate(recordings))
     beside = len(machine.effects) - len(diagnosis.causes)
     known = [*origins, *(Origin() for _ in range(beside - len(origins)))]
-    new = [_origin(cause, nominal.robot, diagnosis) for cause in diagnosis.causes]
+    new = [_describe_origin(cause, nominal.robot, diagnosis) for cause in diagnosis.causes]
     save_machine(
         machine,
         path,
         title=f"{nominal.robot.title}, extended by ffgym diagnose",
-        source=f"fitted beside the causes to {_logs(diagnosis)}" if diagnosis.numbers else "as before the diagnosis",
+        source=f"fitted beside the causes to {_name_logs(diagnosis)}"
+        if diagnosis.numbers
+        else "as before the diagnosis",
         robot=robot,
         origins=[*known, *new],
     )
     return machine
 
 
-def recorded_climate(recordings: Sequence[Recording]) -> Climate | None:
+def derive_climate(recordings: Sequence[Recording]) -> Climate | None:
     """A climate in which each joint always has the mean temperature of recordings; None if they tell none."""
     told = [recording.joint_array("temperature") for recording in recordings if recording.has("temperature")]
     columns = np.concatenate(told) if told else np.full((1, 1), np.nan)
@@ -182,7 +188,7 @@ def recorded_climate(recordings: Sequence[Recording]) -> Climate | None:
     return Climate(ambient=ambient, rise=means - ambient, time_constant=_AT_ONCE)
 
 
-def _place(name: str, cause: Cause, known: Any, robot: RobotDescription) -> tuple[str, Any]:
+def _locate(name: str, cause: Cause, known: Any, robot: RobotDescription) -> tuple[str, Any]:
     """Parameter and index of a number; its name may go on with a dot and an axis, or the other joint of a pair.
 
     A vector without an axis is all of it: one that stayed where it was.
@@ -202,11 +208,11 @@ def _place(name: str, cause: Cause, known: Any, robot: RobotDescription) -> tupl
     return parameter, (joint, robot.joints.index(part))
 
 
-def _origin(cause: Cause, robot: RobotDescription, diagnosis: Diagnosis) -> Origin:
+def _describe_origin(cause: Cause, robot: RobotDescription, diagnosis: Diagnosis) -> Origin:
     """What the table of a cause says of its numbers."""
     kind = EFFECTS[cause.effect]
-    effect, where = effect_of(cause, robot), f" on {cause.joint}" if cause.joint else ""
-    logs, sources, intervals = _logs(diagnosis), dict[str, str](), dict[str, Any]()
+    effect, where = build_effect(cause, robot), f" on {cause.joint}" if cause.joint else ""
+    logs, sources, intervals = _name_logs(diagnosis), dict[str, str](), dict[str, Any]()
     for name, known in kind.parameters().items():
         sizes = [size for size in cause.parameters if size.name.partition(".")[0] == name]
         if not sizes:
@@ -217,12 +223,12 @@ def _origin(cause: Cause, robot: RobotDescription, diagnosis: Diagnosis) -> Orig
         # numbers that were not diagnosed are as sure as they were said
         ends = np.stack([getattr(effect, name)] * 2, axis=-1)
         for size in sizes:
-            ends[_place(size.name, cause, kind.parameters(), robot)[1]] = size.interval
+            ends[_locate(size.name, cause, kind.parameters(), robot)[1]] = size.interval
         intervals[name] = ends
     return Origin(label=cause.joint, sources=sources, intervals=intervals)
 
 
-def _logs(diagnosis: Diagnosis) -> str:
+def _name_logs(diagnosis: Diagnosis) -> str:
     """The motions that a source names."""
     more = f" and {len(diagnosis.motions) - _NAMED} more" if len(diagnosis.motions) > _NAMED else ""
     return ", ".join(diagnosis.motions[:_NAMED]) + more

@@ -17,11 +17,11 @@ from ffgym.core.measures import rms
 from ffgym.core.types import Array
 from ffgym.diagnosis.computing import FAILED
 from ffgym.diagnosis.identification.signals import acting_torque
-from ffgym.diagnosis.log import log_of
-from ffgym.diagnosis.log_columns import reference_of, roomy
-from ffgym.diagnosis.measured import counting_rows, measured_rows, residual_rows
-from ffgym.diagnosis.replay import predicted, replay
+from ffgym.diagnosis.log import assemble_log
+from ffgym.diagnosis.log_columns import build_reference, widen_limits
+from ffgym.diagnosis.replay import predict, replay
 from ffgym.diagnosis.residual import UNITS, components
+from ffgym.diagnosis.residual_rows import compute_residuals, filter_measured, find_counting_rows
 from ffgym.diagnosis.sampling import Sampling
 from ffgym.paths import Reference
 from ffgym.recordings import Recording
@@ -52,7 +52,7 @@ class LoopLevel:
     """With the extended model."""
 
 
-def closed_loop_gain(
+def compare_in_closed_loop(
     nominal: Machine,
     extended: Machine,
     recordings: Sequence[Recording],
@@ -88,14 +88,14 @@ def closed_loop_gain(
             lambda done, total: progress(done, 2 * total),
             lambda done, total: progress(total + done, 2 * total),
         )
-    before, after = (_simulated(runs, each, n_threads, half) for each, half in zip(machines, halves, strict=True))
+    before, after = (_simulate(runs, each, n_threads, half) for each, half in zip(machines, halves, strict=True))
     has_tool = robot.tool is not None and all(recording.has("tcp.position") for recording in recordings)
     levels: list[LoopLevel] = []
     for quantity, unit in LOOP_UNITS.items():
         if quantity == "tool" and not has_tool:
             continue
         rows = [
-            _compared(quantity, robot, recording, run, one, other)
+            _compare(quantity, robot, recording, run, one, other)
             for recording, run, one, other in zip(recordings, runs, before, after, strict=True)
         ]
         own, first, second = (
@@ -109,7 +109,7 @@ def closed_loop_gain(
     return tuple(levels)
 
 
-def _simulated(
+def _simulate(
     runs: Sequence[Run], machines: Sequence[Machine], n_threads: int, progress: Progress | None
 ) -> Sequence[Recording | None]:
     """All runs; none of them if one cannot be simulated: such a model is infinitely far from any machine."""
@@ -131,7 +131,7 @@ def check_comparable(nominal: Machine, recordings: Sequence[Recording]) -> None:
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Recorded(FeedForwardLaw):
+class RecordedLaw(FeedForwardLaw):
     """What a law added in a recording."""
 
     name: ClassVar[str] = "recorded"
@@ -145,7 +145,7 @@ class Recorded(FeedForwardLaw):
 
 def _run_again(nominal: Machine, recording: Recording) -> Run:
     """The motion of a recording, with what a law added to it."""
-    reference = reference_of(roomy(nominal.robot, [recording]), recording)
+    reference = build_reference(widen_limits(nominal.robot, [recording]), recording)
     if not recording.has("compensation.effort"):
         law = recording.header.meta.get("feedforward_law", "none")
         if law != "none":
@@ -154,13 +154,13 @@ def _run_again(nominal: Machine, recording: Recording) -> Run:
                 f"compensation.effort, so it cannot be run again."
             )
         return Run(reference=reference)
-    added = _at(reference.t, recording, recording.joint_array("compensation.effort"))
+    added = _interpolate(reference.t, recording, recording.joint_array("compensation.effort"))
     if recording.header.torque_semantics == "link_side":
         added = nominal.robot.drive.motor_torque(added)
-    return Run(reference=reference, law=Recorded(added=added))
+    return Run(reference=reference, law=RecordedLaw(added=added))
 
 
-def _compared(
+def _compare(
     quantity: str,
     robot: RobotDescription,
     recording: Recording,
@@ -178,7 +178,7 @@ def _compared(
     inside = sampling.valid(np.ones((len(t), 1), dtype=np.bool_))[:, 0]
     if not inside.any():
         raise FFGymError(f"Recording {recording.header.segment!r} is too short to be compared through a low-pass.")
-    measured = _at(t, recording, _signal(quantity, robot, recording))
+    measured = _interpolate(t, recording, _signal(quantity, robot, recording))
 
     def far(model: Recording | None) -> Array:
         if model is None:
@@ -194,7 +194,7 @@ def _signal(quantity: str, robot: RobotDescription, recording: Recording) -> Arr
     return recording.vector("tcp.position") if quantity == "tool" else motor_error(recording)
 
 
-def _at(t: Array, recording: Recording, values: Array) -> Array:
+def _interpolate(t: Array, recording: Recording, values: Array) -> Array:
     """Values (T, C) of a recording at other times since its beginning, straight between its samples."""
     since, known = recording.t - recording.t[0], ~np.isnan(values).any(axis=1)
     return np.stack([np.interp(t, since[known], column[known]) for column in values.T], axis=1)
@@ -206,7 +206,7 @@ def is_better(levels: Sequence[LoopLevel]) -> bool:
     return bool(shares) and float(np.mean(shares)) < 1.0
 
 
-def held_out_levels(
+def compare_replays(
     before: Machine, after: Machine, recordings: Sequence[Recording], *, cutoff: float | None = None
 ) -> tuple[LoopLevel, ...]:
     """Replay two models along recordings, and compare what they leave.
@@ -222,9 +222,9 @@ def held_out_levels(
     """
     if not recordings:
         raise FFGymError("There is nothing to compare: name recordings that were not diagnosed.")
-    log = log_of(before.physical, recordings, cutoff=cutoff)
-    rest = [residual_rows(log, predicted(replay(log, model))) for model in (before, after)]
-    counting, measured = counting_rows(log), measured_rows(log)
+    log = assemble_log(before.physical, recordings, cutoff=cutoff)
+    rest = [compute_residuals(log, predict(replay(log, model))) for model in (before, after)]
+    counting, measured = find_counting_rows(log), filter_measured(log)
     return tuple(
         LoopLevel(
             quantity=channel,

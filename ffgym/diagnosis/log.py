@@ -11,7 +11,7 @@ from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.identification import LowPass
 from ffgym.diagnosis.identification.signals import acting_torque, check_fits, joint_motion
-from ffgym.diagnosis.log_columns import feedback_columns, padded, reference_columns, temperature_columns, tool_columns
+from ffgym.diagnosis.log_columns import pad, read_feedback, read_set_points, read_temperatures, read_tool
 from ffgym.diagnosis.sampling import Sampling, derivatives, white_noise, without_trembling
 from ffgym.diagnosis.settings import settings
 from ffgym.recordings import Recording
@@ -19,7 +19,7 @@ from ffgym.recordings.stretch import started
 from ffgym.robot import RobotDescription
 
 
-def by_content(recordings: Sequence[Recording]) -> tuple[Recording, ...]:
+def sort_by_content(recordings: Sequence[Recording]) -> tuple[Recording, ...]:
     """Recordings by the names of their motions, then by their numbers."""
 
     def digest(recording: Recording) -> bytes:
@@ -115,7 +115,7 @@ class Log:
         return replace(self, recordings=self.recordings[one], started=self.started[one], **taken)
 
 
-def log_of(
+def assemble_log(
     robot: RobotDescription, recordings: Sequence[Recording], like: Log | None = None, cutoff: float | None = None
 ) -> Log:
     """Recordings of a robot, made ready; with the rows and channels of another log of the same motions, if given.
@@ -144,7 +144,7 @@ def log_of(
     rates = [derivatives(q, recording.dt) for q, recording in zip(positions, recordings, strict=True)]
 
     def beside(of: Sequence[Array], hold: bool = True) -> Array:
-        return padded(of, sampling.n_samples, hold)
+        return pad(of, sampling.n_samples, hold)
 
     def where_all(family: str, read: Callable[[Recording], Array]) -> Array | None:
         return beside([read(r) for r in recordings]) if all(r.has(family) for r in recordings) else None
@@ -164,11 +164,11 @@ def log_of(
         trembling=trembling,
         slip_dq=np.gradient(without_trembling(q, trembling), sampling.dt, axis=0),
         torque=beside([acting_torque(robot, recording) for recording in recordings]),
-        tool=where_all("tcp.position", tool_columns) if robot.tool is not None else None,
+        tool=where_all("tcp.position", read_tool) if robot.tool is not None else None,
         link=where_all("link.position", lambda r: r.joint_array("link.position")),
-        feedback=feedback_columns(robot, recordings, sampling.n_samples),
-        reference=reference_columns(robot, recordings, sampling.n_samples),
-        temperature=where_all("temperature", temperature_columns),
+        feedback=read_feedback(robot, recordings, sampling.n_samples),
+        reference=read_set_points(robot, recordings, sampling.n_samples),
+        temperature=where_all("temperature", read_temperatures),
     )
     if like is None:
         return found

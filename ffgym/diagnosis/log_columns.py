@@ -15,7 +15,7 @@ from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
 
 
-def padded(arrays: Sequence[Array], n: int, hold: bool) -> Array:
+def pad(arrays: Sequence[Array], n: int, hold: bool) -> Array:
     """Arrays (T_i, ...) side by side, shape (T, M, ...); after its end a motion holds its last row, or is 0."""
     found = []
     for array in arrays:
@@ -24,13 +24,13 @@ def padded(arrays: Sequence[Array], n: int, hold: bool) -> Array:
     return np.stack(found, axis=1)
 
 
-def motor_side(robot: RobotDescription, recording: Recording, family: str = "motor.position") -> Array:
+def read_motor_side(robot: RobotDescription, recording: Recording, family: str = "motor.position") -> Array:
     """Angles [rad] or speeds of a recording, motor side, (T, N)."""
     values = recording.joint_array(family)
     return robot.drive.motor_angle(values) if recording.header.position_side == "link" else values
 
 
-def tool_columns(recording: Recording) -> Array:
+def read_tool(recording: Recording) -> Array:
     """Tracked position (T, 3), straight between samples that lie close together; else NaN."""
     position, t = recording.vector("tcp.position"), recording.t
     seen = np.flatnonzero(~np.isnan(position).any(axis=1))
@@ -45,7 +45,7 @@ def tool_columns(recording: Recording) -> Array:
     return between
 
 
-def temperature_columns(recording: Recording) -> Array:
+def read_temperatures(recording: Recording) -> Array:
     """Temperatures (T, N), straight between samples, held at either end."""
     columns = recording.joint_array("temperature").copy()
     for j in range(columns.shape[1]):
@@ -54,7 +54,7 @@ def temperature_columns(recording: Recording) -> Array:
     return columns
 
 
-def feedback_columns(robot: RobotDescription, recordings: Sequence[Recording], n: int) -> Array | None:
+def read_feedback(robot: RobotDescription, recordings: Sequence[Recording], n: int) -> Array | None:
     """Feedback torque as recorded, or as what the motor torque has beside its feed-forward; None if neither is."""
     found = []
     for recording in recordings:
@@ -67,28 +67,28 @@ def feedback_columns(robot: RobotDescription, recordings: Sequence[Recording], n
         if recording.header.torque_semantics == "link_side":
             torque = robot.drive.motor_torque(torque)
         found.append(torque if of == "feedback.effort" else motor_effort(robot, recording) - torque)
-    return padded(found, n, hold=True)
+    return pad(found, n, hold=True)
 
 
-def reference_columns(robot: RobotDescription, recordings: Sequence[Recording], n: int) -> tuple[Array, Array] | None:
+def read_set_points(robot: RobotDescription, recordings: Sequence[Recording], n: int) -> tuple[Array, Array] | None:
     """Set-points of the motors and their rate, motor side."""
     if not all(recording.has("reference.position") for recording in recordings):
         return None
     positions, rates = [], []
     for recording in recordings:
-        positions.append(motor_side(robot, recording, "reference.position"))
+        positions.append(read_motor_side(robot, recording, "reference.position"))
         if recording.has("reference.velocity"):
-            rates.append(motor_side(robot, recording, "reference.velocity"))
+            rates.append(read_motor_side(robot, recording, "reference.velocity"))
         else:
             rates.append(np.gradient(positions[-1], recording.dt, axis=0))
-    return padded(positions, n, hold=True), padded(rates, n, hold=False)
+    return pad(positions, n, hold=True), pad(rates, n, hold=False)
 
 
 _FEWEST = 4
 """Set-points that a smooth curve takes."""
 
 
-def reference_of(robot: RobotDescription, recording: Recording) -> Reference:
+def build_reference(robot: RobotDescription, recording: Recording) -> Reference:
     """Set-points of a recording at the control step, from 0 s on, without phases; they are smooth in between.
 
     Raises:
@@ -108,7 +108,7 @@ def reference_of(robot: RobotDescription, recording: Recording) -> Reference:
     )
 
 
-def roomy(robot: RobotDescription, recordings: Sequence[Recording]) -> RobotDescription:
+def widen_limits(robot: RobotDescription, recordings: Sequence[Recording]) -> RobotDescription:
     """The robot with ranges and speeds that hold all set-points: what a machine has done, it can do.
 
     The same robot, if they do.
@@ -125,7 +125,7 @@ def roomy(robot: RobotDescription, recordings: Sequence[Recording]) -> RobotDesc
     return replace(robot, kinematics=replace(kinematics, range=limits, max_speed=speed))
 
 
-def beyond_limits(robot: RobotDescription, recordings: Sequence[Recording]) -> tuple[str, ...]:
+def report_beyond_limits(robot: RobotDescription, recordings: Sequence[Recording]) -> tuple[str, ...]:
     """Set-points that lie beyond the range of their joint or its speed, in words; empty if none do."""
     low, high, fast = _reach(robot, recordings)
     kinematics, found = robot.kinematics, []

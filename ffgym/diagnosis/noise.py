@@ -12,12 +12,12 @@ import numpy as np
 
 from ffgym.core.measures import rms
 from ffgym.core.types import Array
-from ffgym.diagnosis.colour import Colour, colour_of
-from ffgym.diagnosis.log import Log, log_of
-from ffgym.diagnosis.log_columns import motor_side
-from ffgym.diagnosis.measured import measured_rows, residual_rows, valid_rows
-from ffgym.diagnosis.replay import Replay, predicted, replay, servo_feedback, tracked
+from ffgym.diagnosis.log import Log, assemble_log
+from ffgym.diagnosis.log_columns import read_motor_side
+from ffgym.diagnosis.noise_spectrum import NoiseSpectrum, estimate_noise_spectrum
+from ffgym.diagnosis.replay import Replay, predict, predict_feedback, predict_tracker, replay
 from ffgym.diagnosis.residual import Channel
+from ffgym.diagnosis.residual_rows import compute_residuals, filter_measured, find_valid_rows
 from ffgym.diagnosis.sampling import white_noise
 from ffgym.diagnosis.settings import settings
 from ffgym.recordings import Recording
@@ -49,17 +49,17 @@ class Noise:
     tool: Array | None
     link: Array | None
     feedback: Array | None
-    colours: Mapping[str, Colour] = field(default_factory=dict)
+    colours: Mapping[str, NoiseSpectrum] = field(default_factory=dict)
     """By family of columns; the noise of others is white."""
 
 
-def noise_of(run: Replay) -> Noise:
+def estimate_noise(run: Replay) -> Noise:
     """White noise of a log's signals, from what is above the band of motions.
 
     Of samples some milliseconds apart, reversals and stops are in that band, too. They are in the signal and not in
     what a model leaves of it, which has them only where the model is wrong; noise is no louder than either.
     """
-    log, left = run.read, _left(run)
+    log, left = run.read, _subtract_model(run)
     low_pass = log.sampling.motion_filter
 
     def each(values: Array) -> Array:
@@ -71,8 +71,8 @@ def noise_of(run: Replay) -> Noise:
         return np.minimum(each(values), each(left[family])) if family in left else each(values)
 
     return Noise(
-        angle=np.stack([white_noise(motor_side(log.robot, one), low_pass, log.dt) for one in log.recordings]),
-        step=encoder_steps(log),
+        angle=np.stack([white_noise(read_motor_side(log.robot, one), low_pass, log.dt) for one in log.recordings]),
+        step=find_encoder_steps(log),
         torque=np.minimum(each(log.torque), each(left["motor.effort"])),
         tool=least(log.tool, "tcp.position"),
         link=least(log.link, "link.position"),
@@ -80,9 +80,14 @@ def noise_of(run: Replay) -> Noise:
     )
 
 
-def _with_colours(noise: Noise, log: Log, like: Replay, own: Replay) -> Noise:
+def _add_spectra(noise: Noise, log: Log, like: Replay, own: Replay) -> Noise:
     """Noise with what torques and trackers have beside white noise."""
-    left, white, colours, less = _left(like), _left(own), dict[str, Colour](), dict[str, Any]()
+    left, white, colours, less = (
+        _subtract_model(like),
+        _subtract_model(own),
+        dict[str, NoiseSpectrum](),
+        dict[str, Any](),
+    )
     for family, name in (("motor.effort", "torque"), ("feedback.effort", "feedback"), ("tcp.position", "tool")):
         if family not in left:
             continue
@@ -94,35 +99,35 @@ def _with_colours(noise: Noise, log: Log, like: Replay, own: Replay) -> Noise:
         above, sampling = getattr(noise, name), log.sampling
         level, alike = np.median(above, axis=0), family == "tcp.position"
         bands = sampling.cutoff, sampling.motion_filter, log.dt
-        colour = colour_of(seen, rest, own_rest, *bands, level=level, alike=alike)
+        colour = estimate_noise_spectrum(seen, rest, own_rest, *bands, level=level, alike=alike)
         if not colour.is_white:
             colours[family], less[name] = colour, colour.beside(above)
     return replace(noise, colours=colours, **less)
 
 
-def _left(run: Replay) -> dict[str, Array]:
+def _subtract_model(run: Replay) -> dict[str, Array]:
     """Residual of torques and of the tracker's positions at all samples, by family of columns."""
     read = run.read
     left = {"motor.effort": read.torque - run.torque}
     if read.feedback is not None and read.shows_servo:
-        left["feedback.effort"] = read.feedback - servo_feedback(read, run.robot)
+        left["feedback.effort"] = read.feedback - predict_feedback(read, run.robot)
     if read.tool is not None:
-        left["tcp.position"] = read.tool - tracked(run)
+        left["tcp.position"] = read.tool - predict_tracker(run)
     return left
 
 
-def encoder_steps(log: Log) -> Array:
+def find_encoder_steps(log: Log) -> Array:
     """Steps of the encoders in each motion, shape (M, N), motor side [rad]; 0 where there are none."""
     found = []
     for recording in log.recordings:
         if (bits := recording.header.encoder_bits) is not None:
             found.append(np.full(log.robot.n_joints, 2 * np.pi / 2**bits))
         else:
-            found.append(np.array([_step(angle) for angle in motor_side(log.robot, recording).T]))
+            found.append(np.array([_find_step(angle) for angle in read_motor_side(log.robot, recording).T]))
     return np.stack(found)
 
 
-def _step(angle: Array) -> float:
+def _find_step(angle: Array) -> float:
     """Smallest change of a reading (T,) if all changes are multiples of it, else 0."""
     changes = np.abs(np.diff(angle))
     changes = changes[changes > _ROUNDING * max(1.0, float(np.abs(angle).max()))]
@@ -133,7 +138,7 @@ def _step(angle: Array) -> float:
     return step if np.mean(np.abs(multiples - np.round(multiples)) < _MULTIPLE) > _MOST else 0.0
 
 
-def noisy(exact: Recording, noise: Noise, i: int, rng: np.random.Generator) -> Recording:
+def add_noise(exact: Recording, noise: Noise, i: int, rng: np.random.Generator) -> Recording:
     """An exact recording as the sensors of the i-th motion of a log would have it.
 
     Angles are rounded to the steps of the encoder, which is no white noise where a motor stands.
@@ -164,7 +169,7 @@ def noisy(exact: Recording, noise: Noise, i: int, rng: np.random.Generator) -> R
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Faultless:
+class NullSimulation:
     """Residuals of a model without fault, with this log's noise."""
 
     draws: Mapping[Channel, Array]
@@ -174,7 +179,7 @@ class Faultless:
 
     def floor(self, log: Log) -> dict[Channel, Array]:
         """RMS by channel, shape (M, C); in no motion much less than in all."""
-        valid = valid_rows(log)
+        valid = find_valid_rows(log)
         found = {}
         for channel, draws in self.draws.items():
             count = np.maximum(valid.sum(axis=0), 1)[:, None]
@@ -192,44 +197,44 @@ class Faultless:
         return float(1 - self.least[channel][c] ** 2 / np.mean(np.square(floor[channel][:, c])))
 
 
-def faultless_residuals(
+def simulate_null_residuals(
     log: Log, own: Replay, bias: Mapping[Channel, Array], like: Replay, rng: np.random.Generator
-) -> Faultless:
+) -> NullSimulation:
     """Residuals of the nominal model over its own recordings, with the noise of a log; `bias` is taken off."""
     limits = settings().noise
-    noise = noise_of(like)
+    noise = estimate_noise(like)
 
     def drawn() -> Replay:
-        seen = [noisy(recording, noise, i, rng) for i, recording in enumerate(own.read.recordings)]
-        return replay(log_of(log.robot, seen, like=log), like.machine, nearby=own)
+        seen = [add_noise(recording, noise, i, rng) for i, recording in enumerate(own.read.recordings)]
+        return replay(assemble_log(log.robot, seen, like=log), like.machine, nearby=own)
 
     runs = [drawn()]
-    noise = _with_colours(noise, log, like, runs[0])
+    noise = _add_spectra(noise, log, like, runs[0])
     if noise.colours:
         runs.clear()
     runs += [drawn() for _ in range(limits.draws - len(runs))]
     draws: dict[Channel, list[Array]] = {}
     for run in runs:
-        for channel, rows in residual_rows(run.read, predicted(run)).items():
+        for channel, rows in compute_residuals(run.read, predict(run)).items():
             draws.setdefault(channel, []).append(rows - bias[channel])
     # RMS of torques that count, about their means in a motion: weights stay
-    least, weight = {}, valid_rows(log).astype(np.float64)
+    least, weight = {}, find_valid_rows(log).astype(np.float64)
     for channel in draws.keys() & _TORQUES:
-        rows = measured_rows(log)[channel]
+        rows = filter_measured(log)[channel]
         about = rows - np.einsum("rmc,rm->mc", rows, weight) / np.maximum(weight.sum(axis=0), 1.0)[:, None]
         least[channel] = limits.torque_change_floor * np.sqrt(
             np.einsum("rmc,rm->c", about**2, weight) / max(weight.sum(), 1.0)
         )
-    return Faultless(draws={channel: np.stack(each, axis=-1) for channel, each in draws.items()}, least=least)
+    return NullSimulation(draws={channel: np.stack(each, axis=-1) for channel, each in draws.items()}, least=least)
 
 
-def torque_noise(run: Replay) -> Array:
+def compute_torque_noise(run: Replay) -> Array:
     r"""RMS that white noise of torque and angle gives the residual, shape (M, N), motor side [N m].
 
     Through a low-pass of cut-off :math:`f_c`, white noise :math:`\sigma` of samples :math:`\Delta t` apart keeps
     :math:`\sigma \sqrt{2 f_c \Delta t}`, and its second derivative :math:`(2\pi)^2 \sigma \sqrt{2 f_c^5 \Delta t / 5}`.
     """
-    noise, fc, dt = noise_of(run), run.log.sampling.cutoff, run.log.dt
+    noise, fc, dt = estimate_noise(run), run.log.sampling.cutoff, run.log.dt
     torque = noise.torque * np.sqrt(2 * fc * dt)
     acceleration = (2 * np.pi) ** 2 * noise.angle * np.sqrt(2 * fc**5 * dt / 5)
     floor = settings().noise.torque_floor * rms(run.torque, 0)

@@ -7,7 +7,6 @@ from importlib import resources
 import numpy as np
 
 from ffgym.core.errors import FFGymError
-from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.identification import LowPass
 from ffgym.diagnosis.identification.rigid_body import (
     Filtering,
@@ -16,6 +15,7 @@ from ffgym.diagnosis.identification.rigid_body import (
     identify_rigid_body,
     starting_robot,
 )
+from ffgym.diagnosis.nuisance import ParameterPrior
 from ffgym.diagnosis.sampling import Sampling
 from ffgym.diagnosis.settings import settings
 from ffgym.recordings import Recording
@@ -31,9 +31,9 @@ _ORDER = 4
 """Of the low-pass that both sides of the equations go through; that of `rigid_body.Filtering`."""
 
 
-def fitted_nominal(
+def fit_nominal(
     robot: RobotDescription | RobotDraft, recordings: Sequence[Recording]
-) -> tuple[Machine, Calibration]:
+) -> tuple[Machine, ParameterPrior]:
     """Rigid bodies that exist, rotors and friction that predict the torque of recordings best, and how sure they are.
 
     What an effect does to torque at all times, as more friction or a torque offset, such a model has already: it is in
@@ -48,7 +48,7 @@ def fitted_nominal(
     """
     if not recordings:
         raise FFGymError("There is nothing to fit a nominal model to: no recordings.")
-    filtering = filtering_for(robot, recordings)
+    filtering = choose_filtering(robot, recordings)
     known = starting_robot(robot, recordings, filtering) if isinstance(robot, RobotDraft) else robot
     fit = identify_rigid_body(
         known, recordings, RigidBodyOptions(filtering=filtering, resamples=settings().prior.fit_resamples)
@@ -56,12 +56,12 @@ def fitted_nominal(
     quick = RigidBodyOptions(filtering=filtering, resamples=2, spread=fit.trade_off.chosen)
 
     def refit(left: Sequence[Recording]) -> RobotDescription:
-        return _completed(robot, identify_rigid_body(known, left, quick).identified)
+        return _complete(robot, identify_rigid_body(known, left, quick).identified)
 
-    return Machine(robot=_completed(robot, fit.identified)), replace(_calibration(fit), refit=refit)
+    return Machine(robot=_complete(robot, fit.identified)), replace(_derive_prior(fit), refit=refit)
 
 
-def _completed(robot: RobotDescription | RobotDraft, found: RobotDescription) -> RobotDescription:
+def _complete(robot: RobotDescription | RobotDraft, found: RobotDescription) -> RobotDescription:
     """What was fitted; where nobody knows presliding, bristles bend no further than those of a usual joint."""
     if not isinstance(robot, RobotDraft) or "friction.bristle_stiffness" in robot.quantities:
         return found
@@ -71,7 +71,7 @@ def _completed(robot: RobotDescription | RobotDraft, found: RobotDescription) ->
     return replace(found, friction=replace(found.friction, bristle_stiffness=stiffness, bristle_damping=damping))
 
 
-def filtering_for(robot: RobotDescription | RobotDraft, recordings: Sequence[Recording]) -> Filtering:
+def choose_filtering(robot: RobotDescription | RobotDraft, recordings: Sequence[Recording]) -> Filtering:
     """Filters of the fit: those of the comparison, but below the resonances where joints bend.
 
     A rigid joint has no resonance that its description knows, so that all that is compared may be fitted.
@@ -83,7 +83,7 @@ def filtering_for(robot: RobotDescription | RobotDraft, recordings: Sequence[Rec
     return Filtering(motion=sampling.motion_filter, parallel=LowPass(cutoff=cutoff, order=_ORDER))
 
 
-def _calibration(fit: RigidBodyFit) -> Calibration:
+def _derive_prior(fit: RigidBodyFit) -> ParameterPrior:
     """Standard deviation of the fitted friction, over all joints; bodies and rotors are as sure as that at least."""
     limits = settings().prior
     widths, estimates = fit.intervals.high - fit.intervals.low, np.maximum(np.abs(fit.estimate), 1e-12)
@@ -93,7 +93,7 @@ def _calibration(fit: RigidBodyFit) -> Calibration:
         if fitted and label.startswith(("coulomb.", "viscous."))
     ]
     share = min(1.0, max(limits.fitted_share, float(np.median(shares)) if shares else limits.fitted_share))
-    return Calibration(
+    return ParameterPrior(
         share=share,
         levels=limits.fitted_friction,
         torque_constant=limits.torque_constant,

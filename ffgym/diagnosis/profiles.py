@@ -72,7 +72,7 @@ class Profile:
         return self.mean + SIGMAS * self.error
 
 
-def profiles(rows: LogRows, component: int, joint: int, variable: Variable) -> dict[str, Profile]:
+def compute_profiles(rows: LogRows, component: int, joint: int, variable: Variable) -> dict[str, Profile]:
     """Mean of a residual over a variable of a joint: 'both', or 'forwards' and 'back', as the variable wants it."""
     limits = settings().patterns
     speed = rows.speed[:, joint]
@@ -87,10 +87,12 @@ def profiles(rows: LogRows, component: int, joint: int, variable: Variable) -> d
     edges = np.zeros(0)
     if usable.any():
         edges = np.unique(np.quantile(values[usable], np.linspace(0.0, 1.0, BINS + 1)))
-    return {name: _profile(rows, component, values, usable & rows_of, edges) for name, rows_of in directions.items()}
+    return {
+        name: _compute_profile(rows, component, values, usable & rows_of, edges) for name, rows_of in directions.items()
+    }
 
 
-def _profile(rows: LogRows, component: int, values: Array, usable: BoolArray, edges: Array) -> Profile:
+def _compute_profile(rows: LogRows, component: int, values: Array, usable: BoolArray, edges: Array) -> Profile:
     if len(edges) < 2:
         return Profile(centre=np.zeros(0), mean=np.zeros(0), error=np.zeros(0))
     value, residual = values[usable], rows.residual[usable, component]

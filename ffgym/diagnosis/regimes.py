@@ -41,7 +41,7 @@ class LogRows:
     """[degC], shape (R, N)."""
 
 
-def log_rows(residual: Residual, channel: Channel) -> LogRows:
+def collect_rows(residual: Residual, channel: Channel) -> LogRows:
     """Rows of a log with the residual of one channel, which all its motions have; none after the last that counts."""
     motions, n = residual.motions, residual.robot.n_joints
     # rows up to the last that counts; at least one
@@ -121,7 +121,7 @@ class ResidualMap:
         return np.sqrt(energy / np.where(rows > 0, rows, np.nan))
 
 
-def regime_map(residual: Residual, channel: Channel) -> ResidualMap:
+def map_by_regime(residual: Residual, channel: Channel) -> ResidualMap:
     """Residuals by joint and regime, for a channel whose components are joints.
 
     Raises:
@@ -129,23 +129,23 @@ def regime_map(residual: Residual, channel: Channel) -> ResidualMap:
     """
     if channel == "tool":
         raise FFGymError("Channel tool has axes of the world, no joints, and so no regimes; see motion_map.")
-    rows = log_rows(residual, channel)
-    per_joint = [_regimes(rows, residual, j) for j in range(residual.robot.n_joints)]
+    rows = collect_rows(residual, channel)
+    per_joint = [_find_regimes(rows, residual, j) for j in range(residual.robot.n_joints)]
     places = {name: group for group, names in REGIMES.items() for name in names}
     chosen = np.stack([[found[name] for name in places] for found in per_joint], axis=-1)
-    return _sorted_into(residual, channel, rows, places, chosen)
+    return _sort_into(residual, channel, rows, places, chosen)
 
 
-def motion_map(residual: Residual, channel: Channel) -> ResidualMap:
+def map_by_motion(residual: Residual, channel: Channel) -> ResidualMap:
     """Residuals by component and motion."""
-    rows = log_rows(residual, channel)
+    rows = collect_rows(residual, channel)
     places = {motion.motion: "motion" for motion in residual.motions}
     chosen = np.stack([rows.motion == m for m in range(len(residual.motions))])
     everywhere = np.broadcast_to(chosen[..., None], (*chosen.shape, rows.residual.shape[1]))
-    return _sorted_into(residual, channel, rows, places, everywhere)
+    return _sort_into(residual, channel, rows, places, everywhere)
 
 
-def _sorted_into(
+def _sort_into(
     residual: Residual, channel: Channel, rows: LogRows, places: Mapping[str, str], chosen: BoolArray
 ) -> ResidualMap:
     """The map of rows that are `chosen` (P, R, C) for each place."""
@@ -165,19 +165,19 @@ def _sorted_into(
     )
 
 
-def _regimes(rows: LogRows, residual: Residual, j: int) -> dict[str, BoolArray]:
+def _find_regimes(rows: LogRows, residual: Residual, j: int) -> dict[str, BoolArray]:
     """Rows (R,) of joint `j` in each regime."""
-    motion = _motion_regimes(rows, residual.robot.friction, j)
+    motion = _find_motion_regimes(rows, residual.robot.friction, j)
     load = np.abs(rows.load[:, j])
-    low, _, high = _thirds(load, 0.0, load.max())
-    ends = _thirds(rows.position[:, j], rows.position[:, j].min(), rows.position[:, j].max())
-    early, _, late = _thirds(rows.time, 0.0, rows.time[-1])
-    cool, _, warm = _thirds(rows.temperature[:, j], rows.temperature[:, j].min(), rows.temperature[:, j].max())
+    low, _, high = _split_thirds(load, 0.0, load.max())
+    ends = _split_thirds(rows.position[:, j], rows.position[:, j].min(), rows.position[:, j].max())
+    early, _, late = _split_thirds(rows.time, 0.0, rows.time[-1])
+    cool, _, warm = _split_thirds(rows.temperature[:, j], rows.temperature[:, j].min(), rows.temperature[:, j].max())
     names = [name for group, entries in REGIMES.items() if group != "motion" for name in entries]
     return motion | dict(zip(names, (low, high, *ends, early, late, cool, warm), strict=True))
 
 
-def _motion_regimes(rows: LogRows, friction: LuGreParameters, j: int) -> dict[str, BoolArray]:
+def _find_motion_regimes(rows: LogRows, friction: LuGreParameters, j: int) -> dict[str, BoolArray]:
     """Each row in exactly one regime of motion."""
     limits = settings().patterns
     speed, travel, stood = np.abs(rows.speed[:, j]), rows.travel[:, j], rows.stood[:, j] >= limits.dwell
@@ -200,7 +200,7 @@ def _motion_regimes(rows: LogRows, friction: LuGreParameters, j: int) -> dict[st
     return found
 
 
-def _thirds(values: Array, low: float, high: float) -> tuple[BoolArray, BoolArray, BoolArray]:
+def _split_thirds(values: Array, low: float, high: float) -> tuple[BoolArray, BoolArray, BoolArray]:
     """Rows in each third of a range; none where the range is empty."""
     first, second = low + (high - low) / 3, low + 2 * (high - low) / 3
     wide = high > low

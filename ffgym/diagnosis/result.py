@@ -32,7 +32,7 @@ class Size:
     """90 %, by resampled blocks."""
 
 
-def label_of(effect: str, joint: str) -> str:
+def make_label(effect: str, joint: str) -> str:
     """Such as 'backlash on j2'."""
     return f"{effect} on {joint}" if joint else effect
 
@@ -57,11 +57,11 @@ class Cause:
     @property
     def label(self) -> str:
         """What rivals call it."""
-        return label_of(self.effect, self.joint)
+        return make_label(self.effect, self.joint)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Number:
+class FittedNumber:
     """A number of the nominal model that was fitted beside the causes, as the extended model has it."""
 
     entry: str
@@ -145,7 +145,7 @@ class Drift:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Unjudged:
+class UnjudgedEffect:
     """An effect on which no statement is made."""
 
     effect: str
@@ -213,15 +213,15 @@ class Diagnosis:
     robot: str
     motions: tuple[str, ...]
     causes: tuple[Cause, ...] = ()
-    numbers: tuple[Number, ...] = ()
+    numbers: tuple[FittedNumber, ...] = ()
     """What was fitted beside the causes, and is in the extended model."""
     drifts: tuple[Drift, ...] = ()
     """What differs from one recording to the next beside the model of all of them."""
     rivals: tuple[Rival, ...] = ()
     patterns: tuple[Pattern, ...] = ()
-    not_excited: tuple[Unjudged, ...] = ()
+    not_excited: tuple[UnjudgedEffect, ...] = ()
     """Effects that these motions would not show."""
-    not_judgeable: tuple[Unjudged, ...] = ()
+    not_judgeable: tuple[UnjudgedEffect, ...] = ()
     """Effects that take columns, or a description, that are not there."""
     separating_motion: SeparatingMotion | None = None
     wiring: tuple[Miswiring, ...] = ()

@@ -19,21 +19,21 @@ import numpy as np
 from ffgym.core.errors import FFGymError
 from ffgym.core.measures import rms
 from ffgym.core.types import Array
-from ffgym.diagnosis.calibration import Calibration, doubts_of
 from ffgym.diagnosis.computing import FAILED
-from ffgym.diagnosis.evidence import blocks_of, stack_of
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
-from ffgym.diagnosis.fit.setting import exchanged, tangents
-from ffgym.diagnosis.log import Log, log_of
-from ffgym.diagnosis.measured import valid_rows
-from ffgym.diagnosis.push import Parts
+from ffgym.diagnosis.fit.problem import compute_exchange_changes, compute_tangents
+from ffgym.diagnosis.log import Log, assemble_log
+from ffgym.diagnosis.normal_equations import build_design_matrix, cut_blocks
+from ffgym.diagnosis.nuisance import ParameterPrior, list_nuisance_parameters
+from ffgym.diagnosis.perturbation import Parts
 from ffgym.diagnosis.replay import replay
 from ffgym.diagnosis.residual import Channel
+from ffgym.diagnosis.residual_rows import find_valid_rows
 from ffgym.diagnosis.result import SeparatingMotion
-from ffgym.diagnosis.search.found import Found
-from ffgym.diagnosis.sessions import Proposal, proposals
+from ffgym.diagnosis.search.rounds import SearchResult
+from ffgym.diagnosis.sessions import SessionProposal, propose_sessions
 from ffgym.diagnosis.settings import settings
-from ffgym.diagnosis.solving import bounded
+from ffgym.diagnosis.solving import solve_bounded
 from ffgym.robot import RigidArm
 from ffgym.simulation import SimulatedRig
 from ffgym.simulation.plant import Climate, Machine
@@ -41,7 +41,7 @@ from ffgym.simulation.protocols import SessionMotion, plan_session, record
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Foreseen:
+class ForeseenSession:
     """Sums of two or more causes' predictions over planned motions, by motion."""
 
     gram: Array
@@ -62,13 +62,17 @@ class Foreseen:
         scaled = gram[np.ix_(free, free)] * np.outer(sigma, sigma)
         pull = sigma * (gram @ apart)[free]
         bound = np.full(len(free), settings().prior.bound)
-        x = bounded(scaled, pull, np.ones(len(free)), -bound, bound)
+        x = solve_bounded(scaled, pull, np.ones(len(free)), -bound, bound)
         return float(0.5 * (apart @ gram @ apart - 2 * x @ pull + x @ scaled @ x + x @ x))
 
 
 def foresee(
-    log: Log, nominal: Machine, causes: Sequence[Hypothesis], noise: Mapping[Channel, Array], calibration: Calibration
-) -> Foreseen:
+    log: Log,
+    nominal: Machine,
+    causes: Sequence[Hypothesis],
+    noise: Mapping[Channel, Array],
+    prior: ParameterPrior,
+) -> ForeseenSession:
     """What causes would show along planned motions.
 
     Args:
@@ -76,28 +80,28 @@ def foresee(
         nominal: the machine without the causes.
         causes: two or more.
         noise: RMS that noise gives each component of each channel, shape (C,).
-        calibration: what is known of the nominal numbers.
+        prior: what is known of the nominal numbers.
     """
     run = replay(log, nominal)
-    shown: list[Parts] = list(exchanged(run, [cause.on(nominal) for cause in causes]))
-    doubts = doubts_of(run, calibration)
+    shown: list[Parts] = list(compute_exchange_changes(run, [cause.on(nominal) for cause in causes]))
+    nuisances = list_nuisance_parameters(run, prior)
     own = [
         (i, column)
         for i, cause in enumerate(causes)
-        for column in tangents(replace(run, machine=cause.on(nominal)), nominal, [cause])
+        for column in compute_tangents(replace(run, machine=cause.on(nominal)), nominal, [cause])
     ]
-    columns = [*shown, *(doubt.column.parts for doubt in doubts), *(column for _, column in own)]
+    columns = [*shown, *(nuisance.column.parts for nuisance in nuisances), *(column for _, column in own)]
     weights = {(c, k): np.full(len(log.names), 1 / x) for c, rms in noise.items() for k, x in enumerate(rms)}
     known = [{key: rows for key, rows in column.items() if key in weights} for column in columns]
     shape = (len(log.sampling.at), len(log.names), 1)
-    blocks = blocks_of(valid_rows(log), log.sampling.row_dt)
-    evidence = stack_of(blocks, known, weights).evidence({key: np.zeros(shape) for key in weights})
-    by_motion = [evidence.gram[blocks.motion == m].sum(axis=0) for m in range(len(log.names))]
-    return Foreseen(
+    blocks = cut_blocks(find_valid_rows(log), log.sampling.row_dt)
+    equations = build_design_matrix(blocks, known, weights).form_equations({key: np.zeros(shape) for key in weights})
+    by_motion = [equations.gram[blocks.motion == m].sum(axis=0) for m in range(len(log.names))]
+    return ForeseenSession(
         gram=np.stack(by_motion),
         n_causes=len(causes),
-        sigma=np.array([*(doubt.sigma for doubt in doubts), *(settings().rivals.foreseen_width for _ in own)]),
-        owner=np.array([*(-1 for _ in doubts), *(i for i, _ in own)]),
+        sigma=np.array([*(nuisance.sigma for nuisance in nuisances), *(settings().rivals.foreseen_width for _ in own)]),
+        owner=np.array([*(-1 for _ in nuisances), *(i for i, _ in own)]),
     )
 
 
@@ -106,13 +110,13 @@ WARMING = Climate(rise=np.array([15.0]))
 K over a day), within 20 min."""
 
 
-def separating_motion(
+def design_separating_motion(
     arm: RigidArm,
     nominal: Machine,
     causes: Sequence[Hypothesis],
     noise: Mapping[Channel, Array],
     *,
-    calibration: Calibration | None = None,
+    prior: ParameterPrior | None = None,
 ) -> SeparatingMotion | None:
     """The session that tells causes apart with the largest log-likelihood ratio per second; None if none can.
 
@@ -124,7 +128,7 @@ def separating_motion(
         nominal: the machine without the causes, with all that is already known of it.
         causes: two or more, as fitted.
         noise: RMS that noise gives each component of each channel that will be recorded, shape (C,).
-        calibration: what is known of the nominal numbers.
+        prior: what is known of the nominal numbers.
 
     Raises:
         FFGymError: if there are fewer than two causes.
@@ -137,16 +141,21 @@ def separating_motion(
     joints = {cause.joint for cause in causes} | {
         arm.robot.joints[cause.source] for cause in causes if cause.source is not None
     }
-    every = proposals(arm.robot, [] if "" in joints else [joint for joint in arm.robot.joints if joint in joints])
+    every = propose_sessions(
+        arm.robot, [] if "" in joints else [joint for joint in arm.robot.joints if joint in joints]
+    )
     advised = [p for p in every if p.is_advised([cause.kind for cause in causes])]
     for some in (advised, [p for p in every if p not in advised]):
-        planned = _planned(arm, some)
-        if planned and (found := _best(arm, nominal, planned, causes, noise, calibration or Calibration())) is not None:
+        planned = _plan(arm, some)
+        if (
+            planned
+            and (found := _choose_best(arm, nominal, planned, causes, noise, prior or ParameterPrior())) is not None
+        ):
             return found
     return None
 
 
-def _planned(arm: RigidArm, some: Sequence[Proposal]) -> list[tuple[Proposal, list[SessionMotion]]]:
+def _plan(arm: RigidArm, some: Sequence[SessionProposal]) -> list[tuple[SessionProposal, list[SessionMotion]]]:
     """Proposals that the robot can make, that do not take too long, and of which one motion can check another."""
     found = []
     for proposal in some:
@@ -162,13 +171,13 @@ def _planned(arm: RigidArm, some: Sequence[Proposal]) -> list[tuple[Proposal, li
     return found
 
 
-def _best(
+def _choose_best(
     arm: RigidArm,
     nominal: Machine,
-    planned: Sequence[tuple[Proposal, list[SessionMotion]]],
+    planned: Sequence[tuple[SessionProposal, list[SessionMotion]]],
     causes: Sequence[Hypothesis],
     noise: Mapping[Channel, Array],
-    calibration: Calibration,
+    prior: ParameterPrior,
 ) -> SeparatingMotion | None:
     """The fastest of the sessions that are sure; None if none is."""
     # names of motions must differ from those of other sessions
@@ -180,13 +189,13 @@ def _best(
     ]
     try:
         rig = SimulatedRig(arm=arm, machine=nominal)
-        log = log_of(arm.robot, list(record(motions, rig, record_dt=limits.foreseen_dt)))
+        log = assemble_log(arm.robot, list(record(motions, rig, record_dt=limits.foreseen_dt)))
         unseen: dict[str, Any] = {
             name: None
             for channel, name in (("tool", "tool"), ("link", "link"), ("servo", "feedback"))
             if channel not in noise
         }
-        foreseen = foresee(replace(log, **unseen), nominal, causes, noise, calibration)
+        foreseen = foresee(replace(log, **unseen), nominal, causes, noise, prior)
     except FAILED:
         return None  # a machine that cannot be simulated in these motions says nothing of them
     sure, first = [], 0
@@ -209,8 +218,8 @@ def _best(
     )
 
 
-def next_motion(
-    found: Found, nominal: Machine, floor: Mapping[Channel, Array], calibration: Calibration
+def propose_next_motion(
+    found: SearchResult, nominal: Machine, floor: Mapping[Channel, Array], prior: ParameterPrior
 ) -> SeparatingMotion | None:
     """The session that would tell the first tied causes apart; None if none are tied, or no session is sure to.
 
@@ -218,22 +227,22 @@ def next_motion(
         found: has the rivals as they were fitted, and says which of them are tied.
         nominal: the model that was diagnosed.
         floor: RMS of noise alone, (M, C) by channel.
-        calibration: what is known of the nominal numbers.
+        prior: what is known of the nominal numbers.
     """
-    for causes in _tied(found):
+    for causes in _list_tied(found):
         known = nominal
         for other in found.final.fit.hypotheses:
             if other.place not in {cause.place for cause in causes}:
                 known = other.on(known)
         noise = {channel: rms(level, 0) for channel, level in floor.items()}
         arm = RigidArm(nominal.robot)
-        planned = separating_motion(arm, known, causes, noise, calibration=calibration)
+        planned = design_separating_motion(arm, known, causes, noise, prior=prior)
         if planned is not None:
             return planned
     return None
 
 
-def _tied(found: Found) -> list[Sequence[Hypothesis]]:
+def _list_tied(found: SearchResult) -> list[Sequence[Hypothesis]]:
     """Causes, each with those that tie with it."""
     causes = (*found.final.fit.hypotheses, *found.unsure)
     groups: list[Sequence[Hypothesis]] = []

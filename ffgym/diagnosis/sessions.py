@@ -13,7 +13,7 @@ from ffgym.simulation.protocols.protocol import Protocol
 
 
 @dataclass(frozen=True, kw_only=True)
-class Proposal:
+class SessionProposal:
     """A session of two or more motions."""
 
     name: str
@@ -40,7 +40,7 @@ class Proposal:
         return any(step["protocol"] in advised for step in self.steps)
 
 
-def proposals(robot: RobotDescription, joints: Sequence[str]) -> list[Proposal]:
+def propose_sessions(robot: RobotDescription, joints: Sequence[str]) -> list[SessionProposal]:
     """Sessions that move some joints of a robot, or all of them if none is named; each step has another regime."""
     text = (resources.files("ffgym.diagnosis") / "sessions.toml").read_text(encoding="utf-8")
     on = {"joints": list(joints)} if joints else {}
@@ -50,5 +50,5 @@ def proposals(robot: RobotDescription, joints: Sequence[str]) -> list[Proposal]:
         if of_tool and (robot.work_area is None or robot.tool is None):
             continue
         steps = tuple(step if of_tool else step | on for step in session["steps"])
-        found.append(Proposal(name=session["name"], why=session["why"], steps=steps))
+        found.append(SessionProposal(name=session["name"], why=session["why"], steps=steps))
     return found

@@ -19,7 +19,7 @@ import numpy as np
 import scipy
 
 from ffgym.core.types import Array, BoolArray, IntArray
-from ffgym.diagnosis.evidence import Evidence, Fold
+from ffgym.diagnosis.normal_equations import Fold, NormalEquations
 from ffgym.diagnosis.settings import settings
 
 
@@ -43,7 +43,7 @@ _ONE_BY_ONE = 20
 """Steps per parameter of the slower method at most; it takes about one."""
 
 
-def bounded(gram: Array, moment: Array, precision: Array, low: Array, high: Array) -> Array:
+def solve_bounded(gram: Array, moment: Array, precision: Array, low: Array, high: Array) -> Array:
     r"""Minimum of :math:`x^T G x - 2 x^T m + x^T P x` within bounds, by block principal pivoting; shape (P,).
 
     Args:
@@ -81,27 +81,27 @@ def bounded(gram: Array, moment: Array, precision: Array, low: Array, high: Arra
     return np.asarray(x)
 
 
-def left_by_block(
-    evidence: Evidence, folds: Sequence[Fold], columns: IntArray, priors: Priors, residual: int = 0
+def compute_block_rss(
+    equations: NormalEquations, folds: Sequence[Fold], columns: IntArray, priors: Priors, residual: int = 0
 ) -> Array:
     """Energy left in each block by a fit of `columns` to the blocks that are not left out with it, shape (B,)."""
-    left = np.zeros(len(evidence.blocks))
+    left = np.zeros(len(equations.blocks))
     for fold in folds:
-        x = fitted(evidence, columns, priors, fold.train, residual)
+        x = solve(equations, columns, priors, fold.train, residual)
         for b in np.flatnonzero(fold.test):
-            inner = evidence.gram[b][np.ix_(columns, columns)]
-            left[b] = evidence.energy[b, residual] - 2 * x @ evidence.moment[b, columns, residual] + x @ inner @ x
+            inner = equations.gram[b][np.ix_(columns, columns)]
+            left[b] = equations.energy[b, residual] - 2 * x @ equations.moment[b, columns, residual] + x @ inner @ x
     return left
 
 
-def fitted(
-    evidence: Evidence, columns: IntArray, priors: Priors, blocks: BoolArray | None = None, residual: int = 0
+def solve(
+    equations: NormalEquations, columns: IntArray, priors: Priors, blocks: BoolArray | None = None, residual: int = 0
 ) -> Array:
     """Parameters of `columns` fitted to some blocks, or to all, shape (len(columns),)."""
     chosen = slice(None) if blocks is None else blocks
-    gram, pull = evidence.gram[chosen].sum(axis=0), evidence.moment[chosen].sum(axis=0)[:, residual]
+    gram, pull = equations.gram[chosen].sum(axis=0), equations.moment[chosen].sum(axis=0)[:, residual]
     known = (of[columns] for of in (priors.precision, priors.low, priors.high))
-    return bounded(gram[np.ix_(columns, columns)], pull[columns], *known)
+    return solve_bounded(gram[np.ix_(columns, columns)], pull[columns], *known)
 
 
 _NEAR = 1e-6
@@ -119,7 +119,11 @@ class Candidate:
 
 
 def screen(
-    evidence: Evidence, folds: Sequence[Fold], calibration: IntArray, candidates: Sequence[Candidate], priors: Priors
+    equations: NormalEquations,
+    folds: Sequence[Fold],
+    nuisances: IntArray,
+    candidates: Sequence[Candidate],
+    priors: Priors,
 ) -> tuple[Array, Array]:
     """Held-out gains of C candidates beside the calibration columns, for K residuals.
 
@@ -127,15 +131,15 @@ def screen(
         Energy that each removes from what was left out, (C, K), and what the calibration alone leaves there, (K,), in
         units of the noise's energy per row.
     """
-    n_residuals = evidence.moment.shape[2]
+    n_residuals = equations.moment.shape[2]
     gain, left = np.zeros((len(candidates), n_residuals)), np.zeros(n_residuals)
     log, noise = slice(0, 1), slice(1, n_residuals)
     alike = _alike(candidates)
-    for train, test in _sums(evidence, folds, calibration, alike):
-        known, of_log = priors.precision[calibration], _as_prior(train, calibration, priors)
+    for train, test in _sums(equations, folds, nuisances, alike):
+        known, of_log = priors.precision[nuisances], _as_prior(train, nuisances, priors)
         apart = ((log, of_log), (noise, known)) if noise.start < noise.stop else ((log, of_log),)
         for residuals, precision in ((slice(None), known),) if np.array_equal(of_log, known) else apart:
-            less, gains = _gains(train.of(residuals), test.of(residuals), calibration, precision, alike)
+            less, gains = _gains(train.of(residuals), test.of(residuals), nuisances, precision, alike)
             left[residuals] += less
             for group, more in zip(alike, gains, strict=True):
                 gain[group.places, residuals] += more
@@ -171,7 +175,7 @@ def _alike(candidates: Sequence[Candidate]) -> list[_Alike]:
 class _Sums:
     """Of some blocks: what of the Gram matrix G matters, and the moments of K residuals."""
 
-    calibration: Array
+    nuisances: Array
     """Rows of G of the F calibration columns, shape (F, P)."""
     within: tuple[Array, ...]
     """G among the columns of each candidate, shape (C, S, S), by size of candidates."""
@@ -186,7 +190,7 @@ class _Sums:
 
 
 def _sums(
-    evidence: Evidence, folds: Sequence[Fold], calibration: IntArray, alike: Sequence[_Alike]
+    equations: NormalEquations, folds: Sequence[Fold], nuisances: IntArray, alike: Sequence[_Alike]
 ) -> Iterator[tuple[_Sums, _Sums]]:
     """Of what each fold fits to and judges by; blocks that are always in or out together are summed once."""
     member = np.array([rows for fold in folds for rows in (fold.train, fold.test)])
@@ -196,13 +200,13 @@ def _sums(
     def by_kind(values: Array) -> Array:
         return np.stack([values[of_block == k].sum(axis=0) for k in range(kinds.shape[1])])
 
-    beside = by_kind(evidence.gram[:, calibration])
-    within = [by_kind(evidence.gram[:, one.columns[:, :, None], one.columns[:, None, :]]) for one in alike]
-    moment, energy = by_kind(evidence.moment), by_kind(evidence.energy)
+    beside = by_kind(equations.gram[:, nuisances])
+    within = [by_kind(equations.gram[:, one.columns[:, :, None], one.columns[:, None, :]]) for one in alike]
+    moment, energy = by_kind(equations.moment), by_kind(equations.energy)
 
     def summed(chosen: BoolArray) -> _Sums:
         return _Sums(
-            calibration=beside[chosen].sum(axis=0),
+            nuisances=beside[chosen].sum(axis=0),
             within=tuple(blocks[chosen].sum(axis=0) for blocks in within),
             moment=moment[chosen].sum(axis=0),
             energy=energy[chosen].sum(axis=0),
@@ -219,19 +223,19 @@ def _gains(
 
     Symbols are those of the module.
     """
-    factor = scipy.linalg.cho_factor(train.calibration[:, columns] + np.diag(precision))
+    factor = scipy.linalg.cho_factor(train.nuisances[:, columns] + np.diag(precision))
     x = scipy.linalg.cho_solve(factor, train.moment[columns])
-    v = scipy.linalg.cho_solve(factor, train.calibration)
-    rest = test.moment - test.calibration.T @ x
+    v = scipy.linalg.cho_solve(factor, train.nuisances)
+    rest = test.moment - test.nuisances.T @ x
     left = test.energy - np.sum(x * (test.moment + rest)[columns], axis=0)
     # of all columns, beside the calibration: G'_nn V, residual moments m_c - V^T m_n, and w
-    through, pull = test.calibration[:, columns] @ v, train.moment - v.T @ train.moment[columns]
+    through, pull = test.nuisances[:, columns] @ v, train.moment - v.T @ train.moment[columns]
     held_out, found = rest - v.T @ rest[columns], []
     for group, own, own_test in zip(alike, train.within, test.within, strict=True):
         at = group.columns
         v_c = v[:, at].transpose(1, 2, 0)
-        inner = own - v_c @ train.calibration[:, at].transpose(1, 0, 2)
-        cross = v_c @ test.calibration[:, at].transpose(1, 0, 2)
+        inner = own - v_c @ train.nuisances[:, at].transpose(1, 0, 2)
+        cross = v_c @ test.nuisances[:, at].transpose(1, 0, 2)
         size = own_test - cross - cross.transpose(0, 2, 1) + v_c @ through[:, at].transpose(1, 0, 2)
         x_c = np.linalg.solve(inner + settings().screening.width ** -2 * np.eye(at.shape[1]), pull[at])
         x_c[group.one_sided] = np.maximum(x_c[group.one_sided], 0.0)
@@ -244,9 +248,9 @@ def _as_prior(fold: _Sums, columns: IntArray, priors: Priors) -> Array:
 
     They stay as soft as that when a candidate joins, and come back from their bounds if it takes over.
     """
-    train, pull = fold.calibration[:, columns], fold.moment[columns, 0]
+    train, pull = fold.nuisances[:, columns], fold.moment[columns, 0]
     precision = priors.precision[columns]
-    x = bounded(train, pull, precision, priors.low[columns], priors.high[columns])
+    x = solve_bounded(train, pull, precision, priors.low[columns], priors.high[columns])
     slope = pull - train @ x - precision * x
     outward = ((x >= priors.high[columns]) & (slope > 0)) | ((x <= priors.low[columns]) & (slope < 0))
     return precision + np.where(outward, np.abs(slope) / np.maximum(np.abs(x), _NEAR), 0.0)

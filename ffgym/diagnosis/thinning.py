@@ -19,16 +19,16 @@ from typing import Any
 import numpy as np
 
 from ffgym.core.types import Array, BoolArray, IntArray
-from ffgym.diagnosis.cells import Cells, MotionRegressor, cells_of, coarse
 from ffgym.diagnosis.computing import on_one_thread
 from ffgym.diagnosis.sampling import Sampling
 from ffgym.diagnosis.settings import settings
+from ffgym.diagnosis.thinning_cells import Cells, MotionRegressor, cut_cells, take_medians
 from ffgym.recordings import Recording
 from ffgym.recordings.io import Stored
 from ffgym.recordings.stretch import Span, started, stretches_of
 
 
-def choose(log: Sequence[Cells], seconds: float) -> list[tuple[int, int, int]]:
+def choose_stretches(log: Sequence[Cells], seconds: float) -> list[tuple[int, int, int]]:
     r"""Choose stretches of recordings that last `seconds` at most.
 
     Stretches are chosen one after the other (D-optimality, greedy): the next one is that with which
@@ -54,9 +54,9 @@ def choose(log: Sequence[Cells], seconds: float) -> list[tuple[int, int, int]]:
         # windows that are short enough and have no cell that is used
         count = np.concatenate([[0], np.cumsum(used)])
         free &= (windows.lasting <= left) & (count[windows.begin + windows.length] == count[windows.begin])
-        wanted = _best_ends(windows, free & ~served[part_of], part_of)
+        wanted = _prefer_rests(windows, free & ~served[part_of], part_of)
         if not wanted.any():
-            wanted = _best_ends(windows, free, np.zeros_like(part_of))
+            wanted = _prefer_rests(windows, free, np.zeros_like(part_of))
         if not wanted.any():
             break
         places = np.flatnonzero(wanted)
@@ -69,7 +69,7 @@ def choose(log: Sequence[Cells], seconds: float) -> list[tuple[int, int, int]]:
     return [(i, first, stop) for i, first, stop in cells.tolist()]
 
 
-def _best_ends(windows: "_Windows", allowed: BoolArray, part_of: IntArray) -> BoolArray:
+def _prefer_rests(windows: "_Windows", allowed: BoolArray, part_of: IntArray) -> BoolArray:
     """Windows that are allowed and of which, in their part of the log, none has more ends at rest, shape (W,)."""
     wanted = np.zeros_like(allowed)
     for part in np.unique(part_of[allowed]):
@@ -131,7 +131,7 @@ class _Windows:
         )
 
 
-def affordable(dt: float, n_joints: int) -> float:
+def compute_affordable_time(dt: float, n_joints: int) -> float:
     """Time [s] that all recordings of a log may last together before it is thinned."""
     limits = settings().blocks
     samples, rows = limits.samples / n_joints, limits.rows / n_joints
@@ -143,7 +143,7 @@ NOTE = "thinned"
 """Key of `meta` in the header of a stretch: a sentence on how the whole log was thinned."""
 
 
-def note_of(recordings: Sequence[Recording]) -> tuple[str, ...]:
+def read_notes(recordings: Sequence[Recording]) -> tuple[str, ...]:
     """Tell how a log was thinned that these are stretches of; empty if it was not."""
     return tuple(dict.fromkeys(str(one.header.meta[NOTE]) for one in recordings if NOTE in one.header.meta))
 
@@ -161,17 +161,17 @@ def thin(sources: Sequence[Recording | Stored]) -> list[Recording]:
     names = [source.header.segment for source in sources]
     # time that all may last together: that of the fastest sample rate and the most joints
     periods, joints = [float(np.median(np.diff(one.t))) for one in sources], [len(one.header.joints) for one in sources]
-    most = affordable(min(periods), max(joints)) if sources else np.inf
+    most = compute_affordable_time(min(periods), max(joints)) if sources else np.inf
     if len(set(names)) < len(names) or not sum(lasting) > most:
         return [source.whole() if isinstance(source, Stored) else source for source in sources]
-    motions = [coarse(source) for source in sources]
+    motions = [take_medians(source) for source in sources]
 
     digests = [hashlib.sha256(b"".join(np.ascontiguousarray(x).tobytes() for x in (one.t, one.q))) for one in motions]
     order = sorted(range(len(sources)), key=lambda i: (started(sources[i].header), names[i], digests[i].digest()))
     regressor = MotionRegressor.of([motions[i] for i in order])
-    cells = [cells_of(motions[i], regressor) for i in order]
+    cells = [cut_cells(motions[i], regressor) for i in order]
     spans: list[list[Span]] = [[] for _ in sources]
-    for i, first, stop in choose(cells, most):
+    for i, first, stop in choose_stretches(cells, most):
         (start, end), (begins, ends) = cells[i].edges[[first, stop]].tolist(), cells[i].at_rest[[first, stop]].tolist()
         spans[order[i]].append(Span(start=start, end=end, at_rest=(begins, ends)))
     found = [part for source, own in zip(sources, spans, strict=True) if own for part in stretches_of(source, own)]

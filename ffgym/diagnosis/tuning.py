@@ -20,18 +20,18 @@ from typing import ClassVar, final
 import numpy as np
 
 from ffgym.core.types import Array
-from ffgym.diagnosis.calibration import LinkMass
-from ffgym.diagnosis.column import columns_of
-from ffgym.diagnosis.evidence import blocks_of
-from ffgym.diagnosis.fit.fit import evaluated, left_by
-from ffgym.diagnosis.fit.hypothesis import Hypothesis, moved
-from ffgym.diagnosis.fit.setting import Setting
-from ffgym.diagnosis.log import Log, log_of
-from ffgym.diagnosis.measured import counting_rows, valid_rows
-from ffgym.diagnosis.push import Parts
+from ffgym.diagnosis.fit.fit import compute_rss, evaluate
+from ffgym.diagnosis.fit.hypothesis import Hypothesis, move_hypotheses
+from ffgym.diagnosis.fit.problem import FitProblem
+from ffgym.diagnosis.log import Log, assemble_log
+from ffgym.diagnosis.normal_equations import cut_blocks
+from ffgym.diagnosis.nuisance import LinkMass
+from ffgym.diagnosis.perturbation import Parts
 from ffgym.diagnosis.replay import replay
+from ffgym.diagnosis.residual_rows import find_counting_rows, find_valid_rows
+from ffgym.diagnosis.sensitivity import compute_sensitivities
 from ffgym.diagnosis.settings import settings
-from ffgym.diagnosis.solving import bounded
+from ffgym.diagnosis.solving import solve_bounded
 from ffgym.effects import Effect, NativeEffect
 from ffgym.effects.drive.offset import TorqueOffset
 from ffgym.effects.effect import Side
@@ -97,7 +97,7 @@ def _distance(numbers: Iterable[Hypothesis]) -> Array:
     found = []
     for number in numbers:
         known = number.kind.parameters()
-        found += [(free.value - known[free.name].neutral) / free.step for free in number.free()]
+        found += [(free.value - known[free.name].neutral) / free.step for free in number.list_free()]
     return np.array(found)
 
 
@@ -133,7 +133,7 @@ _ENOUGH = 0.01
 """Relative gain below which another step is not worth its replays."""
 
 
-def tuned(machine: Machine, recordings: Sequence[Recording]) -> Machine:
+def tune(machine: Machine, recordings: Sequence[Recording]) -> Machine:
     """The machine with numbers that predict recordings best.
 
     Args:
@@ -144,7 +144,7 @@ def tuned(machine: Machine, recordings: Sequence[Recording]) -> Machine:
         FFGymError: if recordings do not fit the robot.
     """
     robot = machine.physical
-    log = replace(log_of(robot, recordings), feedback=None)  # the servo knows nothing of these numbers
+    log = replace(assemble_log(robot, recordings), feedback=None)  # the servo knows nothing of these numbers
     # all numbers as the description has them
     numbers: tuple[Hypothesis, ...] = ()
     for kind in NUMBERS:
@@ -154,72 +154,72 @@ def tuned(machine: Machine, recordings: Sequence[Recording]) -> Machine:
                 numbers += (Hypothesis(kind=kind, joint=joint, source=None, values=neutral),)
     for cutoff in CUTOFFS:
         sampling = replace(log.sampling, cutoff=min(cutoff, log.sampling.cutoff))
-        setting = _setting(replace(log, sampling=sampling), machine)
+        problem = _pose_problem(replace(log, sampling=sampling), machine)
         for _ in range(PASSES):
-            numbers = _fitted(_weighed(setting, numbers), numbers)
+            numbers = _fitted(_weighed(problem, numbers), numbers)
     return replace(machine, robot=_with_numbers(machine.robot, numbers))
 
 
-def _fitted(setting: Setting, numbers: Sequence[Hypothesis]) -> tuple[Hypothesis, ...]:
+def _fitted(problem: FitProblem, numbers: Sequence[Hypothesis]) -> tuple[Hypothesis, ...]:
     """Numbers that leave least, by Gauss-Newton steps from the given ones."""
 
     def cost_of(tried: Sequence[Hypothesis]) -> float:
         """What numbers leave, and how far they are from the description."""
-        return left_by(setting, tried) + PRECISION * float(np.sum(_distance(tried) ** 2))
+        return compute_rss(problem, tried) + PRECISION * float(np.sum(_distance(tried) ** 2))
 
-    now, cost = evaluated(setting, numbers), cost_of(numbers)
+    now, cost = evaluate(problem, numbers), cost_of(numbers)
     for _ in range(_ROUNDS):
         # change of all numbers, in practical steps
-        off, n, priors = _distance(now.hypotheses), now.n_calibration, now.priors
+        off, n, priors = _distance(now.hypotheses), now.n_nuisances, now.priors
         precision = np.concatenate([priors.precision[:n], np.full(len(off), PRECISION)])
-        pull = now.evidence.moment.sum(axis=0)[:, 0] - np.concatenate([np.zeros(n), PRECISION * off])
-        step = bounded(now.evidence.gram.sum(axis=0), pull, precision, priors.low, priors.high)[n:]
+        pull = now.equations.moment.sum(axis=0)[:, 0] - np.concatenate([np.zeros(n), PRECISION * off])
+        step = solve_bounded(now.equations.gram.sum(axis=0), pull, precision, priors.low, priors.high)[n:]
         better = np.inf
         for _ in range(_HALVINGS):
-            tried = moved(now.hypotheses, step)
+            tried = move_hypotheses(now.hypotheses, step)
             better = cost_of(tried)
             if better < cost:
                 break
             step = 0.5 * step
         if better > (1 - _ENOUGH) * cost:
             break
-        now, cost = evaluated(setting, tried), better
+        now, cost = evaluate(problem, tried), better
     return now.hypotheses
 
 
-def _setting(log: Log, machine: Machine) -> Setting:
+def _pose_problem(log: Log, machine: Machine) -> FitProblem:
     """What all fits to a log share; all rows that count are alike at first."""
-    run, valid = replay(log, machine), valid_rows(log)
+    run, valid = replay(log, machine), find_valid_rows(log)
     # free beside the numbers, per standard deviation: torque offsets, and places of the tool
     coulomb, beside = dict(zip(run.robot.joints, run.robot.friction.coulomb, strict=True)), list[Parts]()
-    for column in columns_of(run, [TorqueOffset], {}):
+    for column in compute_sensitivities(run, [TorqueOffset], {}):
         beside.append({key: rows * _OFFSET * coulomb[column.joint] for key, rows in column.parts.items()})
     for motion in np.eye(valid.shape[1]) if log.tool is not None else ():
         beside += [{("tool", axis): np.broadcast_to(_PLACE * motion, valid.shape)} for axis in range(3)]
-    return Setting(
+    return FitProblem(
         log=log,
         nominal=machine,
-        blocks=blocks_of(valid, log.sampling.row_dt),
-        weights={key: rows.astype(np.float64) for key, rows in counting_rows(log).items()},
-        calibration=beside,
-        doubts=(),
+        blocks=cut_blocks(valid, log.sampling.row_dt),
+        weights={key: rows.astype(np.float64) for key, rows in find_counting_rows(log).items()},
+        nuisance_columns=beside,
+        nuisances=(),
         like=run,
         bias=dict.fromkeys(("torque", "tool", "link"), np.zeros(1)),
     )
 
 
-def _weighed(setting: Setting, numbers: Sequence[Hypothesis]) -> Setting:
+def _weighed(problem: FitProblem, numbers: Sequence[Hypothesis]) -> FitProblem:
     """With each component of each motion in units of what numbers leave there; of the tool about its mean.
 
     What a model lacks goes on for a while, so that all rows of a block count as much as one.
     """
-    machine = replace(setting.nominal, robot=_with_numbers(setting.nominal.robot, numbers))
-    residual = evaluated(replace(setting, nominal=machine), ()).residual
-    counting, alike = counting_rows(setting.log), settings().blocks.length / setting.log.sampling.row_dt
+    machine = replace(problem.nominal, robot=_with_numbers(problem.nominal.robot, numbers))
+    residual = evaluate(replace(problem, nominal=machine), ()).residual
+    counting, alike = find_counting_rows(problem.log), settings().blocks.length / problem.log.sampling.row_dt
     weights = {}
     for (channel, c), rows in counting.items():
         rest, count = residual[channel][:, :, c], np.maximum(rows.sum(axis=0), 1)
         mean = np.sum(rest * rows, axis=0) / count if channel == "tool" else 0.0
         square = np.sum(((rest - mean) * rows) ** 2, axis=0) / count
         weights[channel, c] = rows / np.sqrt(alike * np.where(square > 0, square, np.inf))
-    return replace(setting, weights=weights)
+    return replace(problem, weights=weights)

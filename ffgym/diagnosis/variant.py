@@ -39,14 +39,14 @@ class Variant:
     """Which of the values that span a phase or the like."""
 
 
-def step_of(known: Parameter) -> float:
+def compute_step(known: Parameter) -> float:
     """Practical step of a size parameter away from its null value."""
     null = known.neutral
     towards = known.high if abs(known.high - null) >= abs(known.low - null) else known.low
     return settings().screening.step * (towards - null)
 
 
-def variants(kind: type[Effect], robot: RobotDescription, cycles: Cycles) -> Iterator[Variant]:
+def list_variants(kind: type[Effect], robot: RobotDescription, cycles: Cycles) -> Iterator[Variant]:
     """All variants of an effect on a robot; none if the robot cannot have it at all."""
     known = kind.parameters()
     repeats = any(p.is_looked_for for p in known.values())
@@ -59,18 +59,18 @@ def variants(kind: type[Effect], robot: RobotDescription, cycles: Cycles) -> Ite
     if per_joint and not joints:
         return
     parts: dict[str, Sequence[int | None]] = {"vector": range(3), "pair": range(robot.n_joints)}
-    for choice, shape in enumerate(_shapes(known, robot, cycles)):
+    for choice, shape in enumerate(_list_shapes(known, robot, cycles)):
         for size in (p for p in known.values() if p.role == "size"):
-            for span, fixed in enumerate(_spans(known, shape)):
+            for span, fixed in enumerate(_list_spans(known, shape)):
                 for part in parts.get(size.per, (None,)):
                     values = {name: np.asarray(value, dtype=np.float64) for name, value in fixed.items()}
-                    values[size.name], places = _moved(size, robot, joints, part)
+                    values[size.name], places = _perturb(size, robot, joints, part)
                     effect = kind(**_complete(known, values, robot))
                     yield Variant(
                         effect=effect,
                         parameter=size.name,
                         part=part,
-                        step=step_of(size),
+                        step=compute_step(size),
                         shape={name: getattr(effect, name) for name in fixed},
                         joints=places,
                         choice=choice,
@@ -78,17 +78,17 @@ def variants(kind: type[Effect], robot: RobotDescription, cycles: Cycles) -> Ite
                     )
 
 
-def with_effect(machine: Machine, effect: Effect) -> Machine:
+def add_effect(machine: Machine, effect: Effect) -> Machine:
     """The machine with one more effect."""
     return Machine(robot=machine.robot, effects=(*machine.effects, effect), climate=machine.climate)
 
 
-def _moved(
+def _perturb(
     size: Parameter, robot: RobotDescription, joints: Sequence[int], part: int | None
 ) -> tuple[Array, tuple[int, ...]]:
     """The parameter a step away from its null value, and the joints that have it."""
     values = np.full(size.shape(robot.n_joints), size.neutral)
-    moved = size.neutral + step_of(size)
+    moved = size.neutral + compute_step(size)
     if size.per == "joint":
         values[joints] = moved
         return values, tuple(joints)
@@ -100,7 +100,7 @@ def _moved(
     return values, ()
 
 
-def _shapes(known: Mapping[str, Parameter], robot: RobotDescription, cycles: Cycles) -> list[dict[str, Any]]:
+def _list_shapes(known: Mapping[str, Parameter], robot: RobotDescription, cycles: Cycles) -> list[dict[str, Any]]:
     """Values of shape parameters to try: every combination; frequencies differ from joint to joint."""
     tried: list[list[tuple[str, Any]]] = []
     for p in known.values():
@@ -116,7 +116,7 @@ def _shapes(known: Mapping[str, Parameter], robot: RobotDescription, cycles: Cyc
     return [dict(combination) for combination in product(*tried)]
 
 
-def _spans(known: Mapping[str, Parameter], shape: Mapping[str, Any]) -> list[dict[str, Any]]:
+def _list_spans(known: Mapping[str, Parameter], shape: Mapping[str, Any]) -> list[dict[str, Any]]:
     """The shape with each of the values that span its phases and other linear parameters."""
     found = [dict(shape)]
     for p in known.values():

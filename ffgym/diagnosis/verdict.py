@@ -4,20 +4,20 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from ffgym.diagnosis.fit.fit import Fit, Loudness, removed, touched
+from ffgym.diagnosis.fit.fit import Fit, Loudness, compute_explained, find_touched
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
-from ffgym.diagnosis.fit.setting import Setting
-from ffgym.diagnosis.result import Cause, Pattern, Rival, Unjudged, Verdict
-from ffgym.diagnosis.search.found import Found, found_in
-from ffgym.diagnosis.search.rivals import tied_among
-from ffgym.diagnosis.search.worth import removed_by, stretched
+from ffgym.diagnosis.fit.problem import FitProblem
+from ffgym.diagnosis.result import Cause, Pattern, Rival, UnjudgedEffect, Verdict
+from ffgym.diagnosis.search.rivals import select_tied
+from ffgym.diagnosis.search.rounds import SearchResult, find_adoption
+from ffgym.diagnosis.search.significance import compute_explained_by_newest, find_shapes_at_limit
 from ffgym.diagnosis.settings import settings
 from ffgym.effects import EFFECTS
 from ffgym.robot import RobotDescription
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Judged:
+class ReasonedVerdict:
     """Verdict with its reasons in numbers."""
 
     verdict: Verdict
@@ -30,26 +30,26 @@ class Judged:
     else."""
 
 
-def judged(setting: Setting, found: Found, loud_before: Loudness, loud_after: Loudness) -> Judged:
+def judge(problem: FitProblem, found: SearchResult, loud_before: Loudness, loud_after: Loudness) -> ReasonedVerdict:
     """What a search comes to.
 
     Args:
-        setting: the log.
+        problem: the log.
         found: by the search.
         loud_before: energy of the nominal residual over that of noise, by component.
         loud_after: the same with the causes.
     """
-    where = touched(setting, list(found.final.fit.columns))
-    share = removed(loud_before, loud_after, where).of_excess if where else 0.0
+    where = find_touched(problem, list(found.final.fit.columns))
+    share = compute_explained(loud_before, loud_after, where).of_excess if where else 0.0
     # share that each cause removed of the energy above the noise that was there when it was found
-    then = [found_in(found.rounds, hypothesis) for hypothesis in found.final.fit.hypotheses]
-    gains = tuple(removed_by(setting, one.before, tried).of_excess for one, tried in then)
-    worst = max(value - setting.inexact(key) for key, value in loud_after.items())
-    stretched = stretched_shapes(setting, found.final.fit)
+    then = [find_adoption(found.rounds, hypothesis) for hypothesis in found.final.fit.hypotheses]
+    gains = tuple(compute_explained_by_newest(problem, one.before, tried).of_excess for one, tried in then)
+    worst = max(value - problem.inexact(key) for key, value in loud_after.items())
+    stretched = name_shapes_at_limit(problem, found.final.fit)
     verdict: Verdict
     if not found.final.fit.hypotheses:
         verdict = "unknown" if worst > settings().significance.quiet else "none"
-    elif tied_among(found.final.fit.hypotheses, found.rivals):
+    elif select_tied(found.final.fit.hypotheses, found.rivals):
         verdict = "ambiguous"
     elif (
         _is_explained(loud_before, loud_after)
@@ -59,7 +59,7 @@ def judged(setting: Setting, found: Found, loud_before: Loudness, loud_after: Lo
         verdict = "named"
     else:
         verdict = "partly"
-    return Judged(verdict=verdict, gains=gains, removed=float(share), stretched=stretched)
+    return ReasonedVerdict(verdict=verdict, gains=gains, removed=float(share), stretched=stretched)
 
 
 def _is_explained(before: Loudness, after: Loudness) -> bool:
@@ -71,12 +71,12 @@ def _is_explained(before: Loudness, after: Loudness) -> bool:
     )
 
 
-def stretched_shapes(setting: Setting, fit: Fit) -> tuple[str, ...]:
+def name_shapes_at_limit(problem: FitProblem, fit: Fit) -> tuple[str, ...]:
     """Shapes of causes that the fit has moved to the end of their plausible range, such as 'time of cogging on j1'."""
-    return tuple(f"{name} of {hypothesis.label}" for hypothesis, name in stretched(setting, fit))
+    return tuple(f"{name} of {hypothesis.label}" for hypothesis, name in find_shapes_at_limit(problem, fit))
 
 
-def blind_rivals(causes: Sequence[Hypothesis], not_judgeable: Sequence[Unjudged]) -> tuple[Rival, ...]:
+def list_blind_rivals(causes: Sequence[Hypothesis], not_judgeable: Sequence[UnjudgedEffect]) -> tuple[Rival, ...]:
     """Of causes that vary over a session, the effects that vary with what the log does not show and look alike."""
     unseen = [(kind, one.reason) for one in not_judgeable if (kind := EFFECTS[one.effect]).varies_with]
     return tuple(
@@ -94,18 +94,18 @@ def blind_rivals(causes: Sequence[Hypothesis], not_judgeable: Sequence[Unjudged]
     )
 
 
-def beside_blind(judged: Judged, rivals: Sequence[Rival]) -> Judged:
+def weaken_for_blind_rivals(judged: ReasonedVerdict, rivals: Sequence[Rival]) -> ReasonedVerdict:
     """The verdict where there are such rivals: nothing that has one is named without reserve."""
     return replace(judged, verdict="ambiguous") if rivals and judged.verdict == "named" else judged
 
 
-def told(judged: Judged, rivals: Sequence[Rival]) -> Sequence[Rival]:
+def select_reported(judged: ReasonedVerdict, rivals: Sequence[Rival]) -> Sequence[Rival]:
     """Those of such rivals that belong to a verdict: of one that names causes, all."""
     return rivals if judged.verdict in ("ambiguous", "partly") else ()
 
 
-def sentence_of(
-    judged: Judged,
+def write_sentence(
+    judged: ReasonedVerdict,
     causes: Sequence[Cause],
     rivals: Sequence[Rival],
     patterns: Sequence[Pattern],
@@ -114,11 +114,11 @@ def sentence_of(
     """What a diagnosis says, in one sentence."""
     tied = [rival for rival in rivals if rival.tied]
     instead = [rival for rival in tied if rival.against in {cause.label for cause in causes}]
-    left = "; ".join(_strongest(patterns))
+    left = "; ".join(_select_strongest(patterns))
     # each effect on its joint once, however many waves it has
     counts = Counter(f"{cause.title} {('of ' + cause.joint if cause.joint else '')}".strip() for cause in causes)
     named = ", and ".join(name if n == 1 else f"{name} in {n} waves" for name, n in counts.items())
-    others = _any_of(tied)
+    others = _join_names(tied)
     share = f"{100 * min(judged.removed, 1.0):.0f} %"
     if judged.verdict == "none":
         return f"These motions do not falsify the model of {robot.name}: what is left is noise and calibration."
@@ -133,13 +133,13 @@ def sentence_of(
             more = f", and {judged.stretched[0]} is at the end of what is plausible: it may stand for something else"
         elif beyond := [rival for rival in tied if rival not in instead]:
             then = f"; what is left then depends on: {left}" if left else ""
-            more = f"; beyond that, {_any_of(beyond)} would explain more{then}"
-        besides = f" (these logs cannot tell it from {_any_of(instead)})" if instead else ""
+            more = f"; beyond that, {_join_names(beyond)} would explain more{then}"
+        besides = f" (these logs cannot tell it from {_join_names(instead)})" if instead else ""
         return f"Partly explained by {named}{besides}: that removes {share} of what noise does not explain{more}."
     return f"Consistent with {named}, which removes {share} of what noise does not explain."
 
 
-def _strongest(patterns: Sequence[Pattern]) -> list[str]:
+def _select_strongest(patterns: Sequence[Pattern]) -> list[str]:
     """The strongest pattern of each of the first few components that have one, and those that explain as much."""
     limits = settings().verdict
     first: dict[tuple[str, str], Pattern] = {}
@@ -155,7 +155,7 @@ def _strongest(patterns: Sequence[Pattern]) -> list[str]:
     ]
 
 
-def _any_of(rivals: Sequence[Rival]) -> str:
+def _join_names(rivals: Sequence[Rival]) -> str:
     """Each effect on its joint once."""
     effects = [(rival.effect.replace("_", " "), rival.joint) for rival in rivals]
     return " or ".join(dict.fromkeys(f"{effect} of {joint}" if joint else effect for effect, joint in effects))

@@ -25,13 +25,13 @@ import numpy as np
 import scipy
 
 from ffgym.core.types import Array
-from ffgym.diagnosis.evidence import Values
-from ffgym.diagnosis.fit.fit import evaluated, without_calibration
-from ffgym.diagnosis.fit.setting import Setting
+from ffgym.diagnosis.fit.fit import evaluate, subtract_nuisances
+from ffgym.diagnosis.fit.problem import FitProblem
 from ffgym.diagnosis.identification import LowPass
-from ffgym.diagnosis.log import Log, log_of
-from ffgym.diagnosis.noise import Noise, noisy
-from ffgym.diagnosis.push import Push, changes
+from ffgym.diagnosis.log import Log, assemble_log
+from ffgym.diagnosis.noise import Noise, add_noise
+from ffgym.diagnosis.normal_equations import Values
+from ffgym.diagnosis.perturbation import Perturbation, propagate
 from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.replay.states import along_speed
 from ffgym.diagnosis.residual import Channel
@@ -40,7 +40,7 @@ from ffgym.diagnosis.settings import settings
 from ffgym.recordings import Recording
 
 
-def unknown_torque(run: Replay, bias: Mapping[Channel, Array]) -> Array:
+def estimate_unknown_torque(run: Replay, bias: Mapping[Channel, Array]) -> Array:
     """Torque that may be there or not, unsigned, at rows (R, M, N), motor side [N m].
 
     The `bias` (R, M, C) is what the replay does wrong along a motion that is made up between the samples.
@@ -51,9 +51,9 @@ def unknown_torque(run: Replay, bias: Mapping[Channel, Array]) -> Array:
     low_pass, slower = LowPass(cutoff=limits.half_band * log.sampling.motion_filter.cutoff), log.q.copy()
     for i, n in enumerate(log.lengths):
         slower[:n, i] = low_pass(log.q[:n, i], log.dt)
-    narrow = _friction(run, log.q, limits.half_band * log.trembling)
-    slow = _friction(run, slower, log.trembling)
-    begun = _friction(run, log.q, log.trembling, load=1.0)
+    narrow = _compute_friction(run, log.q, limits.half_band * log.trembling)
+    slow = _compute_friction(run, slower, log.trembling)
+    begun = _compute_friction(run, log.q, log.trembling, load=1.0)
     changes = [log.sampling(friction - run.bristles.torque) for friction in (narrow, slow, begun)]
     # share of what replays do wrong that is not known, as the motion between the samples is not, `dt` [s] apart
     changes.append(
@@ -68,7 +68,7 @@ def unknown_torque(run: Replay, bias: Mapping[Channel, Array]) -> Array:
     return unknown
 
 
-def _friction(run: Replay, angle: Array, band: Array, load: float = 0.0) -> Array:
+def _compute_friction(run: Replay, angle: Array, band: Array, load: float = 0.0) -> Array:
     """Friction (T, M, N) if motors had moved so, to a half-width (N,) of what is taken for standing, [N m].
 
     Bristles begin with a `load`, as a share of what tears them off.
@@ -78,7 +78,7 @@ def _friction(run: Replay, angle: Array, band: Array, load: float = 0.0) -> Arra
     return along_speed(run.robot.friction, drive.motor_angle(slip), drive.motor_angle(run.log.dq), log.dt, load).torque
 
 
-def doubt_rows(weights: Values, unknown: Mapping[Channel, Array]) -> Values:
+def downweight(weights: Values, unknown: Mapping[Channel, Array]) -> Values:
     """Weights (R, M) by component under which what is unknown (R, M, C), signed or not, counts as noise.
 
     Weights are one over the noise of each row, 0 for rows that do not count; (M,) or (R, M).
@@ -93,7 +93,7 @@ def doubt_rows(weights: Values, unknown: Mapping[Channel, Array]) -> Values:
     return found
 
 
-def misread_friction(exact: Sequence[Recording], clean: Log, run: Replay, step: Array) -> Array:
+def estimate_misread_friction(exact: Sequence[Recording], clean: Log, run: Replay, step: Array) -> Array:
     """Friction in a replay of noisy readings beyond that of exact ones, mean at rows (R, M, N), motor side [N m].
 
     The noise is that of the band in which a log's reading moves, so that logs with one band have one mean: `exact`
@@ -106,8 +106,8 @@ def misread_friction(exact: Sequence[Recording], clean: Log, run: Replay, step: 
     noise = Noise(angle=angle, step=step, torque=none, tool=None, link=None, feedback=None)
     rng, total = np.random.default_rng(0), np.zeros_like(run.bristles.torque)
     for _ in range(limits.misread_draws):
-        seen = [noisy(recording, noise, i, rng) for i, recording in enumerate(exact)]
-        one = log_of(clean.robot, seen, like=clean)
+        seen = [add_noise(recording, noise, i, rng) for i, recording in enumerate(exact)]
+        one = assemble_log(clean.robot, seen, like=clean)
         friction = along_speed(run.robot.friction, drive.motor_angle(one.slip_dq), drive.motor_angle(one.dq), one.dt)
         total += friction.torque - run.bristles.torque
     rows: Array = clean.sampling(total / limits.misread_draws)
@@ -139,25 +139,25 @@ _INDEPENDENT = 1e-8
 """Relative size of a singular value below which a free motion is that of others."""
 
 
-def first_swing(setting: Setting) -> dict[Channel, Array]:
+def fit_first_swing(problem: FitProblem) -> dict[Channel, Array]:
     """Fit free motions of springs to the residual of a log, (R, M, C) by channel; empty if joints are rigid."""
-    run = setting.like
+    run = problem.like
     if run.robot.drive.is_rigid.all():
         return {}
-    rest = without_calibration(setting, evaluated(setting, ()))
+    rest = subtract_nuisances(problem, evaluate(problem, ()))
     # what arms show that are let go or knocked at the first sample: of each elastic joint one of both
     pushes = []
     for j in run.springs.elastic.tolist():
         for sample in (0, 1):  # a load that is gone after the first sample, and one that comes and goes after it
             load = np.zeros_like(run.log.q)
             load[sample, :, j] = run.springs.stiffness[j] * _BEND
-            pushes.append(Push(links=load))
-    free = changes(run, pushes)
-    keys = [key for key in free[0] if key in setting.weights]
+            pushes.append(Perturbation(links=load))
+    free = propagate(run, pushes)
+    keys = [key for key in free[0] if key in problem.weights]
     found = {channel: np.zeros_like(rest[channel]) for channel in dict.fromkeys(channel for channel, _ in keys)}
     # weighted rows of all components of a motion, one after the other, as far as free motions explain them
-    for m in range(len(setting.log.recordings)):
-        weights = {key: np.broadcast_to(setting.weights[key], free[0][key].shape)[:, m] for key in keys}
+    for m in range(len(problem.log.recordings)):
+        weights = {key: np.broadcast_to(problem.weights[key], free[0][key].shape)[:, m] for key in keys}
         columns = np.stack([np.concatenate([one[k][:, m] * weights[k] for k in keys]) for one in free], axis=1)
         target = np.concatenate([rest[channel][:, m, c] * weights[channel, c] for channel, c in keys])
         sizes = np.linalg.lstsq(columns, target, rcond=_INDEPENDENT)[0]

@@ -7,7 +7,7 @@ from typing import Any
 
 from ffgym.core.claims import claimed
 from ffgym.core.files import made_folder
-from ffgym.diagnosis.document import diagnosis_document
+from ffgym.diagnosis.diagnosis_file import diagnosis_document
 from ffgym.diagnosis.identification import friction_torques, identify_friction
 from ffgym.improvement.gain import HELD_OUT_RADII, Gain, contenders, gain_on, held_out_positions
 from ffgym.improvement.rounds import Diagnose, Plan, Round, Stage, improved

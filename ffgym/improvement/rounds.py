@@ -10,12 +10,12 @@ from typing import Any
 from ffgym.core.errors import FFGymError, check_whole
 from ffgym.core.files import read_text, write_json, write_text
 from ffgym.core.provenance import versions
-from ffgym.diagnosis.calibration import Calibration
-from ffgym.diagnosis.document import read_diagnosis, write_diagnosis
-from ffgym.diagnosis.extended import extended_machine, save_extended
+from ffgym.diagnosis.diagnosis_file import read_diagnosis, write_diagnosis
+from ffgym.diagnosis.extended import extend_machine, save_extended
+from ffgym.diagnosis.nuisance import ParameterPrior
 from ffgym.diagnosis.result import Diagnosis
 from ffgym.diagnosis.settings import settings
-from ffgym.diagnosis.tuning import tuned
+from ffgym.diagnosis.tuning import tune
 from ffgym.effects import Origin
 from ffgym.recordings import Recording
 from ffgym.recordings.io import read_folder
@@ -29,10 +29,10 @@ from ffgym.simulation.run import Progress
 PAUSE = 60.0
 """Between two sessions [s]; chosen: what it takes to start the next one."""
 
-_FITTED = Calibration.of_share(settings().prior.fitted_share)
+_FITTED = ParameterPrior.of_share(settings().prior.fitted_share)
 """How well numbers are known that were fitted to the very recordings."""
 
-Diagnose = Callable[[Machine, Sequence[Recording], Calibration, int], Diagnosis]
+Diagnose = Callable[[Machine, Sequence[Recording], ParameterPrior, int], Diagnosis]
 """What a model lacks, by recordings of the machine, how well the numbers of the model are known, and the most causes to
 look for."""
 
@@ -115,7 +115,7 @@ def improved(rig: Rig, plan: Plan, folder: Path, diagnose: Diagnose, stage: Stag
     """
     rounds: list[Round] = []
     machine, origins, proposed, clock = plan.nominal, plan.origins, list[Protocol](), 0.0
-    calibration = Calibration()
+    prior = ParameterPrior()
     while len(rounds) < plan.rounds and not (rounds and rounds[-1].is_last):
         number = len(rounds) + 1
         place = folder / f"round_{number}"
@@ -126,14 +126,14 @@ def improved(rig: Rig, plan: Plan, folder: Path, diagnose: Diagnose, stage: Stag
             record_into(logs, motions, rig, seed=seed, origin=origin, n_threads=plan.n_threads, progress=progress)
         recordings = read_folder(logs)
         if plan.fit and not rounds:
-            machine, calibration = _fitted(place / "fitted", machine, plan, recordings, stage), _FITTED
+            machine, prior = _fitted(place / "fitted", machine, plan, recordings, stage), _FITTED
         before = machine
         with stage(f"diagnosing, round {number}", "") as progress:
             progress(0, 1)
-            diagnosis = _diagnosed(place, before, recordings, calibration, plan.most_causes, diagnose)
+            diagnosis = _diagnosed(place, before, recordings, prior, plan.most_causes, diagnose)
             progress(1, 1)
         if plan.fit and diagnosis.causes:
-            grown = extended_machine(before, diagnosis.causes)
+            grown = extend_machine(before, diagnosis.causes)
             beside = _fitted(place / "fitted_beside", grown, plan, recordings, stage)
             machine, diagnosis = replace(before, robot=beside.robot), replace(diagnosis, numbers=())
         model = place / "extended.toml"
@@ -165,7 +165,7 @@ def _fitted(place: Path, machine: Machine, plan: Plan, recordings: Sequence[Reco
         title, source = f"{machine.robot.title}, fitted by ffgym improve", "fitted to recordings, all numbers together"
         with stage("fitting all numbers", "") as progress:
             progress(0, 1)
-            found = tuned(machine, recordings)
+            found = tune(machine, recordings)
             progress(1, 1)
         save_machine(found, file, title=title, source=source, robot=plan.robot)
         write_json(key, about)
@@ -176,7 +176,7 @@ def _diagnosed(
     place: Path,
     machine: Machine,
     recordings: Sequence[Recording],
-    calibration: Calibration,
+    prior: ParameterPrior,
     most: int,
     diagnose: Diagnose,
 ) -> Diagnosis:
@@ -185,7 +185,7 @@ def _diagnosed(
     about = _about(machine, recordings) | {"most_causes": most}
     if key.exists() and file.exists() and _json(key) == about:
         return read_diagnosis(file)
-    diagnosis = diagnose(machine, recordings, calibration, most)
+    diagnosis = diagnose(machine, recordings, prior, most)
     write_diagnosis(file, diagnosis)
     write_json(key, about)
     return diagnosis

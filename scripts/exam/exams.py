@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.provenance import versions
-from ffgym.diagnosis import Memory, diagnose
-from ffgym.diagnosis.document import diagnosis_document
+from ffgym.diagnosis import DiagnosisCache, diagnose
+from ffgym.diagnosis.diagnosis_file import diagnosis_document
 from ffgym.diagnosis.result import Diagnosis
 from ffgym.robot import RigidArm, load_robot
 from ffgym.simulation import SimulatedRig
@@ -111,7 +111,7 @@ class Exam(ABC):
 
     def answer(self, paper: Paper) -> Diagnosis:
         """The diagnosis of a log, by what is told of its machine."""
-        return diagnose(paper.robot, paper.log, calibration=paper.calibration, memory=_memory())
+        return diagnose(paper.robot, paper.log, prior=paper.prior, cache=_memory())
 
     def extras(self, paper: Paper, answer: Diagnosis) -> dict[str, Any]:
         """Further fields of the mark."""
@@ -179,7 +179,7 @@ class IndependentExam(Exam):
     def answer(self, paper: Paper) -> Diagnosis:
         """The diagnosis; one that ends in an error is an answer, too, and a wrong one."""
         try:
-            return diagnose(paper.robot, paper.log, calibration=paper.calibration)
+            return diagnose(paper.robot, paper.log, prior=paper.prior)
         except Exception as error:  # whatever it is, a good log has no diagnosis
             return Diagnosis(
                 verdict="insufficient",
@@ -202,9 +202,9 @@ def _arm(robot: str) -> RigidArm:
 
 
 @cache
-def _memory() -> Memory:
+def _memory() -> DiagnosisCache:
     """Memory that questions of one process share: most are of the same motions."""
-    return Memory()
+    return DiagnosisCache()
 
 
 def examine(question: Question, *, exam: Exam, seed: int) -> Mark:

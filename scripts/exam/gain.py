@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from ffgym.diagnosis.extended import extended_machine
-from ffgym.diagnosis.held_out import closed_loop_gain
-from ffgym.diagnosis.result import Cause, Number
+from ffgym.diagnosis.extended import extend_machine
+from ffgym.diagnosis.held_out import compare_in_closed_loop
+from ffgym.diagnosis.result import Cause, FittedNumber
 from ffgym.recordings import Recording
 from ffgym.simulation.plant import Machine
 from ffgym.simulation.protocols import Protocol
@@ -23,16 +23,16 @@ _SEED = 5
 """Of the phases of the large motion, which no protocol of a diagnosis has."""
 
 
-def gain_of(case: Case, causes: Sequence[Cause], numbers: Sequence[Number] = ()) -> Gain:
+def gain_of(case: Case, causes: Sequence[Cause], numbers: Sequence[FittedNumber] = ()) -> Gain:
     """Gain by the causes of a diagnosis, and the numbers that were fitted beside them.
 
     Raises:
         FFGymError: if a cause does not fit the robot.
     """
     nominal = Machine(robot=case.robot, climate=case.machine.climate)
-    extended = extended_machine(nominal, causes, numbers)
-    found = closed_loop_gain(nominal, extended, _held_out(case, case.complete), n_threads=1)
-    quiet = closed_loop_gain(nominal, nominal, _held_out(case, case.machine), n_threads=1)
+    extended = extend_machine(nominal, causes, numbers)
+    found = compare_in_closed_loop(nominal, extended, _held_out(case, case.complete), n_threads=1)
+    quiet = compare_in_closed_loop(nominal, nominal, _held_out(case, case.machine), n_threads=1)
     left = [(level.after / floor.before) ** 2 for level, floor in zip(found, quiet, strict=True)]
     axes = [level for level in found if level.quantity == "tool"]
     before, after = (float(np.sqrt(sum(getattr(axis, when) ** 2 for axis in axes))) for when in ("before", "after"))

@@ -16,16 +16,16 @@ from functools import cache
 import numpy as np
 
 from ffgym.core.types import Array, BoolArray
-from ffgym.diagnosis.calibration import Calibration, doubts_of
-from ffgym.diagnosis.evidence import Stack, blocks_of, stack_of
-from ffgym.diagnosis.log import Log, log_of
-from ffgym.diagnosis.measured import residual_rows, valid_rows
-from ffgym.diagnosis.push import Parts
-from ffgym.diagnosis.replay import predicted, replay
+from ffgym.diagnosis.log import Log, assemble_log
+from ffgym.diagnosis.normal_equations import DesignMatrix, build_design_matrix, cut_blocks
+from ffgym.diagnosis.nuisance import ParameterPrior, list_nuisance_parameters
+from ffgym.diagnosis.perturbation import Parts
+from ffgym.diagnosis.replay import predict, replay
 from ffgym.diagnosis.replay.springs import FlownAwayError
 from ffgym.diagnosis.residual import Channel
+from ffgym.diagnosis.residual_rows import compute_residuals, find_valid_rows
 from ffgym.diagnosis.settings import settings
-from ffgym.diagnosis.solving import Priors, fitted
+from ffgym.diagnosis.solving import Priors, solve
 from ffgym.effects import Effect
 from ffgym.recordings import Recording
 from ffgym.simulation.plant import Climate, Machine
@@ -50,9 +50,9 @@ class Yardstick:
 
     rms: Mapping[Channel, Array]
     """Of noise, (M, C) by channel."""
-    calibration: Sequence[Parts]
+    nuisance_columns: Sequence[Parts]
     """Columns per standard deviation."""
-    stack: Stack
+    design: DesignMatrix
     """Those columns, weighted."""
 
     def energy(self, added: Rows) -> float:
@@ -60,28 +60,32 @@ class Yardstick:
 
         Without what calibration explains.
         """
-        counts = self.stack.blocks.of_row >= 0
+        counts = self.design.blocks.of_row >= 0
         rows = {(channel, c): values[..., [c]] for channel, values in added.items() for c in range(values.shape[2])}
         # errors of calibration that explain most, in standard deviations
-        n = len(self.calibration)
+        n = len(self.nuisance_columns)
         bound = np.full(n, settings().prior.bound)
         priors = Priors(precision=np.ones(n), low=-bound, high=bound)
-        sizes, found = fitted(self.stack.evidence(rows), np.arange(n), priors), []
+        sizes, found = solve(self.design.form_equations(rows), np.arange(n), priors), []
         for (channel, c), values in rows.items():
             rest = values[..., 0].copy()
-            for size, column in zip(sizes, self.calibration, strict=True):
+            for size, column in zip(sizes, self.nuisance_columns, strict=True):
                 rest -= size * column.get((channel, c), 0.0)
             weighted = counts * rest / self.rms[channel][:, c]
             found.append(float(np.sum(weighted**2)) / int(np.count_nonzero(counts)))
         return max(found)
 
 
-def yardstick_of(noise: Rows, valid: BoolArray, row_dt: float, calibration: Sequence[Parts] = ()) -> Yardstick:
+def yardstick_of(noise: Rows, valid: BoolArray, row_dt: float, nuisance_columns: Sequence[Parts] = ()) -> Yardstick:
     """Yardstick by residuals of noise (R, M, C), 0 where rows are not `valid` (R, M), and columns of calibration."""
     count = np.maximum(valid.sum(axis=0), 1)[:, None]
     rms = {channel: np.sqrt(np.sum(values**2, axis=0) / count) for channel, values in noise.items()}
     weights = {(channel, c): 1 / column for channel, values in rms.items() for c, column in enumerate(values.T)}
-    return Yardstick(rms=rms, calibration=calibration, stack=stack_of(blocks_of(valid, row_dt), calibration, weights))
+    return Yardstick(
+        rms=rms,
+        nuisance_columns=nuisance_columns,
+        design=build_design_matrix(cut_blocks(valid, row_dt), nuisance_columns, weights),
+    )
 
 
 class Listener:
@@ -92,31 +96,29 @@ class Listener:
         self._bench, self._nominal, self._climate = bench, Machine(robot=bench.arm.robot), climate or Climate()
         self.log = log = self._log(())
         self._run = replay(log, self._nominal)
-        self._without, self._valid = predicted(self._run), valid_rows(log)
-        self._residual = residual_rows(log, self._without)
-        calibration = [
+        self._without, self._valid = predict(self._run), find_valid_rows(log)
+        self._residual = compute_residuals(log, self._without)
+        nuisance_columns = [
             {key: rows * doubt.sigma for key, rows in doubt.column.parts.items()}
-            for doubt in doubts_of(self._run, Calibration())
+            for doubt in list_nuisance_parameters(self._run, ParameterPrior())
         ]
         noise = self._counted(self._residual)
-        self._yardstick = yardstick_of(noise, self._valid, log.sampling.row_dt, calibration)
+        self._yardstick = yardstick_of(noise, self._valid, log.sampling.row_dt, nuisance_columns)
 
     def energy(self, effect: Effect) -> float:
         """Energy that an effect adds, in energies of the noise."""
         machine = replace(self._nominal, effects=(effect,))
-        added = self._yardstick.energy(
-            self._changed(predicted(replay(self._run.log, machine, self._run)), self._without)
-        )
+        added = self._yardstick.energy(self._changed(predict(replay(self._run.log, machine, self._run)), self._without))
         if added > 0:
             return added
         log = self._log((effect,))
-        residual = residual_rows(log, predicted(replay(log, self._nominal)))
+        residual = compute_residuals(log, predict(replay(log, self._nominal)))
         return self._yardstick.energy(self._changed(residual, self._residual))
 
     def _log(self, effects: tuple[Effect, ...]) -> Log:
         """With the same noise at all times."""
         machine = replace(self._nominal, effects=effects, climate=self._climate)
-        return log_of(machine.robot, self._bench.record(machine, seed=_NOISE_SEED))
+        return assemble_log(machine.robot, self._bench.record(machine, seed=_NOISE_SEED))
 
     def _changed(self, one: Rows, other: Rows) -> Rows:
         return self._counted({channel: values - other[channel] for channel, values in one.items()})

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal, get_args
 
-from ffgym.diagnosis.calibration import Calibration
+from ffgym.diagnosis.nuisance import ParameterPrior
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
 from scripts.exam.equations import Clue
@@ -59,7 +59,7 @@ class Paper:
     robot: RobotDescription
     """Description that the diagnosis is given."""
     log: Sequence[Recording]
-    calibration: Calibration = field(default_factory=Calibration)
+    prior: ParameterPrior = field(default_factory=ParameterPrior)
     """Accuracy of the description that the diagnosis is given."""
     truth: tuple[Truth, ...] = ()
     clue: Clue | None = None

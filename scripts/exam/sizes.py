@@ -17,10 +17,10 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
 from ffgym.core.provenance import versions
-from ffgym.diagnosis.calibration import Calibration
-from ffgym.diagnosis.excitation import judgeable_kinds
-from ffgym.diagnosis.measured import knows_low_speed
-from ffgym.diagnosis.result import Unjudged
+from ffgym.diagnosis.excitation import sort_effects
+from ffgym.diagnosis.nuisance import ParameterPrior
+from ffgym.diagnosis.residual_rows import describes_low_speed
+from ffgym.diagnosis.result import UnjudgedEffect
 from ffgym.effects import EFFECTS, Effect
 from ffgym.robot import RigidArm, RobotDescription, load_robot
 from ffgym.simulation.plant import Climate, Machine
@@ -214,12 +214,12 @@ def listener_of(exam: SizesExam) -> Listener:
 
 
 @cache
-def judgeable(exam: SizesExam) -> tuple[list[type[Effect]], tuple[Unjudged, ...]]:
+def judgeable(exam: SizesExam) -> tuple[list[type[Effect]], tuple[UnjudgedEffect, ...]]:
     """Effects that the log can show, and the others with the reason."""
     log, robot = listener_of(exam).log, bench_of(exam).arm.robot
-    able, others = judgeable_kinds(log, Machine(robot=robot), Calibration())
+    able, others = sort_effects(log, Machine(robot=robot), ParameterPrior())
     alone = [kind for kind in able if not places_of(kind, robot)]
-    reasons = (Unjudged(effect=kind.name, joint="", reason="it takes two joints") for kind in alone)
+    reasons = (UnjudgedEffect(effect=kind.name, joint="", reason="it takes two joints") for kind in alone)
     return [kind for kind in able if kind not in alone], (*others, *reasons)
 
 
@@ -231,7 +231,7 @@ def places_of(kind: type[Effect], robot: RobotDescription) -> list[str]:
     if kind.needs_elasticity:
         able &= ~robot.drive.is_rigid
     if kind.at_low_speed:
-        able &= knows_low_speed(robot)
+        able &= describes_low_speed(robot)
     return [joint for joint, can in zip(robot.joints, able, strict=True) if can]
 
 
@@ -320,7 +320,7 @@ def sizes_text(found: Sequence[Detectable]) -> str:
     return markdown(["effect", "joint", "size", "unit", "found from", "not at", "loudness", "found"], body)
 
 
-def unjudged_text(others: Sequence[Unjudged]) -> str:
+def unjudged_text(others: Sequence[UnjudgedEffect]) -> str:
     """Effects that no such log can show, by reason."""
     by_reason: dict[str, list[str]] = defaultdict(list)
     for one in others:

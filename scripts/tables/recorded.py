@@ -18,7 +18,7 @@ from ffgym.diagnosis.identification.rigid_body import Filtering, RigidBodyFit, R
 from ffgym.diagnosis.identification.rigid_body.terms import DEFAULT_TERMS
 from ffgym.diagnosis.nominal import EXAMPLE_ROBOT, example_logs
 from ffgym.diagnosis.procedure import examine
-from ffgym.diagnosis.regimes import log_rows, regime_map
+from ffgym.diagnosis.regimes import collect_rows, map_by_regime
 from ffgym.diagnosis.residual import Residual
 from ffgym.logs import read_log
 from ffgym.published import EMPS_ASYMMETRIC, EMPS_SYMMETRIC, KR300_FRICTION, EmpsModel
@@ -240,8 +240,8 @@ def diagnosis() -> Contents:
 def diagnosis_pictures(before: Residual, after: Residual | None) -> dict[str, "Figure"]:
     """Residuals of torque by regime, and those of joint 2, which stand out most, over what they may depend on."""
     models = by_model(before, after)
-    rows = {name: log_rows(one, "torque") for name, one in models.items()}
+    rows = {name: collect_rows(one, "torque") for name, one in models.items()}
     depends = profiles_figure(rows, "torque", 1, 1)
     assert depends is not None
-    regimes = map_figure([[(name, regime_map(one, "torque"))] for name, one in models.items()])
+    regimes = map_figure([[(name, map_by_regime(one, "torque"))] for name, one in models.items()])
     return {"diagnosis_regimes": regimes, "diagnosis_depends": depends}

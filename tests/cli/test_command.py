@@ -13,8 +13,8 @@ from ffgym.cli.main import _MOVED, COMMANDS, loaded, main
 from ffgym.cli.motion_options import Demo, Export
 from ffgym.core.errors import FFGymError
 from ffgym.core.version import __version__
-from ffgym.diagnosis import Examined
-from ffgym.diagnosis.document import diagnosis_document
+from ffgym.diagnosis import Examination
+from ffgym.diagnosis.diagnosis_file import diagnosis_document
 from ffgym.diagnosis.identification.resampling import LEVEL, RESAMPLES
 from ffgym.diagnosis.settings import settings
 from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL
@@ -191,7 +191,7 @@ def test_the_demo_runs_every_position_and_speed_by_default():
 def one_finding(monkeypatch):
     """A diagnosis that finds something at once."""
     found = full_diagnosis()
-    examined = Examined(diagnosis=found, before=None, after=None, machine=None, nominal=None)
+    examined = Examination(diagnosis=found, before=None, after=None, machine=None, nominal=None)
     monkeypatch.setattr("ffgym.cli.demo.examine", lambda *arguments, **options: examined)
     return found
 

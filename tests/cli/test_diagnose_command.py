@@ -11,7 +11,7 @@ import pytest
 from ffgym.cli.diagnose import next_step
 from ffgym.cli.log_options import Diagnose
 from ffgym.cli.main import main
-from ffgym.diagnosis.document import read_diagnosis
+from ffgym.diagnosis.diagnosis_file import read_diagnosis
 from ffgym.effects import EFFECTS
 from ffgym.recordings import Recording, read_recording, write_recording
 from ffgym.robot import load_robot

@@ -8,8 +8,8 @@ import shutil
 import pytest
 
 from ffgym.cli.main import main
-from ffgym.diagnosis.document import read_diagnosis
-from ffgym.diagnosis.held_out import held_out_levels
+from ffgym.diagnosis.diagnosis_file import read_diagnosis
+from ffgym.diagnosis.held_out import compare_replays
 from ffgym.logs import read_log
 from ffgym.logs.quality import conditioned
 from ffgym.robot import load_draft
@@ -66,7 +66,7 @@ def test_the_extended_model_as_it_is_written_foretells_recordings_that_were_left
     robot = load_draft(found / "ur10e.toml").description_for("identification")
     read = [conditioned(read_log(file, found / "columns.toml", robot=robot)) for file in files(*HELD_OUT)]
     models = [load_machine(found / "found" / name, partial=True) for name in ("nominal.toml", "extended.toml")]
-    levels = {level.component: level for level in held_out_levels(*models, read, cutoff=5.0)}
+    levels = {level.component: level for level in compare_replays(*models, read, cutoff=5.0)}
     assert levels["shoulder_pan_joint"].after < 0.8 * levels["shoulder_pan_joint"].before
     assert levels["shoulder_lift_joint"].after <= 1.7 < 2.5 < levels["shoulder_lift_joint"].before
     assert levels["elbow_joint"].after <= 0.85 < 1.1 < levels["elbow_joint"].before

@@ -1,7 +1,7 @@
 """Wrongly wired logs: the command names the mistake, and with the map that it writes ends as for right logs."""
 
 from ffgym.cli.main import main
-from ffgym.diagnosis.document import read_diagnosis
+from ffgym.diagnosis.diagnosis_file import read_diagnosis
 from ffgym.recordings import write_recording
 from ffgym.robot import load_robot
 from tests.logs.quality.wiring.wiring_samples import clean, mistakes

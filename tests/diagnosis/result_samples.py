@@ -4,14 +4,14 @@ from ffgym.diagnosis.result import (
     Cause,
     Diagnosis,
     Drift,
+    FittedNumber,
     Level,
     Miswiring,
-    Number,
     Pattern,
     Rival,
     SeparatingMotion,
     Size,
-    Unjudged,
+    UnjudgedEffect,
 )
 
 
@@ -86,12 +86,12 @@ def full_diagnosis() -> Diagnosis:
         robot="irb4600_60_205",
         motions=("diagnosis.slow_triangle", "diagnosis.sine"),
         causes=(cause,),
-        numbers=(Number(entry="friction.viscous", unit="N m s/rad", before=(0.02, 0.01), after=(0.021, 0.01)),),
+        numbers=(FittedNumber(entry="friction.viscous", unit="N m s/rad", before=(0.02, 0.01), after=(0.021, 0.01)),),
         drifts=(drift,),
         rivals=rivals,
         patterns=(pattern, line),
-        not_excited=(Unjudged(effect="temperature_friction", joint="", reason="the log spans 2 K"),),
-        not_judgeable=(Unjudged(effect="tool_frame", joint="", reason="no tracker"),),
+        not_excited=(UnjudgedEffect(effect="temperature_friction", joint="", reason="the log spans 2 K"),),
+        not_judgeable=(UnjudgedEffect(effect="tool_frame", joint="", reason="no tracker"),),
         wiring=(Miswiring(kind="sign", families=("motor.effort",), joints=("j2",), message="j2 has the wrong sign"),),
         separating_motion=SeparatingMotion(
             between=("load_friction on j2", "payload"),

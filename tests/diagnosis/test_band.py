@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.band import comparison_cutoff, motion_bandwidth
-from ffgym.diagnosis.log import log_of
+from ffgym.diagnosis.band import choose_cutoff, compute_motion_bandwidth
+from ffgym.diagnosis.log import assemble_log
 from ffgym.diagnosis.settings import settings
 from ffgym.paths import joint_reference, multisine
 from ffgym.recordings import Recording
@@ -58,8 +58,8 @@ def ripple(recording, joint):
 
 
 def test_the_bandwidth_of_a_motion_is_that_of_its_fastest_sine_whatever_the_noise(swing):
-    log = log_of(rigid(load_robot("two_link")), [logged(swing)])
-    assert max(FREQUENCIES) <= motion_bandwidth(log) < 2 * max(FREQUENCIES)
+    log = assemble_log(rigid(load_robot("two_link")), [logged(swing)])
+    assert max(FREQUENCIES) <= compute_motion_bandwidth(log) < 2 * max(FREQUENCIES)
 
 
 @pytest.mark.parametrize(
@@ -67,8 +67,8 @@ def test_the_bandwidth_of_a_motion_is_that_of_its_fastest_sine_whatever_the_nois
 )
 def test_a_rigid_model_is_compared_below_what_it_cannot_know_but_ripple_is_kept(swing, added, is_narrow):
     robot = rigid(load_robot("two_link"))
-    log = log_of(robot, [logged(swing, added)])
-    cutoff = comparison_cutoff(log, Machine(robot=robot))
+    log = assemble_log(robot, [logged(swing, added)])
+    cutoff = choose_cutoff(log, Machine(robot=robot))
     if is_narrow:
         assert settings().sampling.lowest_cutoff <= cutoff < 10.0
     else:
@@ -77,5 +77,5 @@ def test_a_rigid_model_is_compared_below_what_it_cannot_know_but_ripple_is_kept(
 
 def test_an_elastic_model_knows_its_modes_and_keeps_the_usual_band(swing):
     robot = load_robot("two_link")
-    log = log_of(robot, [logged(swing, vibration)])
-    assert comparison_cutoff(log, Machine(robot=robot)) == log.sampling.cutoff
+    log = assemble_log(robot, [logged(swing, vibration)])
+    assert choose_cutoff(log, Machine(robot=robot)) == log.sampling.cutoff

@@ -6,12 +6,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.calibration import Calibration
-from ffgym.diagnosis.document import diagnosis_document, parse_diagnosis
-from ffgym.diagnosis.extended import effect_of
+from ffgym.diagnosis.diagnosis_file import diagnosis_document, parse_diagnosis
+from ffgym.diagnosis.extended import build_effect
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
+from ffgym.diagnosis.nuisance import ParameterPrior
 from ffgym.diagnosis.result import Diagnosis
-from ffgym.diagnosis.sizes import causes_of
+from ffgym.diagnosis.sizes import list_causes
 from ffgym.diagnosis.solving import Priors
 from ffgym.effects import EFFECTS
 from ffgym.robot import load_robot
@@ -34,13 +34,13 @@ def hypothesis(kind):
 
 def cause_of(one):
     """The cause that a fit of one hypothesis gives, with hardly any doubt."""
-    n = len(one.free())
+    n = len(one.list_free())
     bound = np.full(n, 1e-3)
     evidence = SimpleNamespace(gram=np.ones((1, n, n)) * np.eye(n), moment=np.zeros((1, n, 1)))
     priors = Priors(precision=np.ones(n), low=-bound, high=bound)
     run = SimpleNamespace(robot=ROBOT, log=SimpleNamespace(dt=0.001))
-    fit = SimpleNamespace(hypotheses=(one,), evidence=evidence, priors=priors, n_calibration=0, run=run)
-    return causes_of(fit, (0.9,), Calibration(), np.random.default_rng(0))[0]
+    fit = SimpleNamespace(hypotheses=(one,), equations=evidence, priors=priors, n_nuisances=0, run=run)
+    return list_causes(fit, (0.9,), ParameterPrior(), np.random.default_rng(0))[0]
 
 
 def cases():
@@ -58,7 +58,7 @@ def test_a_cause_is_read_back_as_the_effect_that_was_fitted(one):
     found = Diagnosis(verdict="named", sentence="", robot="two_link", motions=("a",), causes=(cause_of(one),))
     document = json.loads(json.dumps(diagnosis_document(found)))
     (cause,) = parse_diagnosis(document).causes
-    again, meant = effect_of(cause, ROBOT), one.effect(ROBOT)
+    again, meant = build_effect(cause, ROBOT), one.effect(ROBOT)
     for name, p in one.kind.parameters().items():
         read, fitted = getattr(again, name), getattr(meant, name)
         if p.role == "size" or p.per in ("machine", "vector"):

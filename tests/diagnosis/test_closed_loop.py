@@ -7,7 +7,7 @@ import pytest
 
 from ffgym.control import DynamicLuGreExact
 from ffgym.core.errors import FFGymError
-from ffgym.diagnosis.held_out import closed_loop_gain
+from ffgym.diagnosis.held_out import compare_in_closed_loop
 from ffgym.effects import EFFECTS
 from ffgym.paths import joint_reference, multisine
 from ffgym.recordings import Recording
@@ -34,7 +34,7 @@ def recordings(machine, reference, irb4600):
 
 
 def levels(nominal, extended, recordings):
-    found = closed_loop_gain(nominal, extended, recordings, n_threads=1)
+    found = compare_in_closed_loop(nominal, extended, recordings, n_threads=1)
     return {(level.quantity, level.component): level for level in found}
 
 
@@ -51,7 +51,7 @@ def test_a_base_that_gives_way_has_joints_that_the_nominal_model_lacks(reference
     soft = Machine(robot=irb4600, effects=(EFFECTS["base_flexibility"].on(irb4600, compliance=1e-7),))
     recordings = simulate([Run(reference=reference)], machine=soft, sensors=sensors_of(irb4600), n_threads=1)
     done = []
-    levels = closed_loop_gain(nominal, soft, recordings, n_threads=1, progress=lambda *now: done.append(now))
+    levels = compare_in_closed_loop(nominal, soft, recordings, n_threads=1, progress=lambda *now: done.append(now))
     tool = [level for level in levels if level.quantity == "tool"]
     assert all(level.after < irb4600.sensors.tracker_noise for level in tool)
     assert max(level.before for level in tool) > 3 * irb4600.sensors.tracker_noise
@@ -75,9 +75,9 @@ def test_what_cannot_be_run_again_is_refused(machine, recordings, irb4600):
     for missing, says in (("reference", "no reference.position"), ("compensation", "no compensation.effort")):
         columns = {name: values for name, values in recording.columns.items() if not name.startswith(missing)}
         with pytest.raises(FFGymError, match=says):
-            closed_loop_gain(nominal, machine, [Recording(columns, recording.header)])
+            compare_in_closed_loop(nominal, machine, [Recording(columns, recording.header)])
     silent = replace(recording.header, torque_semantics="unspecified")
     with pytest.raises(FFGymError, match="torque_semantics"):
-        closed_loop_gain(nominal, machine, [Recording(recording.columns, silent)])
+        compare_in_closed_loop(nominal, machine, [Recording(recording.columns, silent)])
     with pytest.raises(FFGymError, match="nothing to compare"):
-        closed_loop_gain(nominal, machine, [])
+        compare_in_closed_loop(nominal, machine, [])

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from ffgym.diagnosis import diagnose
-from ffgym.diagnosis.calibration import Calibration
-from ffgym.diagnosis.exact import FOREIGN, UNKNOWN, exact_recordings
-from ffgym.diagnosis.log import log_of
-from ffgym.diagnosis.measured import residual_rows, valid_rows
-from ffgym.diagnosis.prepare import prepared
-from ffgym.diagnosis.replay import predicted, replay
+from ffgym.diagnosis.clean_recordings import FOREIGN, UNKNOWN, make_clean_recordings
+from ffgym.diagnosis.log import assemble_log
+from ffgym.diagnosis.nuisance import ParameterPrior
+from ffgym.diagnosis.prepare import prepare
+from ffgym.diagnosis.replay import predict, replay
+from ffgym.diagnosis.residual_rows import compute_residuals, find_valid_rows
 from ffgym.recordings import Recording
 from ffgym.simulation.plant import Machine
 from tests.diagnosis.continuous_axis import Gains, recorded, sines
@@ -37,12 +37,12 @@ def logs(one_axis):
 
 def left(robot, recordings):
     """RMS of what replay leaves of recordings, and of that less the bias, by channel."""
-    log, machine = log_of(robot, recordings), Machine(robot=robot)
+    log, machine = assemble_log(robot, recordings), Machine(robot=robot)
     run = replay(log, machine)
-    exact = exact_recordings(log, run)
-    residual = residual_rows(log, predicted(run))
-    own = log_of(robot, exact.recordings, like=log)
-    bias, valid = residual_rows(own, predicted(replay(own, machine))), valid_rows(log)
+    exact = make_clean_recordings(log, run)
+    residual = compute_residuals(log, predict(run))
+    own = assemble_log(robot, exact.recordings, like=log)
+    bias, valid = compute_residuals(own, predict(replay(own, machine))), find_valid_rows(log)
 
     def rms(rows):
         return float(np.sqrt(np.mean(rows[valid] ** 2)))
@@ -89,8 +89,8 @@ def test_the_torque_of_a_servo_that_nobody_described_is_not_compared(is_describe
     if not is_described:
         known = {entry: quantity for entry, quantity in known.items() if not entry.startswith("servo.")}
     robot = replace(one_axis, quantities=known)
-    log = log_of(robot, logs(NOISE, 4.0, columns=EVERYTHING, gains=LEADING if is_described else None))
-    ready = prepared(log, Machine(robot=robot), Calibration(), np.random.default_rng(0))
+    log = assemble_log(robot, logs(NOISE, 4.0, columns=EVERYTHING, gains=LEADING if is_described else None))
+    ready = prepare(log, Machine(robot=robot), ParameterPrior(), np.random.default_rng(0))
     assert ready.no_servo == reason
     assert not ready.simulated
     assert "servo" not in ready.floor

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from ffgym.core.errors import FFGymError
-from ffgym.diagnosis.document import LEVELS, diagnosis_document, parse_diagnosis, read_diagnosis, write_diagnosis
+from ffgym.diagnosis.diagnosis_file import LEVELS, diagnosis_document, parse_diagnosis, read_diagnosis, write_diagnosis
 from ffgym.diagnosis.result import Diagnosis
 from tests.diagnosis.result_samples import full_diagnosis
 

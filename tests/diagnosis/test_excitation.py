@@ -5,8 +5,8 @@ from typing import get_args
 
 import pytest
 
-from ffgym.diagnosis.excitation import effects_of_form, with_leads
-from ffgym.diagnosis.result import Pattern, PatternKind, Unjudged
+from ffgym.diagnosis.excitation import add_leads, find_effects_of_form
+from ffgym.diagnosis.result import Pattern, PatternKind, UnjudgedEffect
 from ffgym.effects import EFFECTS
 from tests.diagnosis.result_samples import full_diagnosis
 
@@ -23,7 +23,7 @@ PATTERN = Pattern(
 
 
 def leads(pattern, causes=(), rivals=(), not_excited=(), not_judgeable=()):
-    (found,) = with_leads([pattern], causes, rivals, not_excited, not_judgeable)
+    (found,) = add_leads([pattern], causes, rivals, not_excited, not_judgeable)
     return " ".join(found.leads)
 
 
@@ -41,15 +41,15 @@ def test_every_form_of_an_effect_is_one_that_patterns_have():
     ],
 )
 def test_the_effect_whose_form_is_nearest_comes_first(kind, variable, effects):
-    found = effects_of_form(replace(PATTERN, kind=kind, variable=variable))
+    found = find_effects_of_form(replace(PATTERN, kind=kind, variable=variable))
     assert [effect.name for effect in found] == effects
 
 
 def test_a_pattern_with_the_form_of_an_effect_says_why_that_was_not_judged():
     reason = "the joints are described as rigid"
-    said = leads(PATTERN, not_judgeable=[Unjudged(effect="load_friction", joint="", reason=reason)])
+    said = leads(PATTERN, not_judgeable=[UnjudgedEffect(effect="load_friction", joint="", reason=reason)])
     assert said == f"load-dependent friction: {reason}"
-    elsewhere = leads(PATTERN, not_excited=[Unjudged(effect="load_friction", joint="j5", reason="quiet")])
+    elsewhere = leads(PATTERN, not_excited=[UnjudgedEffect(effect="load_friction", joint="j5", reason="quiet")])
     assert "chance" in elsewhere
 
 

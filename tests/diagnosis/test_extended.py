@@ -9,7 +9,7 @@ import pytest
 
 import ffgym  # noqa: F401 - registers the environments
 from ffgym.core.errors import FFGymError
-from ffgym.diagnosis.extended import extended_machine, save_extended
+from ffgym.diagnosis.extended import extend_machine, save_extended
 from ffgym.diagnosis.result import Cause, Diagnosis, Size
 from ffgym.effects import EFFECTS
 from ffgym.paths import joint_reference, multisine
@@ -75,7 +75,7 @@ def test_numbers_stand_where_the_cause_says(irb4600):
         cause("wrist_coupling", "j5", share=0.1),
         replace(cause("cogging", "j1", amplitude=0.1), fixed={"cycles": 12.0, "phase": 0.5}),
     ]
-    load, frame, wrist, cogging = extended_machine(Machine(robot=irb4600), causes).effects
+    load, frame, wrist, cogging = extend_machine(Machine(robot=irb4600), causes).effects
     np.testing.assert_array_equal(load.share, [0, 0, 0.07, 0, 0, 0])
     np.testing.assert_array_equal(frame.offset, np.full(3, 1e-3))
     assert wrist.share[4, 5] == 0.1

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from ffgym.core.errors import FFGymError
+from ffgym.diagnosis import clean_recordings as exact_module
 from ffgym.diagnosis import diagnose, held_out
-from ffgym.diagnosis import exact as exact_module
 from ffgym.diagnosis.fit import fit as module
-from ffgym.diagnosis.held_out import closed_loop_gain
+from ffgym.diagnosis.held_out import compare_in_closed_loop
 from ffgym.effects import EFFECTS
 from ffgym.effects.friction.viscous import ViscousLevel
 from ffgym.simulation.plant import Machine
@@ -65,7 +65,7 @@ def test_a_closed_loop_that_cannot_be_simulated_is_infinitely_far(which, one_axi
     monkeypatch.setattr(held_out, "simulate", simulate)
     good = Machine(robot=one_axis)
     pair = (other, good) if which == "before" else (good, other)
-    for level in closed_loop_gain(*pair, faulty, n_threads=1):
+    for level in compare_in_closed_loop(*pair, faulty, n_threads=1):
         values = {"before": level.before, "after": level.after}
         assert np.isinf(values.pop(which))
         assert np.isfinite([level.measured, *values.values()]).all()

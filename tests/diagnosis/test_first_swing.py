@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from ffgym.diagnosis import diagnose
-from ffgym.diagnosis.calibration import Calibration
-from ffgym.diagnosis.log import log_of
-from ffgym.diagnosis.measured import valid_rows
-from ffgym.diagnosis.prepare import prepared
-from ffgym.diagnosis.weights import first_swing
+from ffgym.diagnosis.log import assemble_log
+from ffgym.diagnosis.nuisance import ParameterPrior
+from ffgym.diagnosis.prepare import prepare
+from ffgym.diagnosis.residual_rows import find_valid_rows
+from ffgym.diagnosis.weights import fit_first_swing
 from ffgym.effects import EFFECTS
 from ffgym.recordings import Recording
 from tests.diagnosis.replay.replay_samples import nominal, recorded, small, with_effect
@@ -38,10 +38,10 @@ def begun_at(recording, first, name="m"):
 
 
 def swing_of(recordings):
-    log = log_of(nominal().physical, recordings)
-    setting = prepared(log, nominal(), Calibration(), np.random.default_rng(0)).setting
-    inside = valid_rows(log)[..., None]
-    return {channel: np.abs(np.where(inside, rows, 0.0)) for channel, rows in first_swing(setting).items()}
+    log = assemble_log(nominal().physical, recordings)
+    setting = prepare(log, nominal(), ParameterPrior(), np.random.default_rng(0)).problem
+    inside = find_valid_rows(log)[..., None]
+    return {channel: np.abs(np.where(inside, rows, 0.0)) for channel, rows in fit_first_swing(setting).items()}
 
 
 def test_an_arm_swings_where_its_log_begins_in_the_middle_of_a_motion_and_less_and_less(whole):

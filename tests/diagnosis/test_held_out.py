@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ffgym.core.errors import FFGymError
-from ffgym.diagnosis.held_out import held_out_levels, is_better
+from ffgym.diagnosis.held_out import compare_replays, is_better
 from ffgym.effects import EFFECTS
 from ffgym.paths import joint_reference, multisine
 from ffgym.recordings import Recording
@@ -30,17 +30,17 @@ def moved(machine, one_axis):
 
 def test_the_machine_itself_leaves_less_than_the_nominal_model_and_not_the_other_way_round(machine, moved, one_axis):
     nominal = Machine(robot=one_axis)
-    (level,) = found = held_out_levels(nominal, machine, [moved])
+    (level,) = found = compare_replays(nominal, machine, [moved])
     assert (level.quantity, level.component, level.unit) == ("torque", "j1", "N m")
     assert level.after < 0.3 * level.before < 0.3 * level.measured
     assert is_better(found)
-    assert not is_better(held_out_levels(machine, nominal, [moved]))
-    assert not is_better(held_out_levels(nominal, nominal, [moved]))
+    assert not is_better(compare_replays(machine, nominal, [moved]))
+    assert not is_better(compare_replays(nominal, nominal, [moved]))
 
 
 def test_a_narrower_band_holds_less_noise(machine, moved, one_axis):
     wide, narrow = (
-        held_out_levels(Machine(robot=one_axis), machine, [moved], cutoff=cutoff)[0] for cutoff in (40.0, 5.0)
+        compare_replays(Machine(robot=one_axis), machine, [moved], cutoff=cutoff)[0] for cutoff in (40.0, 5.0)
     )
     assert narrow.after < 0.8 * wide.after
     assert narrow.before == pytest.approx(wide.before, rel=0.1)
@@ -48,4 +48,4 @@ def test_a_narrower_band_holds_less_noise(machine, moved, one_axis):
 
 def test_without_recordings_there_is_nothing_to_compare(machine, one_axis):
     with pytest.raises(FFGymError, match="nothing to compare"):
-        held_out_levels(Machine(robot=one_axis), machine, [])
+        compare_replays(Machine(robot=one_axis), machine, [])

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ffgym.diagnosis import Memory, diagnose
+from ffgym.diagnosis import DiagnosisCache, diagnose
 from ffgym.effects import EFFECTS
 from scripts.exam.draw import draw_case
 from scripts.exam.equations import OUTSIDERS, VARIANTS
@@ -47,8 +47,8 @@ def question(arm):
 @pytest.fixture(scope="module")
 def answer(irb4600):
     """A function that diagnoses the log of a question."""
-    memory = Memory()
-    return lambda case: diagnose(irb4600, record_case(case), memory=memory)
+    memory = DiagnosisCache()
+    return lambda case: diagnose(irb4600, record_case(case), cache=memory)
 
 
 @pytest.mark.parametrize("number", [0, pytest.param(1, marks=pytest.mark.slow)])

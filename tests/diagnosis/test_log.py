@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from ffgym.diagnosis import diagnose
-from ffgym.diagnosis.log import log_of
-from ffgym.diagnosis.measured import counting_rows, valid_rows
+from ffgym.diagnosis.log import assemble_log
+from ffgym.diagnosis.residual_rows import find_counting_rows, find_valid_rows
 from ffgym.recordings import Recording
 from tests.logs.quality.quality_logs import clean_log, described
 
@@ -21,7 +21,7 @@ def log_with(shoulder: bool, elbow: bool):
     mask[FIRST:LAST] = 0.0
     whole = np.ones(len(recording))
     masks = {"valid.shoulder": mask if shoulder else whole, "valid.elbow": mask if elbow else whole}
-    return log_of(described("two_link", "multisine"), [recording.with_columns(masks)])
+    return assemble_log(described("two_link", "multisine"), [recording.with_columns(masks)])
 
 
 def within_reach(log) -> np.ndarray:
@@ -33,35 +33,35 @@ def within_reach(log) -> np.ndarray:
 
 @pytest.fixture(scope="module")
 def whole():
-    return log_of(described("two_link", "multisine"), [clean_log("two_link", "multisine")])
+    return assemble_log(described("two_link", "multisine"), [clean_log("two_link", "multisine")])
 
 
 def test_a_mask_of_one_joint_takes_out_its_torque_alone(whole):
     log = log_with(shoulder=False, elbow=True)
-    before, after = counting_rows(whole), counting_rows(log)
+    before, after = find_counting_rows(whole), find_counting_rows(log)
     assert within_reach(log).sum() > 3
     assert np.array_equal(after["torque", ELBOW], before["torque", ELBOW] & ~within_reach(log))
     assert before["torque", ELBOW][within_reach(log)].any()
     for key in before:
         if key != ("torque", ELBOW):
             assert np.array_equal(after[key], before[key])
-    assert np.array_equal(valid_rows(log), valid_rows(whole))
+    assert np.array_equal(find_valid_rows(log), find_valid_rows(whole))
 
 
 def test_a_mask_of_all_joints_takes_the_rows_out_of_everything(whole):
     log = log_with(shoulder=True, elbow=True)
-    assert np.array_equal(valid_rows(log), valid_rows(whole) & ~within_reach(log))
-    for key, rows in counting_rows(log).items():
-        assert np.array_equal(rows, counting_rows(whole)[key] & ~within_reach(log))
+    assert np.array_equal(find_valid_rows(log), find_valid_rows(whole) & ~within_reach(log))
+    for key, rows in find_counting_rows(log).items():
+        assert np.array_equal(rows, find_counting_rows(whole)[key] & ~within_reach(log))
 
 
 def test_without_a_mask_all_rows_count(whole):
     log = log_with(shoulder=False, elbow=False)
-    log = log_of(
+    log = assemble_log(
         log.robot, [log.recordings[0].with_columns({f"valid.{j}": np.ones(whole.lengths[0]) for j in log.robot.joints})]
     )
-    for key, rows in counting_rows(whole).items():
-        assert np.array_equal(rows, counting_rows(log)[key])
+    for key, rows in find_counting_rows(whole).items():
+        assert np.array_equal(rows, find_counting_rows(log)[key])
 
 
 ROBOT, MOTION = "one_axis", "multisine"

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from ffgym.diagnosis import separation as module
-from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
-from ffgym.diagnosis.search.found import Round
-from ffgym.diagnosis.separation import next_motion
+from ffgym.diagnosis.nuisance import ParameterPrior
+from ffgym.diagnosis.search.rounds import SearchRound
+from ffgym.diagnosis.separation import propose_next_motion
 from ffgym.effects import EFFECTS
 from ffgym.robot import load_robot
 from ffgym.simulation.plant import Machine
@@ -33,7 +33,9 @@ def found(*, tied=(), unsure=()):
     ]
     tried = [[SURE], [BEST, SAME, WORSE]]
     rounds = [
-        Round(adopted=True, before=None, ranking=None, tried=tuple(SimpleNamespace(hypothesis=h) for h in hypotheses))
+        SearchRound(
+            adopted=True, before=None, ranking=None, tried=tuple(SimpleNamespace(hypothesis=h) for h in hypotheses)
+        )
         for hypotheses in tried
     ]
     stayed = [h for h in (SURE, BEST) if h not in unsure]
@@ -46,17 +48,17 @@ def asked(monkeypatch):
     """What a motion was asked for: the model, and the causes to separate."""
     asked = []
 
-    def separating_motion(arm, known, causes, noise, *, calibration):
+    def separating_motion(arm, known, causes, noise, *, prior):
         asked.append((known, causes, noise))
         return "a motion"
 
-    monkeypatch.setattr(module, "separating_motion", separating_motion)
+    monkeypatch.setattr(module, "design_separating_motion", separating_motion)
     return asked
 
 
 def motion_for(what):
     floor = {"torque": np.array([[3.0, 1.0], [4.0, 1.0]])}
-    return next_motion(what, Machine(robot=ROBOT), floor, Calibration())
+    return propose_next_motion(what, Machine(robot=ROBOT), floor, ParameterPrior())
 
 
 def test_without_ties_no_motion_is_looked_for(asked):
@@ -74,5 +76,5 @@ def test_a_cause_and_those_that_tie_with_it_are_to_be_separated_beside_the_cause
 
 
 def test_where_no_session_is_sure_to_separate_them_there_is_none(monkeypatch):
-    monkeypatch.setattr(module, "separating_motion", lambda *given, **known: None)
+    monkeypatch.setattr(module, "design_separating_motion", lambda *given, **known: None)
     assert motion_for(found(tied=(SAME,))) is None

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from ffgym.diagnosis import noise as module
-from ffgym.diagnosis.log import log_of
-from ffgym.diagnosis.noise import Faultless, noise_of
+from ffgym.diagnosis.log import assemble_log
+from ffgym.diagnosis.noise import NullSimulation, estimate_noise
 from ffgym.diagnosis.replay import replay
 from ffgym.simulation.plant import Machine
 from scripts.exam.independent.question import hand_out
@@ -20,10 +20,10 @@ def test_no_motion_has_much_less_noise_than_all_though_an_encoder_shows_none_whi
 ):
     """A thousand rows of motion with noise of 2, a thousand at rest without."""
     valid = np.ones((1000, 2), dtype=np.bool_)
-    monkeypatch.setattr(module, "valid_rows", lambda log: valid)
+    monkeypatch.setattr(module, "find_valid_rows", lambda log: valid)
     draws = np.zeros((1000, 2, 1, 1))
     draws[:, 0] = 2.0
-    floor = Faultless(draws={channel: draws}).floor(SimpleNamespace())[channel]
+    floor = NullSimulation(draws={channel: draws}).floor(SimpleNamespace())[channel]
     overall = np.sqrt(2.0)
     assert floor[0, 0] == pytest.approx(2.0)
     assert floor[1, 0] == pytest.approx(least * overall)
@@ -36,13 +36,13 @@ def test_what_a_model_foretells_above_the_band_of_motions_is_no_noise(row_dt):
     paper = hand_out(
         "clean", 0, seed=4, n=2, elastic=False, noise="quiet", row_dt=row_dt, control="documented", columns=plain
     )
-    run = replay(log_of(paper.robot, paper.log), Machine.of(paper.robot))
+    run = replay(assemble_log(paper.robot, paper.log), Machine.of(paper.robot))
     true = QUIET * TORQUE_NOISE * paper.robot.friction.coulomb
-    assert np.median(noise_of(run).torque / true) < 2.0
+    assert np.median(estimate_noise(run).torque / true) < 2.0
 
 
 def test_of_the_floor_sensors_have_what_no_model_is_allowed_for():
-    faultless = Faultless(draws={}, least={"torque": np.array([3.0])})
+    faultless = NullSimulation(draws={}, least={"torque": np.array([3.0])})
     floor = {"torque": np.full((2, 1), 5.0), "tool": np.ones((2, 3))}
     assert faultless.sensor_share(("torque", 0), floor) == pytest.approx(16 / 25)
     assert faultless.sensor_share(("tool", 2), floor) == 1.0

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from ffgym.core.errors import FFGymError
-from ffgym.diagnosis.held_out import held_out_levels
-from ffgym.diagnosis.nominal import filtering_for, fitted_nominal
+from ffgym.diagnosis.held_out import compare_replays
+from ffgym.diagnosis.nominal import choose_filtering, fit_nominal
 from ffgym.diagnosis.procedure import examine
 from ffgym.diagnosis.settings import settings
 from ffgym.robot import RigidArm, load_draft, load_robot, motor_torque
@@ -39,11 +39,11 @@ def left(machine, recording, path):
 
 def test_wrong_numbers_of_a_description_are_replaced_by_those_that_the_logs_tell(two_link, paths, recordings):
     wrong = mistaken(two_link)
-    machine, calibration = fitted_nominal(wrong, recordings)
+    machine, prior = fit_nominal(wrong, recordings)
     for recording, path in zip(recordings, paths, strict=True):
         assert np.all(left(machine, recording, path) < 0.03)
         assert np.all(left(replace(machine, robot=wrong), recording, path) > 0.1)
-    assert calibration.share == settings().prior.fitted_share
+    assert prior.share == settings().prior.fitted_share
     assert machine.effects == ()
 
 
@@ -51,7 +51,7 @@ def test_masses_need_not_be_known_at_all(two_link, paths, recordings):
     draft = load_draft("two_link")
     known = ("kinematics.", "drive.gear_ratio", "simulation.gravity")
     draft = replace(draft, quantities={k: v for k, v in draft.quantities.items() if k.startswith(known)})
-    machine, _ = fitted_nominal(draft, recordings)
+    machine, _ = fit_nominal(draft, recordings)
     assert np.all(left(machine, recordings[0], paths[0]) < 0.05)
 
 
@@ -63,16 +63,16 @@ def test_numbers_that_blocks_of_a_log_disagree_about_are_less_sure(two_link, pat
         return wild[(path.t + 1e-9).astype(int)] * np.sign(path.dq)
 
     noisy = [recorded(two_link, path, extra=extra, segment=f"m{i}") for i, path in enumerate(paths)]
-    _, calibration = fitted_nominal(two_link, noisy)
-    assert calibration.share > 2 * settings().prior.fitted_share
+    _, prior = fit_nominal(two_link, noisy)
+    assert prior.share > 2 * settings().prior.fitted_share
 
 
 def test_filters_fit_slow_logs_and_joints_that_bend(two_link, recordings):
     elastic = load_robot("two_link")
-    assert filtering_for(elastic, recordings).parallel.cutoff == 5.0
-    assert filtering_for(two_link, recordings).parallel.cutoff > 5.0
+    assert choose_filtering(elastic, recordings).parallel.cutoff == 5.0
+    assert choose_filtering(two_link, recordings).parallel.cutoff > 5.0
     slow = [replace_rows(recording, 25) for recording in recordings]
-    machine, _ = fitted_nominal(two_link, slow)
+    machine, _ = fit_nominal(two_link, slow)
     np.testing.assert_allclose(machine.robot.friction.viscous, two_link.friction.viscous, rtol=0.1)
 
 
@@ -83,18 +83,18 @@ def replace_rows(recording, stride):
 
 def test_there_must_be_recordings(two_link):
     with pytest.raises(FFGymError, match="no recordings"):
-        fitted_nominal(two_link, [])
+        fit_nominal(two_link, [])
 
 
 def test_masses_that_made_up_for_a_late_torque_are_fitted_anew_to_torque_in_step(two_link, paths, recordings):
     """Rows of 10 Hz with the torque of the row before; the model that is written foretells another motion."""
     late = [late_rows(recording, 25) for recording in recordings]
-    machine, calibration = fitted_nominal(two_link, late)
-    examined = examine(machine, late, calibration=calibration)
+    machine, prior = fit_nominal(two_link, late)
+    examined = examine(machine, late, prior=prior)
     assert [cause.effect for cause in examined.diagnosis.causes] == ["torque_clock"]
     path = swing(two_link, 3, duration=12.0)
     other = late_rows(recorded(two_link, path, noise=0.01, seed=3, segment="other"), 25)
-    levels = held_out_levels(machine, examined.machine, [other])
+    levels = compare_replays(machine, examined.machine, [other])
     assert all(level.after < 0.5 * level.before for level in levels), levels
 
 

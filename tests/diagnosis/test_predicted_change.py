@@ -5,10 +5,10 @@ from functools import cache
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.fit.setting import exchanged
-from ffgym.diagnosis.log import log_of
-from ffgym.diagnosis.measured import measured_rows, valid_rows
+from ffgym.diagnosis.fit.problem import compute_exchange_changes
+from ffgym.diagnosis.log import assemble_log
 from ffgym.diagnosis.replay import replay
+from ffgym.diagnosis.residual_rows import filter_measured, find_valid_rows
 from ffgym.effects import EFFECTS, ModelEffect
 from tests.diagnosis.replay.replay_samples import left, nominal, recorded, small, with_effect
 
@@ -53,9 +53,9 @@ def rms(values):
 def test_a_small_effect_changes_a_replay_as_it_changes_the_machine(name):
     machine, recordings = log_with(name)
     _, rest = left(list(recordings.values()), nominal())
-    own = log_of(nominal().robot, [recordings["nominal"]])
-    (parts,) = exchanged(replay(own, nominal()), [machine])
-    inside, measured = valid_rows(own)[:, 0], measured_rows(own)
+    own = assemble_log(nominal().robot, [recordings["nominal"]])
+    (parts,) = compute_exchange_changes(replay(own, nominal()), [machine])
+    inside, measured = find_valid_rows(own)[:, 0], filter_measured(own)
     shown = set()
     for channel, rows in rest.items():
         true = as_compared(channel, (rows[:, 1] - rows[:, 0])[inside])
@@ -76,7 +76,7 @@ def test_a_replay_of_the_machine_with_the_effect_leaves_little_of_it(name):
     log, nothing_known = left([recordings[name]], nominal())
     _, known = left([recordings[name]], machine)
     _, bias = left([recordings["nominal"]], nominal())
-    inside = valid_rows(log)
+    inside = find_valid_rows(log)
     effect = (nothing_known["torque"] - bias["torque"])[inside]
     rest = (known["torque"] - bias["torque"])[inside]
     assert np.sqrt(np.mean(rest**2)) < 0.2 * np.sqrt(np.mean(effect**2))

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from ffgym.diagnosis import diagnose
-from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.extended import save_extended
-from ffgym.diagnosis.held_out import held_out_levels
-from ffgym.diagnosis.nominal import fitted_nominal
+from ffgym.diagnosis.held_out import compare_replays
+from ffgym.diagnosis.nominal import fit_nominal
+from ffgym.diagnosis.nuisance import ParameterPrior
 from ffgym.diagnosis.procedure import examine
 from ffgym.effects import EFFECTS
 from ffgym.logs import read_log, read_logs
@@ -74,7 +74,7 @@ def held_out_forces(examined, recording, folder):
     """RMS of force that the nominal model and the extended one leave of a recording, read from its file again [N]."""
     save_extended(folder / "extended.toml", examined.diagnosis, examined.nominal)
     written = load_machine(folder / "extended.toml")
-    (level,) = held_out_levels(examined.nominal, written, [recording])
+    (level,) = compare_replays(examined.nominal, written, [recording])
     return level.before * NEWTON, level.after * NEWTON
 
 
@@ -147,7 +147,7 @@ def test_the_ball_screw_is_diagnosed_as_it_was_recorded_on_its_own_clock_under_i
 def kr300(request):
     """Diagnosis of a recording of the KR300 with the numbers that fit it."""
     recording = published("kuka_kr300_2020", f"{request.param}.npz", "kuka_kr300_2020")
-    machine, _ = fitted_nominal(load_robot("kuka_kr300_r2500"), [recording])
+    machine, _ = fit_nominal(load_robot("kuka_kr300_r2500"), [recording])
     return diagnose(machine, [recording])
 
 
@@ -175,10 +175,10 @@ def test_the_torque_of_the_first_axes_of_the_kr300_repeats_eight_times_in_a_turn
 def test_the_model_that_is_written_of_the_kr300_is_worse_on_no_axis_of_another_recording(fitted, left_out, tmp_path):
     """Late link encoders change no torque; what stands for the rest of the links' error must not either."""
     first, last = (published("kuka_kr300_2020", f"{name}.npz", "kuka_kr300_2020") for name in (fitted, left_out))
-    machine, calibration = fitted_nominal(load_robot("kuka_kr300_r2500"), [first])
-    examined = examine(machine, [first], calibration=calibration)
+    machine, prior = fit_nominal(load_robot("kuka_kr300_r2500"), [first])
+    examined = examine(machine, [first], prior=prior)
     save_extended(tmp_path / "extended.toml", examined.diagnosis, examined.nominal)
-    levels = held_out_levels(examined.nominal, load_machine(tmp_path / "extended.toml"), [last])
+    levels = compare_replays(examined.nominal, load_machine(tmp_path / "extended.toml"), [last])
     shares = {(level.quantity, level.component): level.after / level.before for level in levels}
     assert {quantity for quantity, _ in shares} == {"torque", "link"}
     assert all(share <= (1.005 if quantity == "torque" else 0.3) for (quantity, _), share in shares.items()), shares
@@ -190,7 +190,7 @@ def test_a_counterbalance_that_the_model_lacks_is_seen_on_its_axis_and_gravity_i
     """Numbers of the CAD model, but no spring: 87 % of what the torque of axis 2 lacks is a function of its angle."""
     recording = published("kuka_kr300_2020", "A.npz", "kuka_kr300_2020")
     robot = replace(load_robot("kuka_kr300_r2500"), springs=())
-    diagnosis = diagnose(robot, [recording], calibration=Calibration.of_share(0.1))
+    diagnosis = diagnose(robot, [recording], prior=ParameterPrior.of_share(0.1))
     springs = {("gravity_term", "a2"), ("cable_pull", "a2")}
     tied = {(rival.effect, rival.joint) for rival in diagnosis.rivals if rival.tied}
     assert springs <= tied | set(causes(diagnosis))
@@ -216,8 +216,8 @@ def parts_of_a_session(length, which):
 )
 def test_in_two_hours_viscous_friction_falls_and_coulomb_friction_stays_and_torque_is_a_row_late(length, which):
     recordings = parts_of_a_session(length, which)
-    machine, calibration = fitted_nominal(load_robot("kuka_kr300_r2500"), recordings)
-    diagnosis = diagnose(machine, recordings, calibration=calibration)
+    machine, prior = fit_nominal(load_robot("kuka_kr300_r2500"), recordings)
+    diagnosis = diagnose(machine, recordings, prior=prior)
     found = causes(diagnosis)
     assert diagnosis.verdict == "partly"
     assert not {effect for effect, _ in found} & {"asymmetry", "coulomb_drift", "presliding"}
@@ -236,10 +236,10 @@ def test_in_two_hours_viscous_friction_falls_and_coulomb_friction_stays_and_torq
 def test_the_model_that_is_written_of_eight_recordings_foretells_the_last_two_on_every_axis(tmp_path):
     """Two hours of a machine that warms up: no axis may be worse than with nominal numbers."""
     first, last = parts_of_a_session(3630, range(8)), parts_of_a_session(3630, (8, 9))
-    machine, calibration = fitted_nominal(load_robot("kuka_kr300_r2500"), first)
-    examined = examine(machine, first, calibration=calibration)
+    machine, prior = fit_nominal(load_robot("kuka_kr300_r2500"), first)
+    examined = examine(machine, first, prior=prior)
     save_extended(tmp_path / "extended.toml", examined.diagnosis, examined.nominal)
-    levels = held_out_levels(examined.nominal, load_machine(tmp_path / "extended.toml"), last)
+    levels = compare_replays(examined.nominal, load_machine(tmp_path / "extended.toml"), last)
     torque = {level.component: level.after / level.before for level in levels}
     assert set(torque) == {"a1", "a2", "a3", "a4", "a5", "a6"}
     assert max(torque.values()) <= 1.0, torque

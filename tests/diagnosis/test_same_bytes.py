@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits  # type: ignore[import-untyped]
 
-from ffgym.diagnosis import Memory, diagnose, examine, procedure
+from ffgym.diagnosis import DiagnosisCache, diagnose, examine, procedure
 from ffgym.diagnosis.computing import on_one_thread
-from ffgym.diagnosis.document import diagnosis_document
+from ffgym.diagnosis.diagnosis_file import diagnosis_document
 from ffgym.effects import EFFECTS
 from ffgym.paths import joint_reference, multisine
 from ffgym.recordings.io import write_recording
@@ -49,16 +49,16 @@ def alone(one_axis, faulty):
 
 def test_the_same_logs_give_the_same_bytes(one_axis, faulty, alone):
     assert as_text(diagnose(one_axis, faulty)) == as_text(alone)
-    assert as_text(diagnose(one_axis, faulty, memory=Memory())) == as_text(alone)
+    assert as_text(diagnose(one_axis, faulty, cache=DiagnosisCache())) == as_text(alone)
 
 
 def test_what_is_remembered_of_another_log_changes_no_cause_and_its_size_by_less_than_its_interval(
     one_axis, faulty, alone
 ):
     """Both logs have their own noise, to which the band of standing motors is made, but one is that of the memory."""
-    memory = Memory()
-    diagnose(one_axis, logs(one_axis, seed=2), memory=memory)
-    helped = diagnose(one_axis, faulty, memory=memory)
+    memory = DiagnosisCache()
+    diagnose(one_axis, logs(one_axis, seed=2), cache=memory)
+    helped = diagnose(one_axis, faulty, cache=memory)
     assert (helped.verdict, [c.effect for c in helped.causes]) == (alone.verdict, [c.effect for c in alone.causes])
     (one,), (other,) = helped.causes[0].parameters, alone.causes[0].parameters
     assert one.value == pytest.approx(other.value, abs=0.05 * (other.interval[1] - other.interval[0]))
@@ -67,10 +67,10 @@ def test_what_is_remembered_of_another_log_changes_no_cause_and_its_size_by_less
 
 def test_nothing_is_remembered_of_the_same_motions_in_another_band(one_axis, faulty, monkeypatch):
     """A log in which something is faster than its filter is compared in a narrower band, with fewer rows."""
-    memory = Memory()
-    diagnose(one_axis, faulty, memory=memory)
-    monkeypatch.setattr(procedure, "comparison_cutoff", lambda log, machine: 0.3 * log.sampling.cutoff)
-    assert as_text(diagnose(one_axis, faulty, memory=memory)) == as_text(diagnose(one_axis, faulty))
+    memory = DiagnosisCache()
+    diagnose(one_axis, faulty, cache=memory)
+    monkeypatch.setattr(procedure, "choose_cutoff", lambda log, machine: 0.3 * log.sampling.cutoff)
+    assert as_text(diagnose(one_axis, faulty, cache=memory)) == as_text(diagnose(one_axis, faulty))
 
 
 def test_the_order_in_which_logs_are_given_changes_no_byte_but_that_of_their_names(one_axis, faulty, alone):

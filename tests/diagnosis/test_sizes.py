@@ -5,11 +5,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.extended import extended_machine
+from ffgym.diagnosis.extended import extend_machine
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.result import Cause, Size
 from ffgym.diagnosis.settings import settings
-from ffgym.diagnosis.sizes import causes_of, is_there
+from ffgym.diagnosis.sizes import is_there, list_causes
 from ffgym.effects import EFFECTS
 from ffgym.simulation.plant import Machine
 
@@ -26,14 +26,14 @@ def fit_of(robot, noise, size=0.2):
     return SimpleNamespace(
         hypotheses=(one,),
         run=SimpleNamespace(robot=robot),
-        evidence=SimpleNamespace(gram=np.ones((BLOCKS, 1, 1)), moment=noise.reshape(-1, 1, 1)),
+        equations=SimpleNamespace(gram=np.ones((BLOCKS, 1, 1)), moment=noise.reshape(-1, 1, 1)),
         priors=SimpleNamespace(precision=np.zeros(1), low=np.array([-np.inf]), high=np.array([np.inf])),
-        n_calibration=0,
+        n_nuisances=0,
     )
 
 
 def size_of(fit, rng):
-    (cause,) = causes_of(fit, (0.9,), SimpleNamespace(share=0.0), rng)
+    (cause,) = list_causes(fit, (0.9,), SimpleNamespace(share=0.0), rng)
     (size,) = cause.parameters
     return size
 
@@ -42,7 +42,7 @@ def test_an_interval_is_that_of_resampled_blocks_and_half_as_wide_again(one_axis
     rng = np.random.default_rng(1)
     noise = rng.normal(0, 0.05, BLOCKS)
     fit, widths = fit_of(one_axis, noise - noise.mean()), []
-    (offset,) = fit.hypotheses[0].free()
+    (offset,) = fit.hypotheses[0].list_free()
     for _ in range(20):
         size = size_of(fit, rng)
         assert size.interval[0] < size.value < size.interval[1]
@@ -73,18 +73,18 @@ def test_a_size_that_stays_at_null_is_told_without_an_interval_and_the_extended_
     full = {name: np.array(value) for name, value in values.items()}
     kind, joint = EFFECTS["temperature_friction"], one_axis.joints[0]
     slim = Hypothesis(kind=kind, joint=joint, source=None, values=full).without("viscous").without("breakaway")
-    n = len(slim.free())
+    n = len(slim.list_free())
     fit = SimpleNamespace(
         hypotheses=(slim,),
         run=SimpleNamespace(robot=one_axis),
-        evidence=SimpleNamespace(gram=np.tile(np.eye(n), (BLOCKS, 1, 1)), moment=np.zeros((BLOCKS, n, 1))),
+        equations=SimpleNamespace(gram=np.tile(np.eye(n), (BLOCKS, 1, 1)), moment=np.zeros((BLOCKS, n, 1))),
         priors=SimpleNamespace(precision=np.zeros(n), low=np.full(n, -np.inf), high=np.full(n, np.inf)),
-        n_calibration=0,
+        n_nuisances=0,
     )
-    (cause,) = causes_of(fit, (0.9,), SimpleNamespace(share=0.0), np.random.default_rng(0))
+    (cause,) = list_causes(fit, (0.9,), SimpleNamespace(share=0.0), np.random.default_rng(0))
     assert [size.name for size in cause.parameters] == ["coulomb"]
     assert {"viscous": 0.0, "breakaway": 0.0}.items() <= cause.fixed.items()
-    (effect,) = extended_machine(Machine(robot=one_axis), (cause,)).effects
+    (effect,) = extend_machine(Machine(robot=one_axis), (cause,)).effects
     assert (effect.coulomb[0], effect.viscous[0], effect.breakaway[0]) == (-0.005, 0.0, 0.0)
 
 

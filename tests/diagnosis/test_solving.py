@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import lsq_linear
 
-from ffgym.diagnosis.evidence import blocks_of, half_folds, motion_folds, stack_of
-from ffgym.diagnosis.solving import Candidate, Priors, bounded, fitted, left_by_block, screen
+from ffgym.diagnosis.normal_equations import build_design_matrix, cut_blocks, make_half_folds, make_motion_folds
+from ffgym.diagnosis.solving import Candidate, Priors, compute_block_rss, screen, solve, solve_bounded
 
 ROW_DT = 0.01
 
@@ -22,7 +22,7 @@ def valid(*seconds):
 @given(st.lists(st.floats(0.2, 30.0), min_size=1, max_size=4))
 def test_every_valid_row_is_of_one_block_of_its_motion_in_order_of_time(seconds):
     rows = valid(*seconds)
-    blocks = blocks_of(rows, ROW_DT)
+    blocks = cut_blocks(rows, ROW_DT)
     assert np.all((blocks.of_row >= 0) == rows)
     for m in range(rows.shape[1]):
         own = blocks.of_row[rows[:, m], m]
@@ -32,8 +32,8 @@ def test_every_valid_row_is_of_one_block_of_its_motion_in_order_of_time(seconds)
 
 
 def test_halves_are_judged_by_fits_to_neither_them_nor_the_rows_at_the_cut():
-    blocks = blocks_of(valid(12.0, 8.0), ROW_DT)
-    folds = half_folds(blocks)
+    blocks = cut_blocks(valid(12.0, 8.0), ROW_DT)
+    folds = make_half_folds(blocks)
     assert len(folds) == 4
     for fold in folds:
         assert not np.any(fold.train & fold.test)
@@ -46,11 +46,11 @@ def test_halves_are_judged_by_fits_to_neither_them_nor_the_rows_at_the_cut():
 
 
 def test_each_motion_is_left_out_as_a_whole():
-    blocks = blocks_of(valid(5.0, 3.0, 4.0), ROW_DT)
-    for m, fold in enumerate(motion_folds(blocks)):
+    blocks = cut_blocks(valid(5.0, 3.0, 4.0), ROW_DT)
+    for m, fold in enumerate(make_motion_folds(blocks)):
         np.testing.assert_array_equal(fold.test, blocks.motion == m)
         np.testing.assert_array_equal(fold.train, ~fold.test)
-    assert motion_folds(blocks_of(valid(5.0), ROW_DT)) == []
+    assert make_motion_folds(cut_blocks(valid(5.0), ROW_DT)) == []
 
 
 @pytest.mark.parametrize("seed", [*range(10), 43, 64])
@@ -63,7 +63,7 @@ def test_a_bounded_fit_with_a_prior_is_that_of_scipy(seed):
     low = -rng.uniform(0.05, 1.0, size=p)
     stacked = np.vstack([a, np.diag(np.sqrt(precision))])
     expected = lsq_linear(stacked, np.concatenate([b, np.zeros(p)]), (low, high), method="bvls").x
-    np.testing.assert_allclose(bounded(a.T @ a, a.T @ b, precision, low, high), expected, atol=1e-5)
+    np.testing.assert_allclose(solve_bounded(a.T @ a, a.T @ b, precision, low, high), expected, atol=1e-5)
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -74,7 +74,7 @@ def test_many_parameters_that_hold_each_other_end_where_slopes_point_out_of_the_
     gram, moment, precision = a.T @ a, a.T @ (50 * rng.normal(size=80)), np.ones(p)
     low, high = -rng.uniform(0, 0.3, p), rng.uniform(0, 0.3, p)
     low[:3] = high[:3] = 0.0
-    x = bounded(gram, moment, precision, low, high)
+    x = solve_bounded(gram, moment, precision, low, high)
     slope = moment - (gram + np.eye(p)) @ x
     near = 1e-9 * np.abs(moment).max()
     assert np.all((low <= x) & (x <= high))
@@ -83,10 +83,10 @@ def test_many_parameters_that_hold_each_other_end_where_slopes_point_out_of_the_
 
 @given(st.lists(st.floats(0.2, 30.0), min_size=1, max_size=4))
 def test_merged_blocks_leave_out_the_same_rows(seconds):
-    blocks = blocks_of(valid(*seconds), ROW_DT)
-    merged = blocks.merged()
+    blocks = cut_blocks(valid(*seconds), ROW_DT)
+    merged = blocks.merge()
     assert len(merged) <= min(len(blocks), 4 * len(seconds))
-    for folds in (half_folds, motion_folds):
+    for folds in (make_half_folds, make_motion_folds):
         for fine, coarse in zip(folds(blocks), folds(merged), strict=True):
             for part in ("train", "test"):
                 rows = [
@@ -116,9 +116,11 @@ def problem():
     residual = columns[4][..., None] * [30.0, 0.0, 0.0] + 0.3 * columns[0][..., None] + rng.normal(size=(*rows, 3))
     valid = np.ones(rows, dtype=bool)
     valid[:5] = False
-    blocks = blocks_of(valid, SCREEN_DT)
+    blocks = cut_blocks(valid, SCREEN_DT)
     key = ("torque", 0)
-    evidence = stack_of(blocks, [{key: c} for c in columns], {key: valid.astype(float)}).evidence({key: residual})
+    evidence = build_design_matrix(blocks, [{key: c} for c in columns], {key: valid.astype(float)}).form_equations(
+        {key: residual}
+    )
     priors = Priors(
         precision=np.array([1.0] * N_CALIBRATION + [WIDE**-2] * (N_COLUMNS - N_CALIBRATION)),
         low=np.array([-3.0] * N_CALIBRATION + [-np.inf] * 3),
@@ -142,7 +144,7 @@ def brute(problem, fold, places, k):
     return np.sum((residual[test, k] - columns[places][:, test].T @ x) ** 2), x
 
 
-@pytest.mark.parametrize("split", [half_folds, motion_folds])
+@pytest.mark.parametrize("split", [make_half_folds, make_motion_folds])
 def test_held_out_gains_are_those_of_fits_to_the_rows(problem, split):
     _, _, blocks, evidence, priors = problem
     folds = split(blocks)
@@ -163,8 +165,8 @@ def test_a_candidate_of_one_sign_gains_nothing_where_the_other_would_help(proble
     for sign, helps in ((1.0, True), (-1.0, False)):
         residual = {key: sign * 20 * columns[5][..., None]}
         gain, _ = screen(
-            stack_of(blocks, [{key: c} for c in columns], weights).evidence(residual),
-            half_folds(blocks),
+            build_design_matrix(blocks, [{key: c} for c in columns], weights).form_equations(residual),
+            make_half_folds(blocks),
             CALIBRATION,
             CANDIDATES,
             priors,
@@ -176,8 +178,8 @@ def test_a_candidate_of_one_sign_gains_nothing_where_the_other_would_help(proble
 
 def test_energy_left_by_block_adds_up_to_that_of_all_that_was_left_out(problem):
     _, _, blocks, evidence, priors = problem
-    folds = half_folds(blocks)
-    left = left_by_block(evidence, folds, CALIBRATION, priors)
+    folds = make_half_folds(blocks)
+    left = compute_block_rss(evidence, folds, CALIBRATION, priors)
     assert left.sum() == pytest.approx(sum(brute(problem, fold, CALIBRATION, 0)[0] for fold in folds))
 
 
@@ -189,9 +191,9 @@ def test_calibration_at_its_bound_comes_back_when_the_cause_joins(problem):
     key, weights = ("torque", 0), {("torque", 0): (blocks.of_row >= 0).astype(float)}
     rng = np.random.default_rng(1)
     residual = {key: 60 * columns[4][..., None] + 0.1 * rng.normal(size=(*columns.shape[1:], 1))}
-    evidence = stack_of(blocks, [{key: c} for c in columns], weights).evidence(residual)
-    assert fitted(evidence, CALIBRATION, priors)[0] == priors.high[0]
-    gain, left = screen(evidence, half_folds(blocks), CALIBRATION, CANDIDATES, priors)
+    evidence = build_design_matrix(blocks, [{key: c} for c in columns], weights).form_equations(residual)
+    assert solve(evidence, CALIBRATION, priors)[0] == priors.high[0]
+    gain, left = screen(evidence, make_half_folds(blocks), CALIBRATION, CANDIDATES, priors)
     assert gain[1, 0] > 0.99 * left[0]
 
 
@@ -199,9 +201,9 @@ def test_scaled_columns_are_columns_in_other_units_and_may_be_added_one_by_one(p
     columns, residual, blocks, evidence, _ = problem
     key, units = ("torque", 0), np.linspace(0.5, 3.0, N_COLUMNS)
     weights, parts = {key: (blocks.of_row >= 0).astype(float)}, [{key: c} for c in columns]
-    stack = stack_of(blocks, parts[:2], weights, units[:2])
+    stack = build_design_matrix(blocks, parts[:2], weights, units[:2])
     for k in range(2, N_COLUMNS):
         stack = stack.beside([parts[k]], units[k : k + 1])
-    found = stack.evidence({key: residual})
+    found = stack.form_equations({key: residual})
     np.testing.assert_allclose(found.gram, evidence.gram * units[:, None] * units)
     np.testing.assert_allclose(found.moment, evidence.moment * units[:, None])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ffgym.core.errors import FFGymError
-from ffgym.diagnosis.tuning import Breakaway, tuned
+from ffgym.diagnosis.tuning import Breakaway, tune
 from ffgym.effects import EFFECTS
 from ffgym.robot import RigidArm
 from ffgym.simulation import SimulatedRig, sensors_of
@@ -47,7 +47,7 @@ def ratios(found, truth):
 
 
 def test_all_numbers_are_found_together(one_axis, described, recordings):
-    found = tuned(Machine(robot=described), recordings)
+    found = tune(Machine(robot=described), recordings)
     assert np.all(np.abs(ratios(described, one_axis) - 1) > 0.1)
     *friction, rotor = ratios(found.robot, one_axis)
     assert friction == pytest.approx(np.ones(4), abs=0.05)
@@ -56,7 +56,7 @@ def test_all_numbers_are_found_together(one_axis, described, recordings):
 
 def test_effects_stay_as_they_are_and_numbers_are_those_beside_them(one_axis, described, recordings):
     offset = EFFECTS["torque_offset"].on(one_axis, offset=0.05)
-    found = tuned(Machine(robot=described, effects=(offset,)), recordings)
+    found = tune(Machine(robot=described, effects=(offset,)), recordings)
     assert found.effects == (offset,)
     assert ratios(found.robot, one_axis)[:4] == pytest.approx(np.ones(4), abs=0.05)
 

@@ -7,18 +7,18 @@ import numpy as np
 import pytest
 
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
-from ffgym.diagnosis.result import Pattern, Unjudged
+from ffgym.diagnosis.result import Pattern, UnjudgedEffect
 from ffgym.diagnosis.search import rivals
-from ffgym.diagnosis.search.rivals import _inexactness, _is_tied
+from ffgym.diagnosis.search.rivals import _compute_inexactness, _is_tied
 from ffgym.diagnosis.settings import settings
 from ffgym.diagnosis.verdict import (
-    Judged,
+    ReasonedVerdict,
     _is_explained,
-    beside_blind,
-    blind_rivals,
-    sentence_of,
-    stretched_shapes,
-    told,
+    list_blind_rivals,
+    name_shapes_at_limit,
+    select_reported,
+    weaken_for_blind_rivals,
+    write_sentence,
 )
 from ffgym.effects import EFFECTS
 from tests.diagnosis.result_samples import full_diagnosis
@@ -28,7 +28,7 @@ KEY = ("torque", 0)
 
 def tried(left, numbers):
     """Something that was fitted: energy left in each block, and how many numbers it took."""
-    hypothesis = SimpleNamespace(free=lambda: [None] * numbers)
+    hypothesis = SimpleNamespace(list_free=lambda: [None] * numbers)
     left = np.asarray(left, dtype=float)
     return SimpleNamespace(left=left, total=float(left.sum()), fit=SimpleNamespace(hypotheses=[hypothesis]))
 
@@ -39,7 +39,7 @@ def is_tied(best, other, *, numbers=(1, 1)):
 
 
 def test_a_rival_that_is_better_in_half_of_all_blocks_ties(monkeypatch):
-    monkeypatch.setattr(rivals, "_inexactness", lambda setting, best: 0.0)
+    monkeypatch.setattr(rivals, "_compute_inexactness", lambda setting, best: 0.0)
     noise = np.random.default_rng(1).normal(size=100)
     assert is_tied(np.full(100, 10.0), 10.0 + 5 * noise, numbers=(1, 5))
     assert not is_tied(np.full(100, 10.0), 20.0 + 5 * noise)
@@ -56,7 +56,7 @@ def test_a_rival_with_no_more_numbers_ties_if_an_inexact_equation_would_leave_as
 @pytest.mark.parametrize(("inexact", "ties"), [(99.0, False), (101.0, True)])
 def test_a_rival_with_as_many_numbers_ties_if_the_best_leaves_as_much_above_the_noise(monkeypatch, inexact, ties):
     """It leaves 100 more of 9000; as a gear that errs beside a resolver, of which one leaves nothing but noise."""
-    monkeypatch.setattr(rivals, "_inexactness", lambda setting, best: inexact)
+    monkeypatch.setattr(rivals, "_compute_inexactness", lambda setting, best: inexact)
     assert is_tied(np.full(100, 10.0), np.full(100, 11.0), numbers=(3, 3)) == ties
     assert is_tied(np.full(100, 10.0), np.full(100, 11.0), numbers=(3, 2))
     assert not is_tied(np.full(100, 10.0), np.full(100, 13.0), numbers=(3, 3))
@@ -68,10 +68,10 @@ def test_a_rival_with_as_many_numbers_ties_if_the_best_leaves_as_much_above_the_
 def test_equations_are_as_inexact_as_what_the_best_leaves_where_it_acts(monkeypatch, loud, open_share):
     weights = {KEY: np.array([[1.0, 0.0], [2.0, 1.0]]), ("tool", 2): np.ones((2, 2))}
     setting = SimpleNamespace(weights=weights, blocks=SimpleNamespace(of_row=np.zeros((2, 2))))
-    monkeypatch.setattr(rivals, "without_calibration", lambda setting, fit: {})
+    monkeypatch.setattr(rivals, "subtract_nuisances", lambda setting, fit: {})
     monkeypatch.setattr(rivals, "loudness", lambda setting, rest: {KEY: loud, ("tool", 2): 50.0})
     best = SimpleNamespace(fit=SimpleNamespace(columns=({KEY: np.ones((2, 2))},)))
-    assert _inexactness(setting, best) == pytest.approx(3 * open_share)
+    assert _compute_inexactness(setting, best) == pytest.approx(3 * open_share)
 
 
 @pytest.mark.parametrize(
@@ -101,7 +101,7 @@ def test_a_shape_at_the_end_of_its_range_is_told_where_the_log_shows_it(time, si
     rows = np.ones((50, 2))
     fit = SimpleNamespace(hypotheses=(hypothesis,), columns=[{KEY: size * rows}] * 3)
     setting = SimpleNamespace(weights={KEY: rows})
-    assert stretched_shapes(setting, fit) == ((f"time of {hypothesis.label}",) if found else ())
+    assert name_shapes_at_limit(setting, fit) == ((f"time of {hypothesis.label}",) if found else ())
 
 
 def test_a_shape_that_stays_where_it_usually_is_is_not_at_the_end_of_its_range(one_axis):
@@ -110,8 +110,8 @@ def test_a_shape_that_stays_where_it_usually_is_is_not_at_the_end_of_its_range(o
     assert float(values["reference"]) == kind.parameters()["reference"].low
     hypothesis = Hypothesis(kind=kind, joint=one_axis.joints[0], source=None, values=values)
     rows = np.ones((50, 2))
-    fit = SimpleNamespace(hypotheses=(hypothesis,), columns=[{KEY: 3 * rows}] * len(hypothesis.free()))
-    assert stretched_shapes(SimpleNamespace(weights={KEY: rows}), fit) == ()
+    fit = SimpleNamespace(hypotheses=(hypothesis,), columns=[{KEY: 3 * rows}] * len(hypothesis.list_free()))
+    assert name_shapes_at_limit(SimpleNamespace(weights={KEY: rows}), fit) == ()
 
 
 def pattern(channel, component, message, share=0.5):
@@ -130,9 +130,9 @@ PATTERNS = (
 
 def sentence(verdict, *, tied=True, stretched=(), patterns=PATTERNS):
     sample = full_diagnosis()
-    judged = Judged(verdict=verdict, gains=(0.9,), removed=0.8, stretched=stretched)
+    judged = ReasonedVerdict(verdict=verdict, gains=(0.9,), removed=0.8, stretched=stretched)
     rivals = [rival for rival in sample.rivals if tied or not rival.tied]
-    return sentence_of(judged, sample.causes, rivals, patterns, SimpleNamespace(name="arm"))
+    return write_sentence(judged, sample.causes, rivals, patterns, SimpleNamespace(name="arm"))
 
 
 def test_beside_sure_causes_those_that_tie_are_told_and_what_each_of_some_components_depends_on():
@@ -151,8 +151,8 @@ def test_nothing_is_said_to_be_left_where_those_that_tie_would_leave_nothing():
 def test_a_rival_that_the_log_cannot_tell_from_a_cause_is_told_beside_it():
     sample = full_diagnosis()
     (cause,), (payload, *_) = sample.causes, sample.rivals
-    judged = Judged(verdict="partly", gains=(0.9,), removed=0.8, stretched=())
-    found = sentence_of(judged, [cause], [replace(payload, against=cause.label)], (), SimpleNamespace(name="arm"))
+    judged = ReasonedVerdict(verdict="partly", gains=(0.9,), removed=0.8, stretched=())
+    found = write_sentence(judged, [cause], [replace(payload, against=cause.label)], (), SimpleNamespace(name="arm"))
     assert "Friction that grows with load of j2 (these logs cannot tell it from payload): that removes 80 %" in found
     assert "beyond that" not in found
 
@@ -177,8 +177,8 @@ def test_what_nobody_knows_is_described_by_what_it_depends_on(patterns, told):
 def test_an_effect_in_several_waves_is_told_once():
     sample = full_diagnosis()
     (cause, *_), (tied, *_) = sample.causes, [rival for rival in sample.rivals if rival.tied]
-    judged = Judged(verdict="ambiguous", gains=(0.9, 0.8), removed=0.8, stretched=())
-    found = sentence_of(judged, [cause, cause], [tied, tied], (), SimpleNamespace(name="arm"))
+    judged = ReasonedVerdict(verdict="ambiguous", gains=(0.9, 0.8), removed=0.8, stretched=())
+    found = write_sentence(judged, [cause, cause], [tied, tied], (), SimpleNamespace(name="arm"))
     assert found.startswith("Consistent with Friction that grows with load of j2 in 2 waves; but payload would explain")
 
 
@@ -191,8 +191,8 @@ def test_patterns_of_one_component_that_explain_as_much_stand_together():
     assert sentence("unknown", patterns=patterns).endswith("what is left depends on: first; near.")
 
 
-NO_TEMPERATURE = Unjudged(effect="temperature_friction", joint="", reason="the log has no temperature")
-NO_TOOL = Unjudged(effect="joint_zeros", joint="", reason="the log has no tracked tool position")
+NO_TEMPERATURE = UnjudgedEffect(effect="temperature_friction", joint="", reason="the log has no temperature")
+NO_TOOL = UnjudgedEffect(effect="joint_zeros", joint="", reason="the log has no tracked tool position")
 
 
 def cause(name, joint="j2"):
@@ -202,15 +202,15 @@ def cause(name, joint="j2"):
 
 @pytest.mark.parametrize("name", ["viscous_drift", "coulomb_drift"])
 def test_a_drift_may_be_one_of_temperature_where_nobody_measured_it(name):
-    (rival,) = blind_rivals([cause(name), cause("coulomb_level")], [NO_TOOL, NO_TEMPERATURE])
+    (rival,) = list_blind_rivals([cause(name), cause("coulomb_level")], [NO_TOOL, NO_TEMPERATURE])
     assert (rival.effect, rival.joint, rival.tied) == ("temperature_friction", "j2", True)
     assert rival.against == cause(name).label
     assert "no temperature" in rival.reason
 
 
 def test_where_all_is_measured_or_nothing_drifts_there_is_no_such_rival():
-    assert not blind_rivals([cause("viscous_drift")], [NO_TOOL])
-    assert not blind_rivals([cause("coulomb_level")], [NO_TEMPERATURE])
+    assert not list_blind_rivals([cause("viscous_drift")], [NO_TOOL])
+    assert not list_blind_rivals([cause("coulomb_level")], [NO_TEMPERATURE])
 
 
 @pytest.mark.parametrize(
@@ -218,15 +218,15 @@ def test_where_all_is_measured_or_nothing_drifts_there_is_no_such_rival():
     [("named", True, "ambiguous"), ("named", False, "named"), ("partly", True, "partly")],
 )
 def test_nothing_that_may_be_temperature_is_named_without_reserve(verdict, drifts, becomes):
-    judged = Judged(verdict=verdict, gains=(1.0,), removed=1.0, stretched=())
-    rivals = blind_rivals([cause("viscous_drift")], [NO_TEMPERATURE] if drifts else [])
-    assert beside_blind(judged, rivals).verdict == becomes
+    judged = ReasonedVerdict(verdict=verdict, gains=(1.0,), removed=1.0, stretched=())
+    rivals = list_blind_rivals([cause("viscous_drift")], [NO_TEMPERATURE] if drifts else [])
+    assert weaken_for_blind_rivals(judged, rivals).verdict == becomes
 
 
 @pytest.mark.parametrize(
     ("verdict", "is_told"), [("ambiguous", True), ("partly", True), ("unknown", False), ("none", False)]
 )
 def test_such_rivals_are_told_beside_causes_and_nowhere_else(verdict, is_told):
-    judged = Judged(verdict=verdict, gains=(1.0,), removed=1.0, stretched=())
-    rivals = blind_rivals([cause("viscous_drift")], [NO_TEMPERATURE])
-    assert bool(told(judged, rivals)) == is_told
+    judged = ReasonedVerdict(verdict=verdict, gains=(1.0,), removed=1.0, stretched=())
+    rivals = list_blind_rivals([cause("viscous_drift")], [NO_TEMPERATURE])
+    assert bool(select_reported(judged, rivals)) == is_told

@@ -7,17 +7,17 @@ import pytest
 
 from ffgym.core.errors import FFGymError
 from ffgym.diagnosis import examine
-from ffgym.diagnosis.calibration import Calibration
-from ffgym.diagnosis.document import diagnosis_document, parse_diagnosis
-from ffgym.diagnosis.extended import extended_machine, save_extended
-from ffgym.diagnosis.held_out import held_out_levels
+from ffgym.diagnosis.diagnosis_file import diagnosis_document, parse_diagnosis
+from ffgym.diagnosis.extended import extend_machine, save_extended
+from ffgym.diagnosis.held_out import compare_replays
+from ffgym.diagnosis.nuisance import ParameterPrior
 from ffgym.effects import EFFECTS
 from ffgym.paths import joint_reference, multisine
 from ffgym.robot import ModelOptions, load_robot
 from ffgym.simulation import Run, simulate
 from ffgym.simulation.plant import Machine, load_machine
 
-KNOWN = Calibration.of_share(0.03)
+KNOWN = ParameterPrior.of_share(0.03)
 
 
 def motions(robot, seeds):
@@ -60,7 +60,7 @@ def cogging():
     robot = load_robot("one_axis")
     hidden = EFFECTS["cogging"].on(robot, amplitude=0.06, cycles=6.0, phase=0.4)
     machine = Machine(robot=off(robot, coulomb=1.06, static=1.06, viscous=0.92), effects=(hidden,))
-    return machine, examine(robot, recorded(machine, (1, 2, 3, 4)), calibration=KNOWN)
+    return machine, examine(robot, recorded(machine, (1, 2, 3, 4)), prior=KNOWN)
 
 
 def test_numbers_that_were_fitted_beside_a_cause_are_in_the_model_with_their_values(cogging):
@@ -76,9 +76,9 @@ def test_numbers_that_were_fitted_beside_a_cause_are_in_the_model_with_their_val
 def test_the_model_with_its_numbers_foretells_other_motions_better_than_with_the_cause_alone(cogging):
     machine, examined = cogging
     others = recorded(machine, (11, 12))
-    alone = extended_machine(examined.nominal, examined.diagnosis.causes)
+    alone = extend_machine(examined.nominal, examined.diagnosis.causes)
     nominal, bare, whole = (
-        held_out_levels(examined.nominal, model, others)[0].after
+        compare_replays(examined.nominal, model, others)[0].after
         for model in (examined.nominal, alone, examined.machine)
     )
     assert whole < 0.8 * bare < 0.8 * nominal
@@ -95,14 +95,14 @@ def test_the_file_and_the_document_say_the_same_model(cogging, tmp_path):
     physics = examined.machine.physics(options)
     assert load_machine(path).physics(options) == physics
     read = parse_diagnosis(diagnosis_document(examined.diagnosis))
-    assert extended_machine(examined.nominal, read.causes, read.numbers).physics(options) == physics
+    assert extend_machine(examined.nominal, read.causes, read.numbers).physics(options) == physics
     assert "fitted beside the causes to swing 1" in path.read_text(encoding="utf-8")
 
 
 def test_a_number_that_is_a_cause_is_one_number_and_no_calibration_error_beside_it():
     robot = load_robot("one_axis")
     machine = Machine(robot=off(robot, viscous=1.4))
-    diagnosis = examine(robot, recorded(machine, (1, 2, 3)), calibration=KNOWN).diagnosis
+    diagnosis = examine(robot, recorded(machine, (1, 2, 3)), prior=KNOWN).diagnosis
     (cause,) = diagnosis.causes
     assert (cause.effect, cause.joint) == ("viscous_level", "j1")
     (size,) = cause.parameters
@@ -114,4 +114,4 @@ def test_a_number_without_a_place_in_the_robot_is_one_clear_error(cogging):
     _, examined = cogging
     (number, *_) = examined.diagnosis.numbers
     with pytest.raises(FFGymError, match=r"has 2 values, which robot 'one_axis' has no place for"):
-        extended_machine(examined.nominal, (), [replace(number, after=(1.0, 2.0))])
+        extend_machine(examined.nominal, (), [replace(number, after=(1.0, 2.0))])

@@ -12,7 +12,7 @@ import pytest
 from ffgym.agents.elastic import elastic_law
 from ffgym.agents.model import model_law
 from ffgym.core.types import Array
-from ffgym.diagnosis.log import log_of
+from ffgym.diagnosis.log import assemble_log
 from ffgym.diagnosis.replay import replay
 from ffgym.effects import State
 from ffgym.effects.effect import FrictionEffect
@@ -71,7 +71,7 @@ def test_a_new_variable_of_the_state_is_one_entry_for_plant_replay_and_feedforwa
     more = knowing.joint_array("compensation.effort") - plain.joint_array("compensation.effort")
     np.testing.assert_allclose(more, drag, atol=0.1 * np.abs(drag).max())
     # the motors of the plant took it, and a replay says so
-    log = log_of(robot, [plain])
+    log = assemble_log(robot, [plain])
     without, with_it = (
         rms(replay(log, one).torque[:, 0] - plain.joint_array("motor.effort")) for one in (nominal, machine)
     )

@@ -38,8 +38,8 @@ def rounds(rig, tmp_path_factory):
     nominal = Machine(robot=rig.robot)
     plan = Plan(nominal=nominal, robot=rig.robot.name, rounds=4, n_threads=1)
 
-    def ask(machine, recordings, calibration, most):
-        return diagnose(machine, recordings, calibration=calibration, most=most)
+    def ask(machine, recordings, prior, most):
+        return diagnose(machine, recordings, prior=prior, most=most)
 
     return improved(rig, plan, tmp_path_factory.mktemp("cycle"), ask, quiet)
 

@@ -42,7 +42,7 @@ class Knowing:
     def __init__(self, found=FOUND):
         self.found, self.asked = found, []
 
-    def __call__(self, machine, recordings, calibration, most):
+    def __call__(self, machine, recordings, prior, most):
         causes = tuple(self.found[len(machine.effects) and (1 if len(machine.effects) == 2 else 2)])
         self.asked.append([recording.header.segment for recording in recordings])
         proposed = SeparatingMotion(between=("a", "b"), protocol="table_6_1", toml=MORE, expected=1.0)

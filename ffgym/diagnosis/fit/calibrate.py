@@ -13,14 +13,14 @@ from functools import cached_property
 import numpy as np
 
 from ffgym.core.types import Array, BoolArray
-from ffgym.diagnosis.calibration import Calibration, doubts_of
 from ffgym.diagnosis.computing import FAILED
-from ffgym.diagnosis.evidence import Evidence, Stack, stack_of
-from ffgym.diagnosis.fit.fit import Trial, energy_per_row, priors_of, trial_of
-from ffgym.diagnosis.fit.hypothesis import Hypothesis, moved
-from ffgym.diagnosis.fit.setting import HELD, Setting, tangents, values_of
+from ffgym.diagnosis.fit.fit import Trial, build_priors, compute_row_energy, replay_hypotheses
+from ffgym.diagnosis.fit.hypothesis import Hypothesis, move_hypotheses
+from ffgym.diagnosis.fit.problem import HELD, FitProblem, compute_tangents, split_components
 from ffgym.diagnosis.fit.written import possible_numbers
-from ffgym.diagnosis.solving import bounded
+from ffgym.diagnosis.normal_equations import DesignMatrix, NormalEquations, build_design_matrix
+from ffgym.diagnosis.nuisance import ParameterPrior, list_nuisance_parameters
+from ffgym.diagnosis.solving import solve_bounded
 from ffgym.effects import NativeEffect
 
 _STEPS = 25
@@ -52,13 +52,13 @@ class Calibrated:
     sizes: Array
     """By which they differ, in standard deviations of the doubts; 0 for those that are no numbers of the robot."""
     trial: Trial
-    evidence: Evidence
+    equations: NormalEquations
     cost: float
     """Energy that is left beside errors that are no numbers of the robot, and the squares of all errors."""
 
 
 def calibrate(
-    setting: Setting, calibration: Calibration, causes: Sequence[Hypothesis] = (), *, thoroughly: bool = True
+    setting: FitProblem, prior: ParameterPrior, causes: Sequence[Hypothesis] = (), *, thoroughly: bool = True
 ) -> Calibrated | None:
     """Find numbers within their calibration that explain a log better than slopes tell; None if there are none.
 
@@ -67,12 +67,12 @@ def calibrate(
     than the first ones.
     """
     # begin at the numbers as they are; where slopes tell all that they do, nothing is to be found
-    described = trial_of(setting, causes)
-    if not setting.doubts or described is None:
+    described = replay_hypotheses(setting, causes)
+    if not setting.nuisances or described is None:
         return None
-    problem = _Problem(setting=setting, calibration=calibration)
-    slopes = problem.slopes(described) if causes else setting.stack
-    at_rest = np.zeros(len(setting.doubts))
+    problem = _Problem(setting=setting, prior=prior)
+    slopes = problem.slopes(described) if causes else setting.design
+    at_rest = np.zeros(len(setting.nuisances))
     now = None if slopes is None else problem.place(at_rest, described, slopes)
     if now is None or not (causes or problem.is_bent(now)):
         return None
@@ -105,72 +105,78 @@ def calibrate(
 class _Problem:
     """Numbers that are looked for, and what is known of them."""
 
-    setting: Setting
-    calibration: Calibration
+    setting: FitProblem
+    prior: ParameterPrior
 
     @cached_property
     def of_robot(self) -> BoolArray:
         """Errors that are numbers of the robot, shape (K,)."""
-        return np.array([issubclass(doubt.column.effect, NativeEffect) for doubt in self.setting.doubts])
+        return np.array([issubclass(nuisance.column.effect, NativeEffect) for nuisance in self.setting.nuisances])
 
     @cached_property
     def at(self) -> Array:
         """Place of the nominal machine from what is described, in standard deviations, shape (K,)."""
-        return np.array([doubt.at for doubt in self.setting.doubts])
+        return np.array([nuisance.at for nuisance in self.setting.nuisances])
 
-    def slopes(self, trial: Trial) -> Stack | None:
+    def slopes(self, trial: Trial) -> DesignMatrix | None:
         """Columns of all errors and causes about a machine; None if it has others than the described one."""
-        doubts = doubts_of(trial.run, self.calibration)
-        if len(doubts) != len(self.setting.doubts):
+        nuisances = list_nuisance_parameters(trial.run, self.prior)
+        if len(nuisances) != len(self.setting.nuisances):
             return None
-        stack = stack_of(self.setting.blocks, [doubt.per_sigma for doubt in doubts], self.setting.weights)
+        stack = build_design_matrix(
+            self.setting.blocks, [nuisance.per_sigma for nuisance in nuisances], self.setting.weights
+        )
         try:
-            return stack.beside(tangents(trial.run, trial.numbers, trial.hypotheses)) if trial.hypotheses else stack
+            return (
+                stack.beside(compute_tangents(trial.run, trial.numbers, trial.hypotheses))
+                if trial.hypotheses
+                else stack
+            )
         except FAILED:
             return None
 
-    def place(self, sizes: Array, trial: Trial, slopes: Stack) -> Calibrated | None:
+    def place(self, sizes: Array, trial: Trial, slopes: DesignMatrix) -> Calibrated | None:
         """A place whose errors that are no numbers are fitted by slopes; None if what it leaves is no number."""
-        evidence = slopes.evidence(values_of(trial.residual))
-        priors = self.setting.calibration_priors(trial.hypotheses)
+        evidence = slopes.form_equations(split_components(trial.residual))
+        priors = self.setting.nuisance_priors(trial.hypotheses)
         rest = np.flatnonzero(~self.of_robot)
         gram, pull = evidence.gram.sum(axis=0)[np.ix_(rest, rest)], evidence.moment.sum(axis=0)[rest, 0]
-        x = bounded(gram, pull - self.at[rest], np.ones(len(rest)), priors.low[rest], priors.high[rest])
+        x = solve_bounded(gram, pull - self.at[rest], np.ones(len(rest)), priors.low[rest], priors.high[rest])
         left = float(evidence.energy.sum() - 2 * x @ pull + x @ gram @ x)
         errors = self.at + sizes
         errors[rest] += x
         cost = left + float(errors @ errors)
-        return Calibrated(sizes=sizes, trial=trial, evidence=evidence, cost=cost) if np.isfinite(cost) else None
+        return Calibrated(sizes=sizes, trial=trial, equations=evidence, cost=cost) if np.isfinite(cost) else None
 
     def step(self, now: Calibrated, reach: float) -> Array:
         """Step of the numbers of the robot, each within a reach, and of the causes, beside all other errors."""
-        priors, n = priors_of(self.setting, now.trial.hypotheses), len(self.of_robot)
+        priors, n = build_priors(self.setting, now.trial.hypotheses), len(self.of_robot)
         there, low, high = np.zeros(len(priors.low)), priors.low.copy(), priors.high.copy()
         there[:n] = self.at + now.sizes
         low[:n], high[:n] = low[:n] - now.sizes, high[:n] - now.sizes
         low[:n] = np.where(self.of_robot, np.maximum(low[:n], -reach), low[:n])
         high[:n] = np.where(self.of_robot, np.minimum(high[:n], reach), high[:n])
-        gram, pull = now.evidence.gram.sum(axis=0), now.evidence.moment.sum(axis=0)[:, 0]
+        gram, pull = now.equations.gram.sum(axis=0), now.equations.moment.sum(axis=0)[:, 0]
         ends = np.minimum(low, -HELD), np.maximum(high, HELD)
-        step: Array = bounded(gram, pull - there, priors.precision, *ends)
+        step: Array = solve_bounded(gram, pull - there, priors.precision, *ends)
         step[:n] *= self.of_robot
         return step
 
     def predict_energy(self, now: Calibrated) -> float:
         """Predict the least energy by slopes about a place, however far numbers move."""
         step = self.step(now, np.inf)
-        gram, pull = now.evidence.gram.sum(axis=0), now.evidence.moment.sum(axis=0)[:, 0]
-        return float(now.evidence.energy.sum() - 2 * step @ pull + step @ gram @ step)
+        gram, pull = now.equations.gram.sum(axis=0), now.equations.moment.sum(axis=0)[:, 0]
+        return float(now.equations.energy.sum() - 2 * step @ pull + step @ gram @ step)
 
     def move(self, now: Calibrated, step: Array) -> Calibrated | None:
         """Move to the place after a step, with the slopes of the place before; None if no machine can be so."""
         n, causes = len(self.of_robot), now.trial.hypotheses
-        priors = self.setting.calibration_priors(causes)
+        priors = self.setting.nuisance_priors(causes)
         sizes = np.clip(now.sizes + step[:n], priors.low, priors.high)
         sizes[np.abs(sizes) <= HELD] = 0.0
         machine = possible_numbers(self.setting, sizes)
-        trial = None if machine is None else trial_of(self.setting, moved(causes, step[n:]), machine)
-        return None if trial is None else self.place(sizes, trial, now.evidence.stack)
+        trial = None if machine is None else replay_hypotheses(self.setting, move_hypotheses(causes, step[n:]), machine)
+        return None if trial is None else self.place(sizes, trial, now.equations.design)
 
     def is_bent(self, now: Calibrated) -> bool:
         """Tell whether a replay with the numbers that slopes give differs from what slopes say of it."""
@@ -180,10 +186,10 @@ class _Problem:
             return True
         # change by the other numbers beyond what their slopes say
         beyond = {channel: now.trial.residual[channel] - rows for channel, rows in there.trial.residual.items()}
-        for column, size in zip(self.setting.calibration, step.tolist(), strict=True):
+        for column, size in zip(self.setting.nuisance_columns, step.tolist(), strict=True):
             for (channel, c), rows in column.items():
                 if channel in beyond:
                     beyond[channel][:, :, c] -= size * rows
         is_used, weights = self.setting.blocks.of_row >= 0, self.setting.weights
-        bent = [energy_per_row(beyond[c][:, :, k], w * is_used) for (c, k), w in weights.items() if c in beyond]
+        bent = [compute_row_energy(beyond[c][:, :, k], w * is_used) for (c, k), w in weights.items() if c in beyond]
         return max(bent, default=0.0) > _BENT

@@ -8,15 +8,15 @@ import numpy as np
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array, IntArray
 from ffgym.diagnosis.computing import FAILED
-from ffgym.diagnosis.evidence import Evidence
-from ffgym.diagnosis.fit.hypothesis import Hypothesis, machine_with
-from ffgym.diagnosis.fit.setting import Setting, tangents, values_of
-from ffgym.diagnosis.measured import residual_rows, valid_rows
-from ffgym.diagnosis.push import Parts
-from ffgym.diagnosis.replay import Replay, predicted, replay
+from ffgym.diagnosis.fit.hypothesis import Hypothesis, build_machine
+from ffgym.diagnosis.fit.problem import FitProblem, compute_tangents, split_components
+from ffgym.diagnosis.normal_equations import NormalEquations
+from ffgym.diagnosis.perturbation import Parts
+from ffgym.diagnosis.replay import Replay, predict, replay
 from ffgym.diagnosis.residual import Channel
+from ffgym.diagnosis.residual_rows import compute_residuals, find_valid_rows
 from ffgym.diagnosis.settings import settings
-from ffgym.diagnosis.solving import Priors, fitted
+from ffgym.diagnosis.solving import Priors, solve
 from ffgym.simulation.plant import Machine
 
 _FAR = 3.0
@@ -48,12 +48,12 @@ class Fit(Trial):
 
     columns: tuple[Parts, ...]
     """Tangents of all free numbers, per practical step, in the order of the hypotheses."""
-    evidence: Evidence
+    equations: NormalEquations
     """Of calibration columns, then tangents."""
     priors: Priors
 
     @property
-    def n_calibration(self) -> int:
+    def n_nuisances(self) -> int:
         """Columns of the calibration."""
         return len(self.priors.low) - len(self.columns)
 
@@ -64,44 +64,47 @@ class Fit(Trial):
         The first recording of a session says how fast things changed; without it a duration is extrapolated along its
         slope, which tells nothing about the effect.
         """
-        free = [number for hypothesis in self.hypotheses for number in hypothesis.free()]
+        free = [number for hypothesis in self.hypotheses for number in hypothesis.list_free()]
         kept = [i for i, number in enumerate(free) if not number.of_session]
-        return np.concatenate([np.arange(self.n_calibration), self.n_calibration + np.array(kept, dtype=np.intp)])
+        return np.concatenate([np.arange(self.n_nuisances), self.n_nuisances + np.array(kept, dtype=np.intp)])
 
-    def tangents_of(self, hypothesis: Hypothesis) -> tuple[Parts, ...]:
+    def find_tangents(self, hypothesis: Hypothesis) -> tuple[Parts, ...]:
         """Columns of a hypothesis, whatever values it has; none if it is not among these."""
         at = 0
         for own in self.hypotheses:
-            n = len(own.free())
+            n = len(own.list_free())
             if own.repeats(hypothesis) and own.null == hypothesis.null:
                 return self.columns[at : at + n]
             at += n
         return ()
 
 
-def trial_of(
-    setting: Setting, hypotheses: Sequence[Hypothesis], numbers: Machine | None = None, beside: Replay | None = None
+def replay_hypotheses(
+    problem: FitProblem, hypotheses: Sequence[Hypothesis], numbers: Machine | None = None, beside: Replay | None = None
 ) -> Trial | None:
     """Replay a machine, of the setting or with other `numbers`, with all hypotheses; None if no machine can be so.
 
     Nor if what it does cannot be computed. For `beside` see `replay`.
     """
-    numbers = numbers or setting.nominal
-    machine = machine_with(numbers, hypotheses)
+    numbers = numbers or problem.nominal
+    machine = build_machine(numbers, hypotheses)
     if machine is None:
         return None
     try:
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            run = replay(setting.log, machine, setting.like, beside=beside)
-            rows = residual_rows(setting.log, predicted(run))
-            residual = {channel: values - setting.bias[channel] for channel, values in rows.items()}
+            run = replay(problem.log, machine, problem.like, beside=beside)
+            rows = compute_residuals(problem.log, predict(run))
+            residual = {channel: values - problem.bias[channel] for channel, values in rows.items()}
         if not all(np.isfinite(values).all() for values in residual.values()):
             return None
         # energy that the columns of the calibration leave, with what their prior says of them
-        evidence, priors = setting.stack.evidence(values_of(residual)), setting.calibration_priors(hypotheses)
-        x = fitted(evidence, np.arange(len(priors.low)), priors)
-        gram, pull = evidence.gram.sum(axis=0), evidence.moment.sum(axis=0)[:, 0]
-        left = float(evidence.energy.sum() - 2 * x @ pull + x @ gram @ x + priors.precision @ x**2)
+        equations, priors = (
+            problem.design.form_equations(split_components(residual)),
+            problem.nuisance_priors(hypotheses),
+        )
+        x = solve(equations, np.arange(len(priors.low)), priors)
+        gram, pull = equations.gram.sum(axis=0), equations.moment.sum(axis=0)[:, 0]
+        left = float(equations.energy.sum() - 2 * x @ pull + x @ gram @ x + priors.precision @ x**2)
     except FAILED:
         return None
     if not np.isfinite(left):
@@ -109,38 +112,38 @@ def trial_of(
     return Trial(numbers=numbers, hypotheses=tuple(hypotheses), run=run, residual=residual, left=left)
 
 
-def evaluated(setting: Setting, hypotheses: Sequence[Hypothesis], like: Fit | None = None) -> Fit:
+def evaluate(problem: FitProblem, hypotheses: Sequence[Hypothesis], like: Fit | None = None) -> Fit:
     """Hypotheses with the values that they have: replay, residual, tangents, and what calibration can still do."""
-    tried = trial_of(setting, hypotheses)
+    tried = replay_hypotheses(problem, hypotheses)
     if tried is None:
         raise FFGymError(f"No machine can have {', '.join(h.label for h in hypotheses)} with these values.")
-    return with_tangents(setting, tried, like)
+    return add_tangents(problem, tried, like)
 
 
-def with_tangents(setting: Setting, tried: Trial, like: Fit | None) -> Fit:
+def add_tangents(problem: FitProblem, tried: Trial, like: Fit | None) -> Fit:
     """What was replayed, with columns for all numbers; but for the newest hypothesis those that `like` has serve."""
-    known = {i: of for i, h in enumerate(tried.hypotheses[:-1]) if like is not None and (of := like.tangents_of(h))}
-    columns = tangents(tried.run, setting.nominal, tried.hypotheses, known) if tried.hypotheses else []
+    known = {i: of for i, h in enumerate(tried.hypotheses[:-1]) if like is not None and (of := like.find_tangents(h))}
+    columns = compute_tangents(tried.run, problem.nominal, tried.hypotheses, known) if tried.hypotheses else []
     if not all(np.isfinite(rows).all() for column in columns for rows in column.values()):
         raise FFGymError(f"Slopes of {', '.join(h.label for h in tried.hypotheses)} are beyond all numbers.")
     return Fit(
         **vars(tried),
         columns=tuple(columns),
-        evidence=setting.stack.beside(columns).evidence(values_of(tried.residual)),
-        priors=priors_of(setting, tried.hypotheses),
+        equations=problem.design.beside(columns).form_equations(split_components(tried.residual)),
+        priors=build_priors(problem, tried.hypotheses),
     )
 
 
-def left_by(setting: Setting, hypotheses: Sequence[Hypothesis]) -> float:
+def compute_rss(problem: FitProblem, hypotheses: Sequence[Hypothesis]) -> float:
     """Energy that calibration and hypotheses with the values that they have leave, of all rows; inf if none can."""
-    tried = trial_of(setting, hypotheses)
+    tried = replay_hypotheses(problem, hypotheses)
     return np.inf if tried is None else tried.left
 
 
-def priors_of(setting: Setting, hypotheses: Sequence[Hypothesis]) -> Priors:
+def build_priors(problem: FitProblem, hypotheses: Sequence[Hypothesis]) -> Priors:
     """Calibration in standard deviations; changes of free numbers in practical steps, within their bounds."""
-    known = setting.calibration_priors(hypotheses)
-    free = [number for hypothesis in hypotheses for number in hypothesis.free()]
+    known = problem.nuisance_priors(hypotheses)
+    free = [number for hypothesis in hypotheses for number in hypothesis.list_free()]
     low = [max(-_FAR, (number.low - number.value) / number.step) for number in free]
     high = [min(_FAR, (number.high - number.value) / number.step) for number in free]
     return Priors(
@@ -154,47 +157,47 @@ Loudness = Mapping[tuple[Channel, int], float]
 """Energy over that of noise alone, by component."""
 
 
-def without_calibration(setting: Setting, fit: Fit) -> dict[Channel, Array]:
+def subtract_nuisances(problem: FitProblem, fit: Fit) -> dict[Channel, Array]:
     """Residuals (R, M, C) of a fit, less what calibration errors within their bounds explain.
 
     Of the hypotheses as they are: beside steps that they did not take, calibration would explain something else.
     """
-    sizes = fitted(fit.evidence, np.arange(fit.n_calibration), fit.priors)
+    sizes = solve(fit.equations, np.arange(fit.n_nuisances), fit.priors)
     rest = {channel: rows.copy() for channel, rows in fit.residual.items()}
-    for column, size in zip(setting.calibration, sizes, strict=True):
+    for column, size in zip(problem.nuisance_columns, sizes, strict=True):
         for (channel, c), rows in column.items():
             if channel in rest:
                 rest[channel][:, :, c] -= size * rows
     return rest
 
 
-def loudness(setting: Setting, rest: Mapping[Channel, Array]) -> Loudness:
+def loudness(problem: FitProblem, rest: Mapping[Channel, Array]) -> Loudness:
     """Energy of a residual over that of noise alone, by component."""
-    valid = valid_rows(setting.log).astype(np.float64)
+    valid = find_valid_rows(problem.log).astype(np.float64)
     found = {}
     for channel, rows in rest.items():
         for c in range(rows.shape[2]):
-            found[channel, c] = energy_per_row(rows[:, :, c], setting.weights[channel, c] * valid)
+            found[channel, c] = compute_row_energy(rows[:, :, c], problem.weights[channel, c] * valid)
     return found
 
 
-def energy_per_row(rows: Array, weight: Array) -> float:
+def compute_row_energy(rows: Array, weight: Array) -> float:
     """Weighted energy (R, M) per row that counts."""
     weight = np.broadcast_to(weight, rows.shape)
     return float(np.sum((rows * weight) ** 2)) / max(int(np.count_nonzero(weight)), 1)
 
 
-def excess_of(setting: Setting, fit: Fit) -> float:
+def compute_excess(problem: FitProblem, fit: Fit) -> float:
     """Largest energy above that of noise of any component, as a share of that."""
-    return max(loudness(setting, without_calibration(setting, fit)).values()) - 1.0
+    return max(loudness(problem, subtract_nuisances(problem, fit)).values()) - 1.0
 
 
-def touched(setting: Setting, columns: list[Parts], *, by_channel: bool = False) -> set[tuple[Channel, int]]:
+def find_touched(problem: FitProblem, columns: list[Parts], *, by_channel: bool = False) -> set[tuple[Channel, int]]:
     """Components in which columns have energy that counts: of all, or of what they have in the same channel."""
     energy: dict[tuple[Channel, int], float] = {}
     for column in columns:
         for key, rows in column.items():
-            energy[key] = energy.get(key, 0.0) + energy_per_row(rows, setting.weights[key])
+            energy[key] = energy.get(key, 0.0) + compute_row_energy(rows, problem.weights[key])
     most = dict.fromkeys((channel for channel, _ in energy), 0.0 if by_channel else sum(energy.values()))
     for (channel, _), value in energy.items() if by_channel else ():
         most[channel] += value
@@ -202,7 +205,7 @@ def touched(setting: Setting, columns: list[Parts], *, by_channel: bool = False)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Removed:
+class ExplainedVariance:
     """What is no longer there in some components."""
 
     of_excess: float
@@ -217,9 +220,9 @@ class Removed:
     """Share that is gone of the component of which most is, among those that have a tenth of all above the noise."""
 
 
-def removed(
+def compute_explained(
     before: Loudness, after: Loudness, where: set[tuple[Channel, int]], allowed: Loudness | None = None
-) -> Removed:
+) -> ExplainedVariance:
     """What a cause removes from components `where`, beyond what is `allowed` for in each of them.
 
     Components in which no more is left than that say nothing of it, unless none says more.
@@ -237,7 +240,7 @@ def removed(
     above = {key: max(before[key] - min(1.0, after[key]), 0.0) for key in judged}
     most = sum(above.values())
     heard = [key for key in judged if above[key] > limits.loudest_share * most / max(len(judged), 1)]
-    return Removed(
+    return ExplainedVariance(
         of_excess=sum(gone.values()) / max(most, 1e-9),
         of_all=sum(gone.values()) / max(total, 1e-9),
         excess=max(sum(before[key] - 1.0 for key in judged), 0.0) / max(total, 1e-9),

@@ -8,9 +8,9 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
-from ffgym.diagnosis.result import label_of
+from ffgym.diagnosis.result import make_label
 from ffgym.diagnosis.settings import settings
-from ffgym.diagnosis.variant import step_of
+from ffgym.diagnosis.variant import compute_step
 from ffgym.effects import Effect
 from ffgym.effects.parameters import Parameter
 from ffgym.robot import RobotDescription
@@ -23,7 +23,7 @@ turn, the phase is 0.4 rad further."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Free:
+class FreeParameter:
     """One number of a hypothesis that is fitted."""
 
     name: str
@@ -40,10 +40,10 @@ class Free:
     """Whether it is the time in which a session changes something."""
 
 
-def _span(p: Parameter, value: float) -> tuple[float, float, float]:
+def _find_span(p: Parameter, value: float) -> tuple[float, float, float]:
     """Practical step, lowest and highest value of a number."""
     if p.role == "size":
-        return abs(step_of(p)), p.minimum, p.maximum
+        return abs(compute_step(p)), p.minimum, p.maximum
     if p.role == "phase":
         return 0.5, -np.inf, np.inf
     if p.is_looked_for:  # and found there
@@ -58,7 +58,7 @@ def _span(p: Parameter, value: float) -> tuple[float, float, float]:
     return 0.1 * (p.high - p.low), low, high
 
 
-Place = tuple[str, str, int | None]
+HypothesisKey = tuple[str, str, int | None]
 """Effect, joint, and the joint that causes it."""
 
 
@@ -79,10 +79,10 @@ class Hypothesis:
     @property
     def label(self) -> str:
         """Such as 'backlash on j2'."""
-        return label_of(self.kind.name, self.joint)
+        return make_label(self.kind.name, self.joint)
 
     @property
-    def place(self) -> Place:
+    def place(self) -> HypothesisKey:
         """What tells it from other hypotheses, whatever its values."""
         return self.kind.name, self.joint, self.source
 
@@ -141,7 +141,7 @@ class Hypothesis:
         """The machine with the effect."""
         return replace(machine, effects=(*machine.effects, self.effect(machine.robot)))
 
-    def free(self) -> list[Free]:
+    def list_free(self) -> list[FreeParameter]:
         """List all numbers that are fitted: sizes, and shapes that are neither a mere choice nor a scale."""
         found = []
         for name, values in self.values.items():
@@ -151,10 +151,10 @@ class Hypothesis:
             of_session = "running" in self.kind.varies_with and p.unit == "s"
             for part in range(3) if p.per == "vector" else (None,):
                 value = float(values if part is None else values[part])
-                step, low, high = _span(p, value)
+                step, low, high = _find_span(p, value)
                 nudge = _CYCLES_NUDGE * max(abs(value), 1.0) if p.role == "cycles" else _NUDGE * step
                 ends = {"step": step, "low": low, "high": high, "nudge": nudge}
-                found.append(Free(name=name, part=part, value=value, of_session=of_session, **ends))
+                found.append(FreeParameter(name=name, part=part, value=value, of_session=of_session, **ends))
         return found
 
     @property
@@ -180,7 +180,7 @@ class Hypothesis:
     def moved(self, changes: Sequence[float]) -> Self:
         """With each free number changed, within its bounds."""
         values = {name: np.array(value, dtype=np.float64) for name, value in self.values.items()}
-        for free, change in zip(self.free(), changes, strict=True):
+        for free, change in zip(self.list_free(), changes, strict=True):
             new = float(np.clip(free.value + change, free.low, free.high))
             if free.part is None:
                 values[free.name] = np.array(new)
@@ -195,22 +195,22 @@ def _widths_beyond(p: Parameter, value: Array) -> float:
     return beyond / (p.high - p.low)
 
 
-def moved(hypotheses: Sequence[Hypothesis], steps: Array) -> tuple[Hypothesis, ...]:
+def move_hypotheses(hypotheses: Sequence[Hypothesis], steps: Array) -> tuple[Hypothesis, ...]:
     """All hypotheses with their free numbers changed by so many practical steps, within their bounds."""
     found, at = [], 0
     for hypothesis in hypotheses:
-        free = hypothesis.free()
+        free = hypothesis.list_free()
         found.append(hypothesis.moved([float(x) * f.step for x, f in zip(steps[at:], free, strict=False)]))
         at += len(free)
     return tuple(found)
 
 
-def machine_with(nominal: Machine, hypotheses: Sequence[Hypothesis]) -> Machine | None:
+def build_machine(nominal: Machine, hypotheses: Sequence[Hypothesis]) -> Machine | None:
     """The machine that has all hypotheses; None if none can be so, e.g. with less breakaway than Coulomb torque."""
-    return machine_of(nominal, [*nominal.effects, *(h.effect(nominal.robot) for h in hypotheses)])
+    return exchange_effects(nominal, [*nominal.effects, *(h.effect(nominal.robot) for h in hypotheses)])
 
 
-def machine_of(like: Machine, effects: Sequence[Effect]) -> Machine | None:
+def exchange_effects(like: Machine, effects: Sequence[Effect]) -> Machine | None:
     """The same robot with other effects; None if it cannot be so."""
     try:
         machine = replace(like, effects=tuple(effects))

@@ -10,15 +10,15 @@ from collections.abc import Sequence
 import numpy as np
 import scipy
 
+from ffgym.diagnosis.clean_recordings import make_clean_recordings
 from ffgym.diagnosis.computing import FAILED
-from ffgym.diagnosis.exact import exact_recordings
-from ffgym.diagnosis.fit.fit import Fit, evaluated, left_by, trial_of, with_tangents
-from ffgym.diagnosis.fit.hypothesis import Hypothesis, moved
-from ffgym.diagnosis.fit.setting import Setting
-from ffgym.diagnosis.log import log_of
-from ffgym.diagnosis.measured import residual_rows
-from ffgym.diagnosis.replay import predicted, replay
-from ffgym.diagnosis.solving import fitted
+from ffgym.diagnosis.fit.fit import Fit, add_tangents, compute_rss, evaluate, replay_hypotheses
+from ffgym.diagnosis.fit.hypothesis import Hypothesis, move_hypotheses
+from ffgym.diagnosis.fit.problem import FitProblem
+from ffgym.diagnosis.log import assemble_log
+from ffgym.diagnosis.replay import predict, replay
+from ffgym.diagnosis.residual_rows import compute_residuals
+from ffgym.diagnosis.solving import solve
 
 _ROUNDS = 4
 """Gauss-Newton steps at most."""
@@ -43,22 +43,22 @@ _HALVINGS = 3
 """Times that a step is halved if it makes things worse."""
 
 
-def fit(setting: Setting, hypotheses: Sequence[Hypothesis], *, begun: bool = False, like: Fit | None = None) -> Fit:
+def fit(problem: FitProblem, hypotheses: Sequence[Hypothesis], *, begun: bool = False, like: Fit | None = None) -> Fit:
     """Fit hypotheses to a log, from the values that they have.
 
     Those of the last one, which is the newest, are of a linear fit, or good already if it has `begun`. Tangents of a
     fit `like` it, of others among them, serve here: they hardly change when one more comes.
     """
-    return refined(setting, evaluated(setting, hypotheses if begun else _well_begun(setting, hypotheses), like), like)
+    return refine(problem, evaluate(problem, hypotheses if begun else _choose_start(problem, hypotheses), like), like)
 
 
-def refined(setting: Setting, begun: Fit, like: Fit | None = None, *, roughly: bool = False) -> Fit:
+def refine(problem: FitProblem, begun: Fit, like: Fit | None = None, *, roughly: bool = False) -> Fit:
     """A fit from where it has `begun`; `roughly` if only what it leaves is asked for, to a per cent."""
     best = begun
     for _ in range(_ROUNDS if begun.hypotheses else 0):
-        step, tried = fitted(best.evidence, np.arange(len(best.priors.low)), best.priors)[best.n_calibration :], None
+        step, tried = solve(best.equations, np.arange(len(best.priors.low)), best.priors)[best.n_nuisances :], None
         for _ in range(_HALVINGS):
-            tried = trial_of(setting, moved(best.hypotheses, step))
+            tried = replay_hypotheses(problem, move_hypotheses(best.hypotheses, step))
             if tried is not None and tried.left < best.left:
                 break
             step = 0.3 * step
@@ -66,7 +66,7 @@ def refined(setting: Setting, begun: Fit, like: Fit | None = None, *, roughly: b
             break
         gained = 1 - tried.left / best.left
         try:
-            best = with_tangents(setting, tried, like)
+            best = add_tangents(problem, tried, like)
         except FAILED:
             break  # a machine at the edge of what can be: it stays where slopes were known
         if gained < _ENOUGH and (roughly or float(np.max(np.abs(step))) < _SMALL):
@@ -74,7 +74,7 @@ def refined(setting: Setting, begun: Fit, like: Fit | None = None, *, roughly: b
     return best
 
 
-def polished(setting: Setting, found: Fit) -> Fit:
+def polish(problem: FitProblem, found: Fit) -> Fit:
     """A fit with the size of its newest hypothesis sought along a line where it acts on springs, then fitted again.
 
     There slopes lead to the truth only from very near; a line search needs no slopes.
@@ -84,13 +84,13 @@ def polished(setting: Setting, found: Fit) -> Fit:
     *others, last = found.hypotheses
 
     def left(log_factor: float) -> float:
-        return left_by(setting, [*others, last.scaled(float(np.exp(log_factor)))])
+        return compute_rss(problem, [*others, last.scaled(float(np.exp(log_factor)))])
 
     best = scipy.optimize.minimize_scalar(left, bounds=_SOUGHT, method="bounded", options={"xatol": _FINE})
     if not best.fun < found.left:
         return found
     try:
-        return fit(setting, [*others, last.scaled(float(np.exp(best.x)))], begun=True)
+        return fit(problem, [*others, last.scaled(float(np.exp(best.x)))], begun=True)
     except FAILED:
         return found
 
@@ -99,7 +99,7 @@ def _on_springs(hypothesis: Hypothesis) -> bool:
     return hypothesis.kind.needs_elasticity and hypothesis.kind.side == "link"
 
 
-def _well_begun(setting: Setting, hypotheses: Sequence[Hypothesis]) -> list[Hypothesis]:
+def _choose_start(problem: FitProblem, hypotheses: Sequence[Hypothesis]) -> list[Hypothesis]:
     """With the newest hypothesis at the best of several sizes where it acts on springs.
 
     An arm that is driven at its motors swings sharply, so that only models near the truth are led to it by slopes.
@@ -111,31 +111,31 @@ def _well_begun(setting: Setting, hypotheses: Sequence[Hypothesis]) -> list[Hypo
     def sized(factor: float) -> list[Hypothesis]:
         return [*first[:-1], first[-1].scaled(factor)]
 
-    left = {factor: left_by(setting, sized(factor)) for factor in _SIZES}
+    left = {factor: compute_rss(problem, sized(factor)) for factor in _SIZES}
     for _ in range(_FURTHER):
         largest = max(left)
         if min(left, key=left.__getitem__) != largest:
             break
-        left[largest * _GROWTH] = left_by(setting, sized(largest * _GROWTH))
+        left[largest * _GROWTH] = compute_rss(problem, sized(largest * _GROWTH))
     return sized(min(left, key=left.__getitem__))
 
 
-def corrected(setting: Setting, found: Fit) -> Fit:
+def correct_bias(problem: FitProblem, found: Fit) -> Fit:
     """The same hypotheses, fitted once more to residuals without what replay and simulation of their machine differ by.
 
     As they are, where nothing was found, the machine cannot be simulated along the log's set-points or be fitted again,
     or no more would be explained.
     """
-    log, machine = setting.log, found.run.machine
+    log, machine = problem.log, found.run.machine
     if not found.hypotheses:
         return found
     try:
-        exact = exact_recordings(log, found.run)
+        exact = make_clean_recordings(log, found.run)
         if not exact.simulated:
             return found
-        own = log_of(log.robot, exact.recordings, like=log)
-        bias = residual_rows(own, predicted(replay(own, machine)))
-        again = fit(setting.with_bias(bias), found.hypotheses, begun=True)
+        own = assemble_log(log.robot, exact.recordings, like=log)
+        bias = compute_residuals(own, predict(replay(own, machine)))
+        again = fit(problem.with_bias(bias), found.hypotheses, begun=True)
     except FAILED:
         return found
     return again if again.left < found.left else found

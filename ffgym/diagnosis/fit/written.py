@@ -12,15 +12,15 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array, BoolArray
-from ffgym.diagnosis.calibration import Calibration, Doubt, Refit
-from ffgym.diagnosis.evidence import Evidence
-from ffgym.diagnosis.fit.fit import Fit, Trial, trial_of
-from ffgym.diagnosis.fit.hypothesis import moved
-from ffgym.diagnosis.fit.setting import HELD, Setting, tangents, values_of
-from ffgym.diagnosis.measured import residual_rows
-from ffgym.diagnosis.replay import predicted
-from ffgym.diagnosis.replay.channels import in_step
-from ffgym.diagnosis.solving import bounded
+from ffgym.diagnosis.fit.fit import Fit, Trial, replay_hypotheses
+from ffgym.diagnosis.fit.hypothesis import move_hypotheses
+from ffgym.diagnosis.fit.problem import HELD, FitProblem, compute_tangents, split_components
+from ffgym.diagnosis.normal_equations import NormalEquations
+from ffgym.diagnosis.nuisance import NuisanceParameter, ParameterPrior, Refit
+from ffgym.diagnosis.replay import predict
+from ffgym.diagnosis.replay.channels import undo_delay
+from ffgym.diagnosis.residual_rows import compute_residuals
+from ffgym.diagnosis.solving import solve_bounded
 from ffgym.effects import ClockEffect, Effect, NativeEffect
 from ffgym.effects.friction.stribeck import StribeckPeak
 from ffgym.recordings import Recording
@@ -30,20 +30,20 @@ _ROUNDING = 1e-12
 """By which a breakaway torque is more than the Coulomb torque at least, as a share of it: sums are rounded."""
 
 
-def with_numbers(nominal: Machine, doubts: Sequence[Doubt], sizes: Array) -> Machine:
+def with_numbers(nominal: Machine, nuisances: Sequence[NuisanceParameter], sizes: Array) -> Machine:
     """The nominal machine with its calibration errors corrected.
 
     By sizes (len(doubts),) in standard deviations; 0 for those that are not of the machine.
     """
     # one effect of each kind with the numbers of all its joints
     n, joints, values = nominal.robot.n_joints, nominal.robot.joints, dict[type[Effect], dict[str, Array]]()
-    for doubt, size in zip(doubts, sizes.tolist(), strict=True):
-        column, known = doubt.column, doubt.column.effect.parameters()
+    for nuisance, size in zip(nuisances, sizes.tolist(), strict=True):
+        column, known = nuisance.column, nuisance.column.effect.parameters()
         own = values.setdefault(
             column.effect, {name: np.full(p.shape(n), p.neutral) for name, p in known.items() if p.null is not None}
         )
         place = joints.index(column.joint) if column.joint else () if column.part is None else column.part
-        own[column.parameter][place] += size * doubt.sigma
+        own[column.parameter][place] += size * nuisance.sigma
     robot, beside = nominal.robot, list[Effect]()
     for effect in (kind(**own) for kind, own in values.items()):
         if effect.is_null:
@@ -58,10 +58,10 @@ def with_numbers(nominal: Machine, doubts: Sequence[Doubt], sizes: Array) -> Mac
     return replace(nominal, robot=robot, effects=(*nominal.effects, *beside))
 
 
-def possible_numbers(setting: Setting, sizes: Array) -> Machine | None:
+def possible_numbers(problem: FitProblem, sizes: Array) -> Machine | None:
     """The machine with its numbers corrected; None if none can be so."""
     try:
-        machine = with_numbers(setting.nominal, setting.doubts, sizes)
+        machine = with_numbers(problem.nominal, problem.nuisances, sizes)
         _ = machine.physical
     except FFGymError:
         return None
@@ -72,84 +72,88 @@ _ROUNDS = 2
 """Times that all is fitted and replayed; the second changes what is left by less than a per cent."""
 
 
-def written(setting: Setting, fit: Fit, calibration: Calibration, train: BoolArray | None = None) -> Trial | None:
+def build_extended_model(
+    problem: FitProblem, fit: Fit, prior: ParameterPrior, train: BoolArray | None = None
+) -> Trial | None:
     """Causes of a fit, and numbers beside them, as one model that can be written to a file; None if no machine can.
 
     Fitted to the blocks of `train` (B,), or to all. Of its residual nothing is taken off but what the replay itself
     misses.
     """
-    chosen = np.ones(len(setting.blocks), dtype=np.bool_) if train is None else train
+    chosen = np.ones(len(problem.blocks), dtype=np.bool_) if train is None else train
     # a fit with causes knows what the replay of their machine misses
-    missed = residual_rows(setting.log, predicted(fit.run))
-    setting = setting.with_bias({channel: missed[channel] - rows for channel, rows in fit.residual.items()})
-    if calibration.refit is not None:
-        return _refitted(setting, fit, calibration.refit, chosen)
-    return _by_priors(setting, fit, chosen)
+    missed = compute_residuals(problem.log, predict(fit.run))
+    problem = problem.with_bias({channel: missed[channel] - rows for channel, rows in fit.residual.items()})
+    if prior.refit is not None:
+        return _refitted(problem, fit, prior.refit, chosen)
+    return _by_priors(problem, fit, chosen)
 
 
-def _by_priors(setting: Setting, fit: Fit, chosen: BoolArray) -> Trial | None:
+def _by_priors(problem: FitProblem, fit: Fit, chosen: BoolArray) -> Trial | None:
     """With calibration errors as their priors and the log have them."""
-    n, evidence, hypotheses = fit.n_calibration, fit.evidence, fit.hypotheses
+    n, equations, hypotheses = fit.n_nuisances, fit.equations, fit.hypotheses
     # errors of the machine become its numbers; those of how rows were written do not
-    of_machine = np.array([not issubclass(doubt.column.effect, ClockEffect) for doubt in setting.doubts], np.bool_)
+    of_machine = np.array(
+        [not issubclass(nuisance.column.effect, ClockEffect) for nuisance in problem.nuisances], np.bool_
+    )
     sizes, best, least = np.zeros(n), None, np.inf
     for _ in range(_ROUNDS):
-        x = _solved(evidence, fit, sizes, chosen)
-        sizes, hypotheses = sizes + x[:n] * of_machine, moved(hypotheses, x[n:])
+        x = _solved(equations, fit, sizes, chosen)
+        sizes, hypotheses = sizes + x[:n] * of_machine, move_hypotheses(hypotheses, x[n:])
         sizes[np.abs(sizes) <= HELD] = 0.0
-        numbers = possible_numbers(setting, sizes)
-        tried = None if numbers is None else trial_of(setting, hypotheses, numbers, fit.run)
+        numbers = possible_numbers(problem, sizes)
+        tried = None if numbers is None else replay_hypotheses(problem, hypotheses, numbers, fit.run)
         if tried is None:
             break
-        evidence = _evidence(setting, tried)
-        left = float(evidence.energy[chosen].sum() + sizes @ sizes)
+        equations = _evidence(problem, tried)
+        left = float(equations.energy[chosen].sum() + sizes @ sizes)
         if left >= least:
             break
         best, least = tried, left
     return best
 
 
-def _evidence(setting: Setting, tried: Trial) -> Evidence:
+def _evidence(problem: FitProblem, tried: Trial) -> NormalEquations:
     """Sums of calibration errors and free numbers about a model."""
-    columns = tangents(tried.run, tried.numbers, tried.hypotheses)
-    return setting.stack.beside(columns).evidence(values_of(tried.residual))
+    columns = compute_tangents(tried.run, tried.numbers, tried.hypotheses)
+    return problem.design.beside(columns).form_equations(split_components(tried.residual))
 
 
-def _solved(evidence: Evidence, fit: Fit, sizes: Array, chosen: BoolArray) -> Array:
+def _solved(equations: NormalEquations, fit: Fit, sizes: Array, chosen: BoolArray) -> Array:
     """Changes of calibration errors and free numbers where errors of `sizes` are in the model already."""
     precision = fit.priors.precision
-    there = np.concatenate([sizes, np.zeros(len(precision) - fit.n_calibration)])
-    pull = evidence.moment[chosen].sum(axis=0)[:, 0] - precision * there
-    gram = evidence.gram[chosen].sum(axis=0)
-    return bounded(gram, pull, precision, fit.priors.low - there, fit.priors.high - there)
+    there = np.concatenate([sizes, np.zeros(len(precision) - fit.n_nuisances)])
+    pull = equations.moment[chosen].sum(axis=0)[:, 0] - precision * there
+    gram = equations.gram[chosen].sum(axis=0)
+    return solve_bounded(gram, pull, precision, fit.priors.low - there, fit.priors.high - there)
 
 
-def _refitted(setting: Setting, fit: Fit, refit: Refit, chosen: BoolArray) -> Trial | None:
+def _refitted(problem: FitProblem, fit: Fit, refit: Refit, chosen: BoolArray) -> Trial | None:
     """With the numbers that were fitted to the logs fitted anew, to what the causes leave of the torque."""
-    motions = np.unique(setting.blocks.motion[chosen]).tolist()
-    numbers, hypotheses, best = setting.nominal, fit.hypotheses, None
+    motions = np.unique(problem.blocks.motion[chosen]).tolist()
+    numbers, hypotheses, best = problem.nominal, fit.hypotheses, None
     for last in (False, True):
-        tried, plain = trial_of(setting, hypotheses, numbers), trial_of(setting, (), numbers)
+        tried, plain = replay_hypotheses(problem, hypotheses, numbers), replay_hypotheses(problem, (), numbers)
         if tried is None or plain is None:
             return best
         added = tried.run.torque - plain.run.torque
         effects = tried.machine.effects
-        left = [_without_causes(setting, i, effects, added[: setting.log.lengths[i], i]) for i in motions]
-        numbers = replace(setting.nominal, robot=refit(left))
-        best = trial_of(setting, hypotheses, numbers)
+        left = [_without_causes(problem, i, effects, added[: problem.log.lengths[i], i]) for i in motions]
+        numbers = replace(problem.nominal, robot=refit(left))
+        best = replay_hypotheses(problem, hypotheses, numbers)
         if best is None or last or not hypotheses:
             return best
-        x = _solved(_evidence(setting, best), fit, np.zeros(fit.n_calibration), chosen)
-        hypotheses = moved(hypotheses, x[fit.n_calibration :])
+        x = _solved(_evidence(problem, best), fit, np.zeros(fit.n_nuisances), chosen)
+        hypotheses = move_hypotheses(hypotheses, x[fit.n_nuisances :])
     return best
 
 
-def _without_causes(setting: Setting, motion: int, effects: Sequence[Effect], torque: Array) -> Recording:
+def _without_causes(problem: FitProblem, motion: int, effects: Sequence[Effect], torque: Array) -> Recording:
     """The recording of a motion in step with its positions, less a torque (T, N), motor side [N m]."""
-    recording = setting.log.recordings[motion]
+    recording = problem.log.recordings[motion]
     link = recording.header.torque_semantics == "link_side"
-    own = setting.log.robot.drive.joint_torque(torque) if link else torque
+    own = problem.log.robot.drive.joint_torque(torque) if link else torque
     names = [f"motor.effort.{joint}" for joint in recording.header.joints]
     measured = np.stack([recording[name] for name in names], axis=1)
-    rest = in_step(measured, "torque", effects, recording.dt) - own
+    rest = undo_delay(measured, "torque", effects, recording.dt) - own
     return recording.with_columns({name: rest[:, j] for j, name in enumerate(names)})

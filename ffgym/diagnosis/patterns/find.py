@@ -6,10 +6,24 @@ from dataclasses import dataclass
 import numpy as np
 
 from ffgym.core.types import Array
-from ffgym.diagnosis.patterns.forms import Candidate, Function, Periodic, Variable, fit, functions
-from ffgym.diagnosis.patterns.periodic import Amplitude, Line, PerTurn
-from ffgym.diagnosis.patterns.rows import Rows, rows_of, without_slow
-from ffgym.diagnosis.patterns.significance import Dependence, Trial, best_of, dependence, tried, wandering
+from ffgym.diagnosis.patterns.forms import (
+    DependenceForm,
+    Periodic,
+    Variable,
+    VariableFunction,
+    fit_columns,
+    list_functions,
+)
+from ffgym.diagnosis.patterns.periodic import Amplitude, PerTurn, SpectralLine
+from ffgym.diagnosis.patterns.rows import PatternRows, collect_pattern_rows, remove_slow
+from ffgym.diagnosis.patterns.significance import (
+    Dependence,
+    FormTest,
+    choose_simplest,
+    find_dependence,
+    find_wandering,
+    judge_form,
+)
 from ffgym.diagnosis.residual import UNITS, Residual
 from ffgym.diagnosis.result import Pattern, PatternKind
 from ffgym.diagnosis.settings import settings
@@ -50,41 +64,42 @@ class _Levels:
 def find_patterns(residual: Residual, rng: np.random.Generator) -> tuple[Pattern, ...]:
     """What the residuals of all channels depend on, strongest against the noise floor first; none in noise."""
     limits = settings().patterns
-    tables = [rows_of(residual, channel, rng) for channel in residual.channels]
+    tables = [collect_pattern_rows(residual, channel, rng) for channel in residual.channels]
     enough = [rows for rows in tables if rows is not None and len(rows.block_starts) >= limits.fewest_blocks]
-    forms = candidates(len(residual.robot.joints))
+    forms = list_forms(len(residual.robot.joints))
     tests = sum(form.may_act_on(rows, c) for rows in enough for form in forms for c in range(len(rows.components)))
     levels = _Levels(
         form=limits.false_alarms / 4 / max(tests, 1),
         ripple=limits.false_alarms / 4 / (len(residual.robot.joints) * len(_AMPLITUDES) * limits.cuts),
         dependence=limits.false_alarms / 4 / max(sum(len(rows.components) for rows in enough), 1),
     )
-    found = [one for rows in enough for one in _of_channel(rows, forms, levels, rng)]
+    found = [one for rows in enough for one in _search_channel(rows, forms, levels, rng)]
     return tuple(pattern for _, pattern in sorted(found, key=lambda one: -one[0]))
 
 
-def candidates(n_joints: int) -> list[Function | Periodic]:
+def list_forms(n_joints: int) -> list[VariableFunction | Periodic]:
     """All forms of dependence on the motion of N joints."""
     joints = range(n_joints)
     return [
-        Line(),
-        *(Line(joint=joint, own_only=True) for joint in joints),
-        *functions(n_joints),
+        SpectralLine(),
+        *(SpectralLine(joint=joint, own_only=True) for joint in joints),
+        *list_functions(n_joints),
         *(PerTurn(joint=joint, amplitude=amplitude) for joint in joints for amplitude in _AMPLITUDES),
     ]
 
 
-def _of_channel(
-    rows: Rows, forms: Sequence[Function | Periodic], levels: _Levels, rng: np.random.Generator
+def _search_channel(
+    rows: PatternRows, forms: Sequence[VariableFunction | Periodic], levels: _Levels, rng: np.random.Generator
 ) -> list[_Found]:
     """Patterns of one channel: the best form of each component, then the best of what that leaves, and so on."""
     limits = settings().patterns
     left, found, energy = rows.values.copy(), list[_Found](), np.sum(rows.values**2, axis=0)
     without = active = rows.loud(left)
     for _ in range(limits.most):
-        trials = [tried(form, rows, left, active) for form in forms] if active else []
+        trials = [judge_form(form, rows, left, active) for form in forms] if active else []
         chosen = {
-            c: best_of(trials, rows, c, least=limits.least_share * float(energy[c]), level=levels.form) for c in active
+            c: choose_simplest(trials, rows, c, least=limits.least_share * float(energy[c]), level=levels.form)
+            for c in active
         }
         for c, trial in chosen.items():
             if trial is not None:
@@ -95,15 +110,15 @@ def _of_channel(
     # what a component depends on that no form explains
     for c in without:
         values = left[:, c]
-        form = wandering(rows, values, levels.dependence) or dependence(rows, values, levels.dependence, rng)
+        form = find_wandering(rows, values, levels.dependence) or find_dependence(rows, values, levels.dependence, rng)
         if form is not None:
             strength = form.correlation * float(values @ values / rows.noise[:, c].sum())
-            found.append((strength, _pattern(form, rows, c, values)))
+            found.append((strength, _describe(form, rows, c, values)))
     return found
 
 
 def _find_ripple(
-    rows: Rows, left: Array, found: list[_Found], energy: Array, level: float, rng: np.random.Generator
+    rows: PatternRows, left: Array, found: list[_Found], energy: Array, level: float, rng: np.random.Generator
 ) -> None:
     """Find what torque repeats with the turns of its motor, where slow misfits hide it.
 
@@ -113,56 +128,61 @@ def _find_ripple(
     limits = settings().patterns
     if rows.channel != "torque":
         return
-    known, fast = {one.component for _, one in found if one.kind == "periodic"}, without_slow(rows, left)
+    known, fast = {one.component for _, one in found if one.kind == "periodic"}, remove_slow(rows, left)
     cuts = [rows, *(rows.redrawn(rng) for _ in range(limits.cuts - 1))]
     for c in rows.loud(left):
         if rows.components[c] in known:
             continue
         forms = [PerTurn(joint=c, amplitude=amplitude) for amplitude in _AMPLITUDES]
-        trials = [tried(form, cut, fast, [c]) for cut in cuts for form in forms]
-        trial = best_of(trials, rows, c, least=limits.least_share * float(np.sum(fast[:, c] ** 2)), level=level)
+        trials = [judge_form(form, cut, fast, [c]) for cut in cuts for form in forms]
+        trial = choose_simplest(trials, rows, c, least=limits.least_share * float(np.sum(fast[:, c] ** 2)), level=level)
         if trial is not None:
             left[:, c] -= _adopt(trial, rows, fast[:, c], c, energy, found)
 
 
-def _adopt(trial: Trial, rows: Rows, values: Array, c: int, energy: Array, found: list[_Found]) -> Array:
+def _adopt(trial: FormTest, rows: PatternRows, values: Array, c: int, energy: Array, found: list[_Found]) -> Array:
     """Part of `values` (R,) that a form explains, fitted to all rows; its pattern joins those that were `found`."""
     form, frequency, fitted = trial.candidate, None, np.zeros_like(values)
-    if isinstance(form, Function):
+    if isinstance(form, VariableFunction):
         columns = rows.centred(form.columns(rows))
-        fitted = columns @ fit(columns, values)
+        fitted = columns @ fit_columns(columns, values)
     elif peaks := form.search(rows, values[:, None], np.ones(len(values), dtype=np.bool_)):
         frequency = form.refine(rows, values, peaks[0])
         columns = rows.centred(form.columns(rows, frequency))
-        fitted = columns @ fit(columns, values)
+        fitted = columns @ fit_columns(columns, values)
     gain = float(trial.gain[:, c].sum())
-    pattern = _pattern(form, rows, c, fitted, gain / float(energy[c]), frequency)
+    pattern = _describe(form, rows, c, fitted, gain / float(energy[c]), frequency)
     found.append((gain / float(np.sum(rows.noise, axis=0)[c]), pattern))
     return fitted
 
 
-def _pattern(
-    form: Candidate | Dependence, rows: Rows, c: int, part: Array, share: float = 0.0, frequency: float | None = None
+def _describe(
+    form: DependenceForm | Dependence,
+    rows: PatternRows,
+    c: int,
+    part: Array,
+    share: float = 0.0,
+    frequency: float | None = None,
 ) -> Pattern:
     """Tell what a component depends on, how large that `part` (R,) of it is, and how much of it that explains."""
     component, joint = rows.components[c], "" if form.joint is None else rows.joints[form.joint]
     words = "motor angle" if isinstance(form, PerTurn) else "time"
-    if isinstance(form, Function | Dependence) and joint:
+    if isinstance(form, VariableFunction | Dependence) and joint:
         words = _VARIABLES.get(form.variable, form.variable)
     named = f"{words} of {joint}" if joint else words
     kind: PatternKind = "dependence"
     match form:
-        case Line():
+        case SpectralLine():
             how = f"turned over with the direction of {joint}" if joint else "whatever moves"
             kind, says = "line", f"vibration at {frequency:.2f} Hz, {how}"
         case PerTurn():
             how = f"{frequency:.1f} cycles per turn, {_AMPLITUDES[form.amplitude]}"
             kind, says = "periodic", f"periodic in the {named}, {how}"
-        case Function(signed=None):
+        case VariableFunction(signed=None):
             kind, says = "function", f"a function of the {named}"
-        case Function(variable="none"):
+        case VariableFunction(variable="none"):
             kind, says = "sign-locked function", f"goes with the sign of the {named}"
-        case Function(signed=int(other)):
+        case VariableFunction(signed=int(other)):
             kind = "sign-locked function"
             says = f"a function of the {named}, times the sign of the motor speed of {rows.joints[other]}"
         case Dependence(joint=None):

@@ -8,11 +8,11 @@ from typing import Literal, final
 import numpy as np
 
 from ffgym.core.types import Array, BoolArray
-from ffgym.diagnosis.patterns.rows import Rows
+from ffgym.diagnosis.patterns.rows import PatternRows
 from ffgym.diagnosis.settings import settings
 
 
-class Candidate(ABC):
+class DependenceForm(ABC):
     """One form of dependence."""
 
     joint: int | None
@@ -20,32 +20,32 @@ class Candidate(ABC):
     own_only: bool
     """Whether only residuals of that joint, and of the tool, may depend on it."""
 
-    def may_act_on(self, rows: Rows, component: int) -> bool:
+    def may_act_on(self, rows: PatternRows, component: int) -> bool:
         """Whether a component of a channel may depend on it."""
         return not self.own_only or rows.channel == "tool" or self.joint == component
 
     @abstractmethod
-    def complexity(self, rows: Rows) -> int:
+    def complexity(self, rows: PatternRows) -> int:
         """Number of what is fitted."""
 
 
-class Periodic(Candidate):
+class Periodic(DependenceForm):
     """A form with a frequency that must be found in the residual first."""
 
     @abstractmethod
-    def search(self, rows: Rows, values: Array, train: BoolArray) -> list[float] | None:
+    def search(self, rows: PatternRows, values: Array, train: BoolArray) -> list[float] | None:
         """Frequency that explains most of each column of values (R, C) in the rows of `train` (R,), if it has one."""
 
     @abstractmethod
-    def refine(self, rows: Rows, values: Array, frequency: float) -> float:
+    def refine(self, rows: PatternRows, values: Array, frequency: float) -> float:
         """The frequency near a found one that explains most of `values` (R,) in all rows."""
 
     @abstractmethod
-    def columns(self, rows: Rows, frequency: float) -> Array:
+    def columns(self, rows: PatternRows, frequency: float) -> Array:
         """Its columns (R, P), of size about 1, not centred."""
 
 
-def fit(columns: Array, values: Array) -> Array:
+def fit_columns(columns: Array, values: Array) -> Array:
     """Coefficients (P, ...) of centred columns (R, P) for values (R, ...)."""
     gram: Array = columns.T @ columns + settings().patterns.prior_rows * np.eye(columns.shape[1])
     return np.asarray(np.linalg.solve(gram, columns.T @ values), dtype=np.float64)
@@ -74,7 +74,7 @@ a worn spot of a tooth or two, and a quarter of a second in ten."""
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Function(Candidate):
+class VariableFunction(DependenceForm):
     """A function of a variable of one joint, linear between knots; maybe times the sign of the speed of a joint."""
 
     variable: Variable
@@ -87,13 +87,13 @@ class Function(Candidate):
     """Knots at even values instead of even shares of the rows."""
     own_only: bool = False
 
-    def may_act_on(self, rows: Rows, component: int) -> bool:
+    def may_act_on(self, rows: PatternRows, component: int) -> bool:
         """Whether a component of a channel may depend on it; friction with the state of another joint is its own."""
         if self.signed not in (None, self.joint):
             return rows.channel != "tool" and component == self.signed
         return super().may_act_on(rows, component)
 
-    def columns(self, rows: Rows) -> Array:
+    def columns(self, rows: PatternRows) -> Array:
         """Its columns (R, P), of size about 1, not centred."""
         if self.variable == "time" or self.joint is None:
             values = rows.t
@@ -103,15 +103,15 @@ class Function(Candidate):
             values = rows.did[self.variable][:, self.joint]
         if self.variable == "load" and self.signed is not None:
             values = np.abs(values)  # friction grows with the size of a load
-        hats = hat_columns(values, self.knots, evenly=self.evenly)
+        hats = make_hats(values, self.knots, evenly=self.evenly)
         return hats if self.signed is None else hats * rows.did["sign"][:, self.signed, None]
 
-    def complexity(self, rows: Rows) -> int:
+    def complexity(self, rows: PatternRows) -> int:
         """See base class."""
         return 1 if self.variable == "none" else self.knots
 
 
-def hat_columns(values: Array, knots: int, *, evenly: bool) -> Array:
+def make_hats(values: Array, knots: int, *, evenly: bool) -> Array:
     """Hat functions (R, P) of values (R,), whose sum is 1; constant values give one column of ones."""
     low, high = values.min(), values.max()
     if high - low <= 1e-9 * max(abs(low), abs(high)):
@@ -126,31 +126,37 @@ def hat_columns(values: Array, knots: int, *, evenly: bool) -> Array:
     return columns
 
 
-def functions(n_joints: int) -> list[Function]:
+def list_functions(n_joints: int) -> list[VariableFunction]:
     """All functions: of time, of the variables of each joint, and of what one joint does for friction of another."""
     plain: list[Variable] = ["speed", "size of speed", "acceleration", "load"]
     own: list[Variable] = ["temperature", "travel", "rest", "time"]
     of_other: list[Variable] = ["size of speed", "load", "angle"]
     # time since a motion began, the same in all motions, whatever they do
-    found = [Function(variable="time", joint=None, knots=knots, evenly=True) for knots in (COARSE, FINE)]
+    found = [VariableFunction(variable="time", joint=None, knots=knots, evenly=True) for knots in (COARSE, FINE)]
     for j in range(n_joints):
         found += [
-            Function(variable="none", joint=j, signed=j),
-            *(Function(variable=v, joint=j) for v in plain),
-            *(Function(variable="angle", joint=j, knots=knots, evenly=knots == FINE) for knots in (2, COARSE, FINE)),
-            Function(variable="angle", joint=j, signed=j),
-            Function(variable="angle", joint=j, signed=j, knots=FINE, evenly=True, own_only=True),
-            *(Function(variable=v, joint=j, signed=j, own_only=True) for v in ("size of speed", "load", "power")),
-            *(Function(variable=v, joint=j, own_only=True) for v in ("way", "power")),
-            Function(variable="way", joint=j, signed=j, own_only=True),
-            *(Function(variable=v, joint=j, signed=j, knots=_knots(v), own_only=True) for v in own),
-            *(Function(variable=v, joint=j, knots=_knots(v), own_only=True) for v in own[:-1]),
+            VariableFunction(variable="none", joint=j, signed=j),
+            *(VariableFunction(variable=v, joint=j) for v in plain),
+            *(
+                VariableFunction(variable="angle", joint=j, knots=knots, evenly=knots == FINE)
+                for knots in (2, COARSE, FINE)
+            ),
+            VariableFunction(variable="angle", joint=j, signed=j),
+            VariableFunction(variable="angle", joint=j, signed=j, knots=FINE, evenly=True, own_only=True),
+            *(
+                VariableFunction(variable=v, joint=j, signed=j, own_only=True)
+                for v in ("size of speed", "load", "power")
+            ),
+            *(VariableFunction(variable=v, joint=j, own_only=True) for v in ("way", "power")),
+            VariableFunction(variable="way", joint=j, signed=j, own_only=True),
+            *(VariableFunction(variable=v, joint=j, signed=j, knots=_count_knots(v), own_only=True) for v in own),
+            *(VariableFunction(variable=v, joint=j, knots=_count_knots(v), own_only=True) for v in own[:-1]),
         ]
     for j, other in permutations(range(n_joints), 2):
-        found += [Function(variable=v, joint=other, signed=j) for v in of_other]
+        found += [VariableFunction(variable=v, joint=other, signed=j) for v in of_other]
     return found
 
 
-def _knots(variable: Variable) -> int:
+def _count_knots(variable: Variable) -> int:
     """A straight line in what hardly changes during a motion: a freer curve could give each motion its own value."""
     return 2 if variable in ("temperature", "time") else COARSE

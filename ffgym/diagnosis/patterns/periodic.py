@@ -11,8 +11,8 @@ import scipy
 from ffgym.core.errors import check_choice
 from ffgym.core.measures import rms
 from ffgym.core.types import Array, BoolArray
-from ffgym.diagnosis.patterns.forms import Periodic, fit
-from ffgym.diagnosis.patterns.rows import Rows, rows_of
+from ffgym.diagnosis.patterns.forms import Periodic, fit_columns
+from ffgym.diagnosis.patterns.rows import PatternRows, collect_pattern_rows
 from ffgym.diagnosis.residual import Channel, Residual, components
 from ffgym.diagnosis.settings import settings
 
@@ -38,12 +38,12 @@ class Spectrum:
         return float(self.frequency[np.argmax(self.share)])
 
 
-def refined(frequency: float, within: float, columns: Callable[[float], Array], values: Array) -> float:
+def refine_frequency(frequency: float, within: float, columns: Callable[[float], Array], values: Array) -> float:
     """Frequency at most `within` from a peak whose centred columns (R, P) leave least of values (R,)."""
 
     def left(trial: float) -> float:
         fitted = columns(trial)
-        rest = values - fitted @ fit(fitted, values)
+        rest = values - fitted @ fit_columns(fitted, values)
         return float(rest @ rest)
 
     bounds = (frequency - within, frequency + within)
@@ -59,7 +59,7 @@ LEAST_CYCLES, MOST_CYCLES = 0.5, 72.0
 motor times two; what rows cannot show is left out."""
 
 
-def passed(speed: Array, frequency: float, highest: float) -> BoolArray:
+def find_slow_rows(speed: Array, frequency: float, highest: float) -> BoolArray:
     """Rows in which `frequency` cycles per turn are slow enough to be seen."""
     slow: BoolArray = frequency * np.abs(speed) / (2 * np.pi) < highest
     return slow
@@ -74,11 +74,11 @@ class PerTurn(Periodic):
     amplitude: Amplitude = "constant"
     own_only: bool = True
 
-    def may_act_on(self, rows: Rows, component: int) -> bool:
+    def may_act_on(self, rows: PatternRows, component: int) -> bool:
         """Whether a component of a channel may depend on it; a gear that errs moves the tool as it turns, no more."""
         return super().may_act_on(rows, component) and (rows.channel != "tool" or self.amplitude == "constant")
 
-    def spectra(self, rows: Rows, values: Array, train: BoolArray) -> list[Spectrum] | None:
+    def spectra(self, rows: PatternRows, values: Array, train: BoolArray) -> list[Spectrum] | None:
         """Periodograms of values (R, C) over the angle, one for each column; None where the motor turns too little.
 
         Where a motor is so fast that rows do not show a vibration, they do not count for it. So each octave of
@@ -100,11 +100,15 @@ class PerTurn(Periodic):
         share = np.divide(explained, energy, out=np.zeros_like(explained), where=energy > 0)
         return [Spectrum(frequency=frequency, share=one) for one in np.clip(share, 0.0, 1.0)]
 
-    def _octave(self, rows: Rows, values: Array, train: BoolArray, low: float, high: float) -> tuple[Array, Array]:
+    def _octave(
+        self, rows: PatternRows, values: Array, train: BoolArray, low: float, high: float
+    ) -> tuple[Array, Array]:
         """Frequencies (F,) from `low` to `high`, and the energy (C, F) of values in `train` that a sine explains."""
         limits = settings().patterns
         angle, motions = rows.did["angle"][train, self.joint], rows.motion[train]
-        gain = np.where(passed(rows.did["speed"][train, self.joint], high, rows.highest), self._gain(rows)[train], 0.0)
+        gain = np.where(
+            find_slow_rows(rows.did["speed"][train, self.joint], high, rows.highest), self._gain(rows)[train], 0.0
+        )
         cell = 1.0 / (limits.cells * high)
         number = np.rint((angle - angle.min()) / (2 * np.pi * cell)).astype(np.intp)
         size = scipy.fft.next_fast_len(max(PADDING * (int(number.max()) + 1), round(4 / (cell * low))), real=True)
@@ -131,28 +135,28 @@ class PerTurn(Periodic):
             explained.append((sines * c**2 - 2 * both * c * s + cosines * s**2) / (cosines * sines - both**2))
         return frequency[chosen], np.stack(explained)
 
-    def search(self, rows: Rows, values: Array, train: BoolArray) -> list[float] | None:
+    def search(self, rows: PatternRows, values: Array, train: BoolArray) -> list[float] | None:
         """See base class."""
         spectra = self.spectra(rows, values, train)
         return None if spectra is None else [spectrum.best for spectrum in spectra]
 
-    def refine(self, rows: Rows, values: Array, frequency: float) -> float:
+    def refine(self, rows: PatternRows, values: Array, frequency: float) -> float:
         """See base class."""
         width = 1 / max(np.ptp(rows.did["angle"][:, self.joint]) / (2 * np.pi), 1.0)
-        return refined(frequency, width / 2, lambda n: rows.centred(self.columns(rows, n)), values)
+        return refine_frequency(frequency, width / 2, lambda n: rows.centred(self.columns(rows, n)), values)
 
-    def columns(self, rows: Rows, frequency: float) -> Array:
+    def columns(self, rows: PatternRows, frequency: float) -> Array:
         """See base class."""
         j = self.joint
-        gain = self._gain(rows) * passed(rows.did["speed"][:, j], frequency, rows.highest)
+        gain = self._gain(rows) * find_slow_rows(rows.did["speed"][:, j], frequency, rows.highest)
         phase = frequency * rows.did["angle"][:, j]
         return gain[:, None] * np.stack([np.cos(phase), np.sin(phase)], axis=1)
 
-    def complexity(self, rows: Rows) -> int:
+    def complexity(self, rows: PatternRows) -> int:
         """See base class."""
         return 3
 
-    def _gain(self, rows: Rows) -> Array:
+    def _gain(self, rows: PatternRows) -> Array:
         if self.amplitude == "constant":
             return np.ones(len(rows.t))
         is_squared = self.amplitude == "speed squared"
@@ -163,7 +167,7 @@ class PerTurn(Periodic):
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Line(Periodic):
+class SpectralLine(Periodic):
     """A vibration of one frequency in time, with a phase and an amplitude of its own in each motion.
 
     Of a joint, it turns over with the direction of its motor: friction that comes and goes, as of a brake that drags.
@@ -172,11 +176,11 @@ class Line(Periodic):
     joint: int | None = None
     own_only: bool = False
 
-    def may_act_on(self, rows: Rows, component: int) -> bool:
+    def may_act_on(self, rows: PatternRows, component: int) -> bool:
         """Whether a component of a channel may depend on it; what drags at a motor takes torque."""
         return super().may_act_on(rows, component) and (self.joint is None or rows.channel != "tool")
 
-    def search(self, rows: Rows, values: Array, train: BoolArray) -> list[float] | None:
+    def search(self, rows: PatternRows, values: Array, train: BoolArray) -> list[float] | None:
         """See base class."""
         limits = settings().patterns
         if rows.highest <= limits.lowest_line:
@@ -200,28 +204,28 @@ class Line(Periodic):
             found.append(float(frequency[chosen][np.argmax(np.minimum(share, 1.0))]))
         return found
 
-    def refine(self, rows: Rows, values: Array, frequency: float) -> float:
+    def refine(self, rows: PatternRows, values: Array, frequency: float) -> float:
         """See base class."""
         longest = max(np.ptp(rows.t[rows.motion == m]) for m in range(len(rows.motion_starts)))
-        return refined(frequency, 0.5 / longest, lambda f: rows.centred(self.columns(rows, f)), values)
+        return refine_frequency(frequency, 0.5 / longest, lambda f: rows.centred(self.columns(rows, f)), values)
 
-    def columns(self, rows: Rows, frequency: float) -> Array:
+    def columns(self, rows: PatternRows, frequency: float) -> Array:
         """See base class."""
         phase = 2 * np.pi * frequency * rows.t
         in_motion = rows.motion[:, None] == np.arange(len(rows.motion_starts))
         waves = np.stack([np.cos(phase), np.sin(phase)]) * self._sign(rows)
         return np.concatenate([in_motion * wave[:, None] for wave in waves], axis=1)
 
-    def complexity(self, rows: Rows) -> int:
+    def complexity(self, rows: PatternRows) -> int:
         """See base class."""
         return 2 * len(rows.motion_starts) + 1
 
-    def _sign(self, rows: Rows) -> Array:
+    def _sign(self, rows: PatternRows) -> Array:
         """What turns it over, (R,)."""
         return np.ones(len(rows.t)) if self.joint is None else rows.did["sign"][:, self.joint]
 
 
-def cycles_per_turn(
+def compute_turn_spectrum(
     residual: Residual, channel: Channel, component: str, joint: str, *, amplitude: Amplitude = "constant"
 ) -> Spectrum | None:
     """Periodogram of one component of a residual over the motor angle of a joint, 0.5 to 72 cycles per turn.
@@ -245,7 +249,7 @@ def cycles_per_turn(
     names = components(channel, residual.robot)
     check_choice("component", component, names)
     check_choice("joint", joint, residual.robot.joints)
-    rows = rows_of(residual, channel, np.random.default_rng(0))  # halves are not used
+    rows = collect_pattern_rows(residual, channel, np.random.default_rng(0))  # halves are not used
     if rows is None:
         return None
     values = rows.values[:, names.index(component)]

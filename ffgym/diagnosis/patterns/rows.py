@@ -27,7 +27,7 @@ _OF_MOTION = {"acceleration": "motor_acceleration", "travel": "since_reversal", 
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Rows:
+class PatternRows:
     """Residuals of one channel in R rows of M motions, each component less its mean over each motion."""
 
     channel: Channel
@@ -81,10 +81,12 @@ class Rows:
         centred: Array = columns - means[self.motion]
         return centred
 
-    def redrawn(self, rng: np.random.Generator) -> "Rows":
+    def redrawn(self, rng: np.random.Generator) -> "PatternRows":
         """The same rows cut into other halves."""
         limits = settings().patterns
-        return replace(self, half=_halves(self.motion, np.rint(self.t / self.dt) // (limits.chunk * limits.block), rng))
+        return replace(
+            self, half=_draw_halves(self.motion, np.rint(self.t / self.dt) // (limits.chunk * limits.block), rng)
+        )
 
     def by_block(self, columns: Array) -> Array:
         """Sums over each block, shape (B, P)."""
@@ -97,7 +99,7 @@ class Rows:
         return self.half[self.block_starts]
 
 
-def rows_of(residual: Residual, channel: Channel, rng: np.random.Generator) -> Rows | None:
+def collect_pattern_rows(residual: Residual, channel: Channel, rng: np.random.Generator) -> PatternRows | None:
     """Rows of a channel that count, with halves drawn by `rng`; None if there are none."""
     limits = settings().patterns
     pairs, there = [], []
@@ -115,24 +117,24 @@ def rows_of(residual: Residual, channel: Channel, rng: np.random.Generator) -> R
     motion = np.repeat(np.arange(len(pairs)), counts)
     dt = float(np.median(np.concatenate([np.diff(m.t) for m, _ in pairs])))
     number = np.rint(t / dt)
-    return Rows(
+    return PatternRows(
         channel=channel,
         components=components(channel, residual.robot),
         joints=tuple(residual.robot.joints),
         dt=dt,
         highest=limits.passed * residual.cutoff,
-        values=np.concatenate([_about_mean(m.residual[channel][k]) for m, k in pairs]),
+        values=np.concatenate([_centre(m.residual[channel][k]) for m, k in pairs]),
         judged=np.concatenate([np.isfinite(m.residual[channel][k]) for m, k in pairs]),
         floor=residual.floor[channel][there],
         t=t,
-        did=_did(pairs),
+        did=_collect_states(pairs),
         motion_starts=np.cumsum([0, *counts[:-1]]),
-        block_starts=_starts(motion, number // limits.block),
-        half=_halves(motion, number // (limits.chunk * limits.block), rng),
+        block_starts=_find_starts(motion, number // limits.block),
+        half=_draw_halves(motion, number // (limits.chunk * limits.block), rng),
     )
 
 
-def without_slow(rows: Rows, values: Array) -> Array:
+def remove_slow(rows: PatternRows, values: Array) -> Array:
     """Values (R, C) less what changes slowly in each motion, with their means over motions at 0."""
     width = TO_HALF / (settings().patterns.slow * rows.highest * rows.dt)
     smooth = np.empty_like(values)
@@ -142,7 +144,7 @@ def without_slow(rows: Rows, values: Array) -> Array:
     return rows.centred(values - smooth)
 
 
-def _about_mean(values: Array) -> Array:
+def _centre(values: Array) -> Array:
     """Rows (R, C) less their mean; 0 where they are not judged."""
     judged = np.isfinite(values)
     known = np.where(judged, values, 0.0)
@@ -150,7 +152,7 @@ def _about_mean(values: Array) -> Array:
     return np.where(judged, known - mean, 0.0)
 
 
-def _did(pairs: list[tuple[MotionResidual, BoolArray]]) -> dict[str, Array]:
+def _collect_states(pairs: list[tuple[MotionResidual, BoolArray]]) -> dict[str, Array]:
     """What motors have done in the rows that count."""
     parts = []
     for motion, rows in pairs:
@@ -163,15 +165,15 @@ def _did(pairs: list[tuple[MotionResidual, BoolArray]]) -> dict[str, Array]:
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
-def _starts(motion: IntArray, number: Array) -> IntArray:
+def _find_starts(motion: IntArray, number: Array) -> IntArray:
     """Rows at which another motion or another number begins."""
     changes = (np.diff(motion) != 0) | (np.diff(number) != 0)
     return np.concatenate([[0], 1 + np.flatnonzero(changes)])
 
 
-def _halves(motion: IntArray, chunk: Array, rng: np.random.Generator) -> IntArray:
+def _draw_halves(motion: IntArray, chunk: Array, rng: np.random.Generator) -> IntArray:
     """Half of each row: of the chunks of each motion one half, drawn, so that no rhythm of the motion falls in step."""
-    starts = _starts(motion, chunk)
+    starts = _find_starts(motion, chunk)
     counts = np.diff([*starts, len(motion)])
     of_chunk = np.concatenate([rng.permutation(np.arange(n) % 2) for n in np.bincount(motion[starts])])
     return np.repeat(of_chunk, counts)

@@ -7,23 +7,25 @@ import numpy as np
 import scipy
 
 from ffgym.core.types import Array, BoolArray, IntArray
-from ffgym.diagnosis.patterns.forms import Function, Periodic, Variable, fit
-from ffgym.diagnosis.patterns.rows import Rows
+from ffgym.diagnosis.patterns.forms import Periodic, Variable, VariableFunction, fit_columns
+from ffgym.diagnosis.patterns.rows import PatternRows
 from ffgym.diagnosis.settings import settings
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Trial:
+class FormTest:
     """How well one form of dependence foretells C residuals in B blocks that it was not fitted to."""
 
-    candidate: Function | Periodic
+    candidate: VariableFunction | Periodic
     gain: Array
     """Energy that it removes from each block, shape (B, C)."""
     p: Array
     """Probability of a prediction as good without any dependence, shape (C,)."""
 
 
-def tried(candidate: Function | Periodic, rows: Rows, values: Array, active: Sequence[int]) -> Trial:
+def judge_form(
+    candidate: VariableFunction | Periodic, rows: PatternRows, values: Array, active: Sequence[int]
+) -> FormTest:
     """Judge a form of dependence on centred values (R, C) of the components `active`, those that it may act on.
 
     A frequency is sought in the half that is fitted, too. Either direction is a valid test by itself; of the better one
@@ -32,36 +34,36 @@ def tried(candidate: Function | Periodic, rows: Rows, values: Array, active: Seq
     open_to = [c for c in active if candidate.may_act_on(rows, c)]
     gain, p = np.zeros((len(rows.block_starts), values.shape[1])), np.ones((2, values.shape[1]))
     if not open_to:
-        return Trial(candidate=candidate, gain=gain, p=p[0])
+        return FormTest(candidate=candidate, gain=gain, p=p[0])
     measured = values[:, open_to]
-    columns = rows.centred(candidate.columns(rows)) if isinstance(candidate, Function) else np.zeros((0, 0))
+    columns = rows.centred(candidate.columns(rows)) if isinstance(candidate, VariableFunction) else np.zeros((0, 0))
     for judged in (0, 1):
         train, blocks = rows.half != judged, rows.block_half == judged
         if train.any() and blocks.any():
-            if isinstance(candidate, Function):
-                foretold = columns @ fit(columns[train], measured[train])
+            if isinstance(candidate, VariableFunction):
+                foretold = columns @ fit_columns(columns[train], measured[train])
             else:
-                foretold = _waves(candidate, rows, measured, train)
+                foretold = _predict_waves(candidate, rows, measured, train)
             agreement, size = (rows.by_block(foretold * other)[blocks] for other in (measured, foretold))
             gain[np.ix_(blocks, open_to)] = 2 * agreement - size
             # bounded by 1, so that a few large blocks are not the only ones that are heard: a block in which something
             # is foretold counts by its correlation, one in which little is, or little happens, less
             energy = rows.by_block(measured**2)[blocks]
             scale = np.sqrt(size * energy) + np.median(energy, axis=0) + np.finfo(np.float64).tiny
-            p[judged, open_to] = symmetric_test(agreement / scale)
-    return Trial(candidate=candidate, gain=gain, p=np.minimum(1.0, 2 * p.min(axis=0)))
+            p[judged, open_to] = compute_sign_probability(agreement / scale)
+    return FormTest(candidate=candidate, gain=gain, p=np.minimum(1.0, 2 * p.min(axis=0)))
 
 
-def _waves(candidate: Periodic, rows: Rows, values: Array, train: BoolArray) -> Array:
+def _predict_waves(candidate: Periodic, rows: PatternRows, values: Array, train: BoolArray) -> Array:
     """Sines (R, C) whose frequencies and amplitudes are those of some rows."""
     foretold = np.zeros_like(values)
     for c, frequency in enumerate(candidate.search(rows, values, train) or ()):
         columns = rows.centred(candidate.columns(rows, frequency))
-        foretold[:, c] = columns @ fit(columns[train], values[train, c])
+        foretold[:, c] = columns @ fit_columns(columns[train], values[train, c])
     return foretold
 
 
-def symmetric_test(agreement: Array) -> Array:
+def compute_sign_probability(agreement: Array) -> Array:
     """Probability (C,) that sums of (B, C) come out as large if each block's sign were even chance.
 
     Without dependence a prediction agrees with a block as often as it disagrees, however large the block's residual is,
@@ -76,7 +78,9 @@ def symmetric_test(agreement: Array) -> Array:
     return p
 
 
-def best_of(trials: Sequence[Trial], rows: Rows, c: int, *, least: float, level: float) -> Trial | None:
+def choose_simplest(
+    trials: Sequence[FormTest], rows: PatternRows, c: int, *, least: float, level: float
+) -> FormTest | None:
     """The simplest of the forms that explain component `c` as well as the best one; None if none is sure.
 
     A form that is sure removes the `least` energy or more, and does so by chance with a probability below `level`.
@@ -106,7 +110,7 @@ class Dependence:
     """Distance correlation, or that of neighbours in time, 0 to 1."""
 
 
-def dependence(rows: Rows, values: Array, level: float, rng: np.random.Generator) -> Dependence | None:
+def find_dependence(rows: PatternRows, values: Array, level: float, rng: np.random.Generator) -> Dependence | None:
     """The variable that values (R,) depend on most surely; None if shuffled values do as well with probability `level`.
 
     All variables, for the residual and for its size (noise may grow), are tested at once: the largest of their
@@ -121,8 +125,8 @@ def dependence(rows: Rows, values: Array, level: float, rng: np.random.Generator
     kept = rows.block_starts[:: max(1, -(-len(rows.block_starts) // limits.most_rows))]
     names = [(variable, joint) for joint in range(len(rows.joints)) for variable in _VARIABLES]
     motion = rows.motion[kept]
-    distances = np.stack([_distances(_ranks(rows.did[v][kept, j], motion)).ravel() for v, j in names])
-    kinds = np.stack([_distances(values[kept]), _distances(np.abs(values[kept]))])
+    distances = np.stack([_compute_distances(_rank(rows.did[v][kept, j], motion)).ravel() for v, j in names])
+    kinds = np.stack([_compute_distances(values[kept]), _compute_distances(np.abs(values[kept]))])
     # order of rows in which those of each motion are shuffled among themselves
     orders = [
         np.arange(len(kept)),
@@ -144,7 +148,7 @@ def dependence(rows: Rows, values: Array, level: float, rng: np.random.Generator
     )
 
 
-def _ranks(values: Array, motion: IntArray) -> Array:
+def _rank(values: Array, motion: IntArray) -> Array:
     """Place of each value (R,) among those of its motion, 0 to 1, so that no motion's range hides the others'."""
     order = np.lexsort([values, motion])
     counts = np.bincount(motion)[motion]
@@ -155,7 +159,7 @@ def _ranks(values: Array, motion: IntArray) -> Array:
     return placed
 
 
-def _distances(values: Array) -> Array:
+def _compute_distances(values: Array) -> Array:
     """Distances between all pairs of values (R,), less the means of rows and columns."""
     apart = np.abs(values[:, None] - values)
     mean = apart.mean(axis=0)
@@ -163,7 +167,7 @@ def _distances(values: Array) -> Array:
     return centred
 
 
-def wandering(rows: Rows, values: Array, level: float) -> Dependence | None:
+def find_wandering(rows: PatternRows, values: Array, level: float) -> Dependence | None:
     """Whether values (R,) wander: blocks of a motion, a fifth of a second apart, agree in sign more than by chance."""
     limits = settings().patterns
     means, motion = rows.by_block(values[:, None])[:, 0], rows.motion[rows.block_starts]
@@ -171,7 +175,7 @@ def wandering(rows: Rows, values: Array, level: float) -> Dependence | None:
     before, after = means[pairs], means[pairs + limits.apart]
     size = np.abs(before * after)
     agreement = before * after / (size + np.median(size) + np.finfo(np.float64).tiny)
-    if symmetric_test(agreement[:, None])[0] > level:
+    if compute_sign_probability(agreement[:, None])[0] > level:
         return None
     alike = float(np.sum(before * after) / np.sqrt(np.sum(before**2) * np.sum(after**2)))
     return Dependence(variable="time", joint=None, correlation=max(alike, 0.0))

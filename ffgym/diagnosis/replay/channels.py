@@ -20,7 +20,7 @@ FAMILY = {"torque": "motor.effort", "link": "link.position"}
 """Family of columns that each channel is read from."""
 
 
-def late(values: Array, channel: str, effects: Sequence[Effect], log: Log) -> Array:
+def delay(values: Array, channel: str, effects: Sequence[Effect], log: Log) -> Array:
     """Values (T, M, N) of a channel as `effects` let them be written; the same array if none concerns it."""
     for effect in effects:
         if isinstance(effect, ClockEffect) and FAMILY.get(channel) in effect.families:
@@ -30,7 +30,7 @@ def late(values: Array, channel: str, effects: Sequence[Effect], log: Log) -> Ar
     return values
 
 
-def in_step(values: Array, channel: str, effects: Sequence[Effect], dt: float) -> Array:
+def undo_delay(values: Array, channel: str, effects: Sequence[Effect], dt: float) -> Array:
     """Measured values (T, ...) of a channel as they were sampled, beside positions of the same instants."""
     for effect in effects:
         if isinstance(effect, ClockEffect) and FAMILY.get(channel) in effect.families:
@@ -38,21 +38,21 @@ def in_step(values: Array, channel: str, effects: Sequence[Effect], dt: float) -
     return values
 
 
-def predicted(run: Replay) -> dict[Channel, Array]:
+def predict(run: Replay) -> dict[Channel, Array]:
     """What the log's channels would show, R rows each, through the log's low-pass."""
     log, sampling = run.log, run.log.sampling
     effects = run.machine.effects
-    found: dict[Channel, Array] = {"torque": sampling(late(run.torque, "torque", effects, log))}
+    found: dict[Channel, Array] = {"torque": sampling(delay(run.torque, "torque", effects, log))}
     if log.tool is not None:
-        found["tool"] = sampling(tracked(run))
+        found["tool"] = sampling(predict_tracker(run))
     if log.link is not None:
-        found["link"] = sampling(late(run.link_q, "link", effects, log))
+        found["link"] = sampling(delay(run.link_q, "link", effects, log))
     if log.shows_servo:
-        found["servo"] = sampling(servo_feedback(run.read, run.robot))
+        found["servo"] = sampling(predict_feedback(run.read, run.robot))
     return found
 
 
-def tracked(run: Replay, machine: Machine | None = None, every: int = 1) -> Array:
+def predict_tracker(run: Replay, machine: Machine | None = None, every: int = 1) -> Array:
     """Tool positions as the tracker of the machine, or of another one, would see them [m], (T, M, 3).
 
     At every n-th sample.
@@ -73,7 +73,7 @@ def tracked(run: Replay, machine: Machine | None = None, every: int = 1) -> Arra
     return position
 
 
-def servo_feedback(log: Log, robot: RobotDescription) -> Array:
+def predict_feedback(log: Log, robot: RobotDescription) -> Array:
     """Feedback torque of the documented servo on the measured error [N m], motor side, (T, M, N).
 
     The integral is that since the motion began; what it held before is a constant that nobody recorded.

@@ -47,19 +47,19 @@ _OF_LINKS = ("bodies", "tool", "springs", "gravity", "kinematics")
 """Parts of a description that decide what links ask for."""
 
 
-def same_links(one: RobotDescription, other: RobotDescription) -> bool:
+def have_same_links(one: RobotDescription, other: RobotDescription) -> bool:
     """Whether links ask for the same in the same motion."""
-    return all(alike(getattr(one, part), getattr(other, part)) for part in _OF_LINKS)
+    return all(have_same_numbers(getattr(one, part), getattr(other, part)) for part in _OF_LINKS)
 
 
-def alike(one: Any, other: Any) -> bool:
+def have_same_numbers(one: Any, other: Any) -> bool:
     """Whether two parts of a description have the same numbers."""
     if one is other:
         return True
     if is_dataclass(one) and is_dataclass(other) and type(one) is type(other):
-        return all(alike(getattr(one, f.name), getattr(other, f.name)) for f in fields(one))
+        return all(have_same_numbers(getattr(one, f.name), getattr(other, f.name)) for f in fields(one))
     if isinstance(one, tuple | list) and isinstance(other, tuple | list):
-        return len(one) == len(other) and all(alike(a, b) for a, b in zip(one, other, strict=True))
+        return len(one) == len(other) and all(have_same_numbers(a, b) for a, b in zip(one, other, strict=True))
     return bool(np.array_equal(one, other))
 
 
@@ -154,9 +154,9 @@ def replay(
     """
     robot, read = machine.physical, log
     drive, log = robot.drive, _truly(log, machine)
-    if like is not None and (like.log is not log or not same_links(like.robot, robot)):
+    if like is not None and (like.log is not log or not have_same_links(like.robot, robot)):
         like = None
-    alike_driven = like if like is not None and alike(like.robot.drive, drive) else None
+    alike_driven = like if like is not None and have_same_numbers(like.robot.drive, drive) else None
     # terms of the links: known ones, those of other masses, or new ones
     known = like if like is not None else nearby
     if known is not None:
@@ -164,7 +164,7 @@ def replay(
     elif (
         beside is not None
         and beside.log is log
-        and alike(beside.robot.kinematics, robot.kinematics)
+        and have_same_numbers(beside.robot.kinematics, robot.kinematics)
         and np.all(beside.robot.drive.is_rigid == drive.is_rigid)
     ):
         elastic = np.flatnonzero(~drive.is_rigid)

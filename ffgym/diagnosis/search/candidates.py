@@ -6,18 +6,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ffgym.core.types import Array, IntArray
-from ffgym.diagnosis.calibration import Doubt
-from ffgym.diagnosis.column import Column, together
-from ffgym.diagnosis.evidence import Blocks, Stack, Values, stack_of
-from ffgym.diagnosis.push import Parts
+from ffgym.diagnosis.normal_equations import DesignMatrix, TimeBlocks, Values, build_design_matrix
+from ffgym.diagnosis.nuisance import NuisanceParameter
+from ffgym.diagnosis.perturbation import Parts
 from ffgym.diagnosis.residual import Channel
+from ffgym.diagnosis.sensitivity import Sensitivity, group_candidates
 from ffgym.diagnosis.settings import settings
 from ffgym.diagnosis.solving import Candidate, Priors
-from ffgym.diagnosis.variant import step_of
+from ffgym.diagnosis.variant import compute_step
 
 
-def surrogates(
-    draws: Mapping[Channel, Array], blocks: Blocks, calibration: Sequence[Parts], rng: np.random.Generator
+def draw_surrogates(
+    draws: Mapping[Channel, Array], blocks: TimeBlocks, nuisance_columns: Sequence[Parts], rng: np.random.Generator
 ) -> Values:
     """Residuals (R, M, K) by component of K faultless logs.
 
@@ -27,13 +27,13 @@ def surrogates(
     Args:
         draws: residuals of faultless replays (R, M, C, D).
         blocks: of rows.
-        calibration: columns per standard deviation.
+        nuisance_columns: columns per standard deviation.
         rng: draws signs and errors.
     """
     prior_limits = settings().prior
     screening_limits = settings().screening
     errors = np.clip(
-        rng.normal(size=(len(calibration), screening_limits.surrogates)),
+        rng.normal(size=(len(nuisance_columns), screening_limits.surrogates)),
         -prior_limits.bound,
         prior_limits.bound,
     )
@@ -43,7 +43,7 @@ def surrogates(
             pick = rng.integers(rows.shape[3], size=screening_limits.surrogates)
             signs = rng.choice([-1.0, 1.0], size=(len(blocks) + 1, screening_limits.surrogates))
             found[channel, c] = rows[:, :, c, pick] * signs[blocks.of_row]
-    for column, sizes in zip(calibration, errors, strict=True):
+    for column, sizes in zip(nuisance_columns, errors, strict=True):
         for key, rows in column.items():
             if key in found:
                 found[key] += rows[..., None] * sizes
@@ -58,42 +58,42 @@ _WIDE = 10.0
 class Candidates:
     """Columns of calibration and effects, scaled to standard deviations and practical steps."""
 
-    doubts: tuple[Doubt, ...]
-    columns: tuple[Column, ...]
+    nuisances: tuple[NuisanceParameter, ...]
+    columns: tuple[Sensitivity, ...]
     """Of effects, without their rows, which are hundreds of megabytes."""
     groups: tuple[Candidate, ...]
     """Effect, joint and shape, with places among all columns: calibration first."""
     scale: Array
     """Standard deviation or step of each column, in its parameter's unit, shape (P,)."""
     priors: Priors
-    stack: Stack
+    design: DesignMatrix
     """Of all columns, scaled."""
 
     @property
-    def calibration(self) -> IntArray:
+    def nuisance_places(self) -> IntArray:
         """Places of the calibration's columns."""
-        return np.arange(len(self.doubts))
+        return np.arange(len(self.nuisances))
 
-    def first(self, group: Candidate) -> Column:
+    def first(self, group: Candidate) -> Sensitivity:
         """A column of a candidate: all have its effect and joint."""
-        return self.columns[int(group.columns[0]) - len(self.doubts)]
+        return self.columns[int(group.columns[0]) - len(self.nuisances)]
 
-    def of(self, group: Candidate) -> list[Column]:
+    def of(self, group: Candidate) -> list[Sensitivity]:
         """All columns of a candidate."""
-        return [self.columns[int(i) - len(self.doubts)] for i in group.columns]
+        return [self.columns[int(i) - len(self.nuisances)] for i in group.columns]
 
-    def beside(self, columns: Sequence[Column]) -> "Candidates":
+    def beside(self, columns: Sequence[Sensitivity]) -> "Candidates":
         """These, and those that other columns make, which are adopted together."""
         groups = []
-        for places in together(columns):
+        for places in group_candidates(columns):
             first = columns[places[0]]
             p = first.effect.parameters()[first.parameter]
             one_sided = len(places) == 1 and p.minimum == p.null
             groups.append(Candidate(columns=np.array(places) + len(self.scale), one_sided=one_sided))
-        scale = np.array([abs(step_of(c.effect.parameters()[c.parameter])) for c in columns])
+        scale = np.array([abs(compute_step(c.effect.parameters()[c.parameter])) for c in columns])
         wide, endless = np.full(len(columns), _WIDE**-2), np.full(len(columns), np.inf)
         return Candidates(
-            doubts=self.doubts,
+            nuisances=self.nuisances,
             columns=(*self.columns, *(replace(column, parts={}) for column in columns)),  # the stack has their rows
             groups=(*self.groups, *groups),
             scale=np.concatenate([self.scale, scale]),
@@ -102,23 +102,25 @@ class Candidates:
                 low=np.concatenate([self.priors.low, -endless]),
                 high=np.concatenate([self.priors.high, endless]),
             ),
-            stack=self.stack.beside([column.parts for column in columns], scale),
+            design=self.design.beside([column.parts for column in columns], scale),
         )
 
 
-def candidates_of(doubts: Sequence[Doubt], columns: Sequence[Column], blocks: Blocks, weights: Values) -> Candidates:
+def build_candidates(
+    nuisances: Sequence[NuisanceParameter], columns: Sequence[Sensitivity], blocks: TimeBlocks, weights: Values
+) -> Candidates:
     """Candidates that columns make, beside calibration errors; weighted as evidence is."""
-    sigma = np.array([doubt.sigma for doubt in doubts])
+    sigma = np.array([nuisance.sigma for nuisance in nuisances])
     none = Candidates(
-        doubts=tuple(doubts),
+        nuisances=tuple(nuisances),
         columns=(),
         groups=(),
         scale=sigma,
         priors=Priors(
-            precision=np.ones(len(doubts)),
-            low=np.array([doubt.limits[0] for doubt in doubts]),
-            high=np.array([doubt.limits[1] for doubt in doubts]),
+            precision=np.ones(len(nuisances)),
+            low=np.array([nuisance.limits[0] for nuisance in nuisances]),
+            high=np.array([nuisance.limits[1] for nuisance in nuisances]),
         ),
-        stack=stack_of(blocks, [doubt.column.parts for doubt in doubts], weights, sigma),
+        design=build_design_matrix(blocks, [nuisance.column.parts for nuisance in nuisances], weights, sigma),
     )
     return none.beside(columns)

@@ -8,18 +8,18 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array, IntArray
-from ffgym.diagnosis.column import Column
-from ffgym.diagnosis.evidence import Evidence, half_folds, motion_folds
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
+from ffgym.diagnosis.normal_equations import NormalEquations, make_half_folds, make_motion_folds
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.search.candidates import Candidates
+from ffgym.diagnosis.sensitivity import Sensitivity
 from ffgym.diagnosis.settings import settings
-from ffgym.diagnosis.solving import bounded, fitted, screen
+from ffgym.diagnosis.solving import screen, solve, solve_bounded
 from ffgym.effects.parameters import Parameter
 from ffgym.robot import RobotDescription
 
 
-def hypothesis_of(columns: Sequence[Column], sizes: Array, robot: RobotDescription) -> Hypothesis:
+def build_hypothesis(columns: Sequence[Sensitivity], sizes: Array, robot: RobotDescription) -> Hypothesis:
     """A hypothesis from the columns of a candidate and what a linear fit gives them, in units of their parameters.
 
     What spans a phase gives amplitude and phase; what spans a linear shape gives its mean, weighted by sizes. Shares
@@ -31,7 +31,7 @@ def hypothesis_of(columns: Sequence[Column], sizes: Array, robot: RobotDescripti
     for p in kind.parameters().values():
         own = [(c, float(x)) for c, x in zip(columns, sizes, strict=True) if c.parameter == p.name]
         if p.role != "size":
-            values[p.name] = _shape(p, columns, sizes)
+            values[p.name] = _choose_shape(p, columns, sizes)
         elif p.per == "vector":
             moved = np.array([sum(x for c, x in own if c.part == k) for k in range(3)])
             values[p.name] = np.clip(p.neutral + moved, p.minimum, p.maximum)
@@ -46,7 +46,7 @@ def hypothesis_of(columns: Sequence[Column], sizes: Array, robot: RobotDescripti
     return Hypothesis(kind=kind, joint=joint, source=source, values=values)
 
 
-def _shape(p: Parameter, columns: Sequence[Column], sizes: Array) -> Array:
+def _choose_shape(p: Parameter, columns: Sequence[Sensitivity], sizes: Array) -> Array:
     """Value of a shape parameter: chosen, or what the fit says of the values that span it."""
     default = p.neutral if p.default is None else p.default
     neutral = np.full(3, default) if p.per == "vector" else np.array(default)
@@ -84,79 +84,83 @@ class Ranking:
         return bool(self.score[i] > self.threshold)
 
 
-def ranked(evidence: Evidence, candidates: Candidates, calibration: IntArray, *, with_most: bool = True) -> Ranking:
+def rank(equations: NormalEquations, candidates: Candidates, nuisances: IntArray, *, with_most: bool = True) -> Ranking:
     """Rank candidates by what they remove from halves and motions that were left out.
 
     Args:
-        evidence: of the log's residual first, then of those of faultless logs.
+        equations: of the log's residual first, then of those of faultless logs.
         candidates: with the columns of the evidence.
-        calibration: places of columns that are fitted beside each candidate.
+        nuisances: places of columns that are fitted beside each candidate.
         with_most: whether scores at the largest plausible sizes are wanted, too.
     """
-    halves, _ = screen(evidence, half_folds(evidence.blocks), calibration, candidates.groups, candidates.priors)
+    halves, _ = screen(equations, make_half_folds(equations.blocks), nuisances, candidates.groups, candidates.priors)
     motions = halves
-    if folds := motion_folds(evidence.blocks):
-        motions, _ = screen(evidence, folds, calibration, candidates.groups, candidates.priors)
-    per = float(evidence.rows.sum()) / evidence.n_components
+    if folds := make_motion_folds(equations.blocks):
+        motions, _ = screen(equations, folds, nuisances, candidates.groups, candidates.priors)
+    per = float(equations.rows.sum()) / equations.n_components
     score = 0.5 * (halves / per + motions / per)
     chance = score[:, 1:].max(axis=0) if score.shape[1] > 1 else np.zeros(1)
     return Ranking(
         score=score[:, 0],
         order=np.argsort(-score[:, 0], kind="stable"),
-        threshold=_extreme(chance),
-        most=_largest(evidence, candidates, calibration) / per if with_most else np.zeros(0),
+        threshold=_estimate_extreme(chance),
+        most=_compute_largest(equations, candidates, nuisances) / per if with_most else np.zeros(0),
     )
 
 
-def _largest(evidence: Evidence, candidates: Candidates, calibration: IntArray) -> Array:
+def _compute_largest(equations: NormalEquations, candidates: Candidates, nuisances: IntArray) -> Array:
     """Energy that calibration cannot imitate of each candidate's loudest column, at the end of its range.
 
     Calibration errors have bounds: what is as large as a plausible effect may be beyond all of them together.
     """
     limits = settings().screening
-    gram, priors = evidence.gram.sum(axis=0), candidates.priors
-    inner, precision = gram[np.ix_(calibration, calibration)], priors.precision[calibration]
-    low, high = priors.low[calibration], priors.high[calibration]
-    cross = gram[calibration] / limits.step
+    gram, priors = equations.gram.sum(axis=0), candidates.priors
+    inner, precision = gram[np.ix_(nuisances, nuisances)], priors.precision[nuisances]
+    low, high = priors.low[nuisances], priors.high[nuisances]
+    cross = gram[nuisances] / limits.step
     x = np.linalg.solve(inner + np.diag(precision), cross)
     for p in np.flatnonzero(np.any((x < low[:, None]) | (x > high[:, None]), axis=0)):
-        x[:, p] = bounded(inner, cross[:, p], precision, low, high)
+        x[:, p] = solve_bounded(inner, cross[:, p], precision, low, high)
     own = np.diagonal(gram) / limits.step**2 - np.sum(x * (2 * cross - inner @ x - precision[:, None] * x), axis=0)
     return np.array([own[group.columns].max() for group in candidates.groups])
 
 
-def _extreme(largest: Array) -> float:
+def _estimate_extreme(largest: Array) -> float:
     """The LEVEL quantile of largest scores, by the distribution that largest values have (Gumbel's)."""
     spread = max(float(np.std(largest)), 1e-12) * np.sqrt(6) / np.pi
     middle = float(np.mean(largest)) - np.euler_gamma * spread
     return float(max(middle - spread * np.log(-np.log(settings().screening.level)), largest.max()))
 
 
-def start_of(
-    evidence: Evidence, candidates: Candidates, i: int, calibration: IntArray, robot: RobotDescription
+def propose_start(
+    equations: NormalEquations, candidates: Candidates, i: int, nuisances: IntArray, robot: RobotDescription
 ) -> Hypothesis:
     """The hypothesis that a candidate begins with: the linear fit beside the calibration."""
     group = candidates.groups[i]
-    sizes = _linear_fit(evidence, candidates, i, calibration) * candidates.scale[group.columns]
-    return hypothesis_of(candidates.of(group), sizes, robot)
+    sizes = _fit_linearly(equations, candidates, i, nuisances) * candidates.scale[group.columns]
+    return build_hypothesis(candidates.of(group), sizes, robot)
 
 
-def acts_on(evidence: Evidence, candidates: Candidates, i: int, calibration: IntArray) -> dict[Component, float]:
+def find_changed_components(
+    equations: NormalEquations, candidates: Candidates, i: int, nuisances: IntArray
+) -> dict[Component, float]:
     """In which components a candidate changes the predictions, by a linear fit: shares of the energy of that."""
-    energy = evidence.stack.energy_of(candidates.groups[i].columns, _linear_fit(evidence, candidates, i, calibration))
+    energy = equations.design.energy_of(
+        candidates.groups[i].columns, _fit_linearly(equations, candidates, i, nuisances)
+    )
     total = sum(energy.values())
     return {key: value / total for key, value in energy.items()} if total else {}
 
 
-def overlap(one: Mapping[Component, float], other: Mapping[Component, float]) -> float:
+def compute_overlap(one: Mapping[Component, float], other: Mapping[Component, float]) -> float:
     """Share of what two candidates change that both of them change."""
     return sum(min(value, other.get(key, 0.0)) for key, value in one.items())
 
 
-def _linear_fit(evidence: Evidence, candidates: Candidates, i: int, calibration: IntArray) -> Array:
+def _fit_linearly(equations: NormalEquations, candidates: Candidates, i: int, nuisances: IntArray) -> Array:
     """Of a candidate's columns beside the calibration, scaled as they are, small where they are alike."""
     own = candidates.groups[i].columns
     precision = candidates.priors.precision.copy()
-    precision[own] = np.maximum(precision[own], settings().screening.ridge * evidence.gram[:, own, own].sum(axis=0))
-    places = np.concatenate([calibration, own])
-    return fitted(evidence, places, replace(candidates.priors, precision=precision))[len(calibration) :]
+    precision[own] = np.maximum(precision[own], settings().screening.ridge * equations.gram[:, own, own].sum(axis=0))
+    places = np.concatenate([nuisances, own])
+    return solve(equations, places, replace(candidates.priors, precision=precision))[len(nuisances) :]

@@ -10,53 +10,53 @@ from dataclasses import dataclass
 import numpy as np
 
 from ffgym.diagnosis.computing import FAILED
-from ffgym.diagnosis.fit.fit import loudness, removed, touched, without_calibration
-from ffgym.diagnosis.fit.hypothesis import Hypothesis, Place
-from ffgym.diagnosis.fit.setting import Setting
-from ffgym.diagnosis.result import Rival, label_of
+from ffgym.diagnosis.fit.fit import compute_explained, find_touched, loudness, subtract_nuisances
+from ffgym.diagnosis.fit.hypothesis import Hypothesis, HypothesisKey
+from ffgym.diagnosis.fit.problem import FitProblem
+from ffgym.diagnosis.result import Rival, make_label
 from ffgym.diagnosis.search.candidates import Candidates
-from ffgym.diagnosis.search.found import Round, Tried, found_in, judged_with
 from ffgym.diagnosis.search.ranking import Ranking
-from ffgym.diagnosis.search.worth import removed_by
+from ffgym.diagnosis.search.rounds import ScoredFit, SearchRound, find_adoption, fit_and_score
+from ffgym.diagnosis.search.significance import compute_explained_by_newest
 from ffgym.diagnosis.settings import settings
 
 ALIKE_TEXT = "explains the log as well: these motions cannot tell both apart"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Comparison:
+class RivalComparison:
     """Causes beside what was fitted in the place of each of them."""
 
     rivals: tuple[Rival, ...]
-    better: Tried | None
+    better: ScoredFit | None
     """All causes, with a rival in the place of one of them, if that leaves less on rows that were not used."""
 
 
-def compared(
-    setting: Setting, nominal: Tried, fitted: Tried, rounds: Sequence[Round], rng: np.random.Generator
-) -> Comparison:
+def compare_rivals(
+    problem: FitProblem, nominal: ScoredFit, fitted: ScoredFit, rounds: Sequence[SearchRound], rng: np.random.Generator
+) -> RivalComparison:
     """What was fitted in the place of each cause that stayed; what was adopted beside it is no rival."""
     found = []
     for one in rounds:
         stands = one.of(fitted.fit.hypotheses)
         if one.adopted and stands is not None:
             others = [other for other in one.tried if not other.hypothesis.is_among(fitted.fit.hypotheses)]
-            found += [_against(setting, nominal, fitted, one.before, stands, other, rng) for other in others]
+            found += [_contest(problem, nominal, fitted, one.before, stands, other, rng) for other in others]
     better = [one.instead for one in found if one.instead is not None and _is_better(one.instead, fitted, one.tied)]
     sure = {h.place for h in fitted.fit.hypotheses if not any(one.tied and one.best.repeats(h) for one in found)}
-    return Comparison(
+    return RivalComparison(
         rivals=tuple(one.rival(sure, fitted) for one in found),
         better=min(better, key=lambda tried: tried.total, default=None),
     )
 
 
-def _oddity(tried: Tried) -> tuple[int, int]:
+def _count_oddities(tried: ScoredFit) -> tuple[int, int]:
     """Sizes that are not plausible, then effects: of explanations that tie, the one with fewer stands."""
     hypotheses = tried.fit.hypotheses
     return sum(h.implausible is not None for h in hypotheses), len({h.place for h in hypotheses})
 
 
-def _implausible_size(instead: Tried, fitted: Tried) -> str:
+def _describe_implausible(instead: ScoredFit, fitted: ScoredFit) -> str:
     """A size that is not plausible beside a rival, but is with the cause; in words."""
     known = {h.place for h in fitted.fit.hypotheses if h.implausible is not None}
     odd = (h for h in reversed(instead.fit.hypotheses) if h.implausible is not None and h.place not in known)
@@ -65,15 +65,15 @@ def _implausible_size(instead: Tried, fitted: Tried) -> str:
     return f"{own.implausible}{of}"
 
 
-def _is_better(instead: Tried, fitted: Tried, is_tied: bool) -> bool:
-    now, then = _oddity(fitted), _oddity(instead)
-    if _numbers(instead) > _numbers(fitted):
+def _is_better(instead: ScoredFit, fitted: ScoredFit, is_tied: bool) -> bool:
+    now, then = _count_oddities(fitted), _count_oddities(instead)
+    if _count_numbers(instead) > _count_numbers(fitted):
         return False
     return then < now if is_tied and then != now else instead.total < fitted.total
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class _Against:
+class _Contest:
     """A cause, and what was fitted in its place."""
 
     best: Hypothesis
@@ -82,16 +82,16 @@ class _Against:
     tied: bool
     lost: str
     """Why it lost, unless it ties."""
-    instead: Tried | None
+    instead: ScoredFit | None
     """All causes with it in the place of the best, if they were fitted."""
 
-    def rival(self, sure: Container[Place], fitted: Tried) -> Rival:
+    def rival(self, sure: Container[HypothesisKey], fitted: ScoredFit) -> Rival:
         """As it is told, where causes of the places `sure` have a wave with which nothing ties."""
         tied, reason = self.tied, ALIKE_TEXT if self.tied else self.lost
         if tied and self.best.place in sure:
             tied, reason = False, "explains this wave as well, and no other wave of the cause"
-        elif tied and self.instead is not None and _oddity(self.instead)[0] > _oddity(fitted)[0]:
-            tied, reason = False, f"explains as much, but would take a {_implausible_size(self.instead, fitted)}"
+        elif tied and self.instead is not None and _count_oddities(self.instead)[0] > _count_oddities(fitted)[0]:
+            tied, reason = False, f"explains as much, but would take a {_describe_implausible(self.instead, fitted)}"
         return Rival(
             effect=self.other.kind.name,
             joint=self.other.joint,
@@ -102,45 +102,51 @@ class _Against:
         )
 
 
-def _against(
-    setting: Setting, nominal: Tried, fitted: Tried, before: Tried, best: Tried, other: Tried, rng: np.random.Generator
-) -> _Against:
+def _contest(
+    problem: FitProblem,
+    nominal: ScoredFit,
+    fitted: ScoredFit,
+    before: ScoredFit,
+    best: ScoredFit,
+    other: ScoredFit,
+    rng: np.random.Generator,
+) -> _Contest:
     limits = settings().rivals
-    share = _share(setting, before, best, other)
+    share = _compute_share(problem, before, best, other)
     others = [h for h in fitted.fit.hypotheses if not best.hypothesis.repeats(h)]
-    tied, instead = share >= limits.instead and _is_tied(setting, before, best, other, rng), None
+    tied, instead = share >= limits.instead and _is_tied(problem, before, best, other, rng), None
     if best.hypothesis.kind.name in other.hypothesis.kind.generalises:
         tied = False  # it was fitted beside it, explains no more, and has more numbers
     elif others and (tied or share >= limits.near):  # what further causes explain may have hidden the difference
         with suppress(*FAILED):  # no machine may be able to be so
-            instead = judged_with(setting, (*others, other.hypothesis), fitted.fit)
-        tied = instead is not None and _is_tied(setting, nominal, fitted, instead, rng)
+            instead = fit_and_score(problem, (*others, other.hypothesis), fitted.fit)
+        tied = instead is not None and _is_tied(problem, nominal, fitted, instead, rng)
     elif tied and len(other.fit.hypotheses) == 1:
         instead = other
     lost = f"leaves {other.total / best.total:.3g} times the energy on rows that were not used"
     if share < limits.instead:
         lost = f"explains little of what {best.hypothesis.label} does"
-    return _Against(
+    return _Contest(
         best=best.hypothesis,
         other=other.hypothesis,
-        gain=removed_by(setting, before, other).of_excess,
+        gain=compute_explained_by_newest(problem, before, other).of_excess,
         tied=tied,
         lost=lost,
         instead=instead,
     )
 
 
-def _share(setting: Setting, before: Tried, best: Tried, other: Tried) -> float:
+def _compute_share(problem: FitProblem, before: ScoredFit, best: ScoredFit, other: ScoredFit) -> float:
     """What a rival removes where the best acts, as a share of what that removes there."""
-    loud, by_best, by_other = (
-        loudness(setting, without_calibration(setting, one.fit)) for one in (before, best, other)
-    )
-    where = touched(setting, list(best.fit.columns[-len(best.hypothesis.free()) :]))
-    gone = removed(loud, by_best, where).of_excess
-    return removed(loud, by_other, where).of_excess / max(gone, 1e-9)
+    loud, by_best, by_other = (loudness(problem, subtract_nuisances(problem, one.fit)) for one in (before, best, other))
+    where = find_touched(problem, list(best.fit.columns[-len(best.hypothesis.list_free()) :]))
+    gone = compute_explained(loud, by_best, where).of_excess
+    return compute_explained(loud, by_other, where).of_excess / max(gone, 1e-9)
 
 
-def _is_tied(setting: Setting, before: Tried, best: Tried, other: Tried, rng: np.random.Generator) -> bool:
+def _is_tied(
+    problem: FitProblem, before: ScoredFit, best: ScoredFit, other: ScoredFit, rng: np.random.Generator
+) -> bool:
     """Whether another explanation is as good, by resamples or as good as an inexact equation can tell."""
     # resamples of what it leaves more in each block
     limits = settings().rivals
@@ -149,37 +155,39 @@ def _is_tied(setting: Setting, before: Tried, best: Tried, other: Tried, rng: np
     if np.quantile(more[picks].sum(axis=1), limits.tied) <= 0:
         return True
     allowed = limits.alike * (before.total - best.total)
-    if _numbers(other) == _numbers(best):
-        allowed = min(allowed, _inexactness(setting, best))
-    return bool(_numbers(other) <= _numbers(best) and other.total - best.total <= allowed)
+    if _count_numbers(other) == _count_numbers(best):
+        allowed = min(allowed, _compute_inexactness(problem, best))
+    return bool(_count_numbers(other) <= _count_numbers(best) and other.total - best.total <= allowed)
 
 
-def _inexactness(setting: Setting, best: Tried) -> float:
+def _compute_inexactness(problem: FitProblem, best: ScoredFit) -> float:
     """Energy above that of noise that an explanation leaves where its causes act, or that the floor leaves open."""
-    loud, total = loudness(setting, without_calibration(setting, best.fit)), 0.0
-    for key in touched(setting, list(best.fit.columns)):
-        rows = np.count_nonzero(np.broadcast_to(setting.weights[key], setting.blocks.of_row.shape))
+    loud, total = loudness(problem, subtract_nuisances(problem, best.fit)), 0.0
+    for key in find_touched(problem, list(best.fit.columns)):
+        rows = np.count_nonzero(np.broadcast_to(problem.weights[key], problem.blocks.of_row.shape))
         total += max(loud[key] - 1.0, settings().rivals.unsure_floor) * rows
     return total
 
 
-def _numbers(tried: Tried) -> int:
+def _count_numbers(tried: ScoredFit) -> int:
     """Numbers that were fitted."""
-    return sum(len(hypothesis.free()) for hypothesis in tried.fit.hypotheses)
+    return sum(len(hypothesis.list_free()) for hypothesis in tried.fit.hypotheses)
 
 
-def tied_among(hypotheses: Sequence[Hypothesis], rivals: Sequence[Rival]) -> list[Hypothesis]:
+def select_tied(hypotheses: Sequence[Hypothesis], rivals: Sequence[Rival]) -> list[Hypothesis]:
     """Hypotheses that a rival cannot be told from."""
     against = {rival.against for rival in rivals if rival.tied}
     return [hypothesis for hypothesis in hypotheses if hypothesis.label in against]
 
 
-def as_rivals(unsure: Sequence[Hypothesis], rivals: Sequence[Rival], rounds: Sequence[Round]) -> tuple[Rival, ...]:
+def turn_into_rivals(
+    unsure: Sequence[Hypothesis], rivals: Sequence[Rival], rounds: Sequence[SearchRound]
+) -> tuple[Rival, ...]:
     """Causes that were dropped because a rival cannot be told from them, as rivals of that one."""
-    against = {rival.against: label_of(rival.effect, rival.joint) for rival in rivals if rival.tied}
+    against = {rival.against: make_label(rival.effect, rival.joint) for rival in rivals if rival.tied}
     found = []
     for one in unsure:
-        then, tried = found_in(rounds, one)
+        then, tried = find_adoption(rounds, one)
         gain = 1.0 - tried.total / then.before.total  # share that it removed in the round in which it was found
         found.append(
             Rival(
@@ -194,8 +202,8 @@ def as_rivals(unsure: Sequence[Hypothesis], rivals: Sequence[Rival], rounds: Seq
     return tuple(found)
 
 
-def lookalikes(
-    setting: Setting, candidates: Candidates, ranking: Ranking, before: Tried, adopted: Tried
+def find_lookalikes(
+    problem: FitProblem, candidates: Candidates, ranking: Ranking, before: ScoredFit, adopted: ScoredFit
 ) -> tuple[Rival, ...]:
     """Rivals of a cause by the library's list of confusable effects, each with the best of its shapes."""
     cause, scores = adopted.hypothesis, dict[tuple[str, str], float]()
@@ -206,7 +214,7 @@ def lookalikes(
     own = scores.pop((cause.kind.name, cause.joint), 0.0)
     if own <= 0:
         return ()
-    gain = removed_by(setting, before, adopted).of_excess
+    gain = compute_explained_by_newest(problem, before, adopted).of_excess
     return tuple(
         Rival(
             effect=effect,
@@ -220,7 +228,7 @@ def lookalikes(
     )
 
 
-def without_rival(rounds: tuple[Round, ...], final: Tried, rivals: tuple[Rival, ...]) -> tuple[Rival, ...]:
+def list_uncompared(rounds: tuple[SearchRound, ...], final: ScoredFit, rivals: tuple[Rival, ...]) -> tuple[Rival, ...]:
     """Lookalikes of the causes that nothing was compared with."""
     compared = {rival.against for rival in rivals}
     causes = {hypothesis.label for hypothesis in final.fit.hypotheses}

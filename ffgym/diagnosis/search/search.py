@@ -6,16 +6,38 @@ from dataclasses import replace
 import numpy as np
 
 from ffgym.diagnosis.computing import FAILED, trim_heap
-from ffgym.diagnosis.evidence import Evidence, Values
-from ffgym.diagnosis.fit.fit import Fit, left_by
-from ffgym.diagnosis.fit.hypothesis import Hypothesis, Place, machine_with
-from ffgym.diagnosis.fit.refine import corrected
-from ffgym.diagnosis.fit.setting import Setting, values_of
+from ffgym.diagnosis.fit.fit import Fit, compute_rss
+from ffgym.diagnosis.fit.hypothesis import Hypothesis, HypothesisKey, build_machine
+from ffgym.diagnosis.fit.problem import FitProblem, split_components
+from ffgym.diagnosis.fit.refine import correct_bias
+from ffgym.diagnosis.normal_equations import NormalEquations, Values
 from ffgym.diagnosis.search.candidates import Candidates
-from ffgym.diagnosis.search.found import Found, Round, Tried, judged_with, refitted, scored, slimmed, without_needless
-from ffgym.diagnosis.search.ranking import Component, Ranking, acts_on, overlap, ranked, start_of
-from ffgym.diagnosis.search.rivals import as_rivals, compared, lookalikes, tied_among, without_rival
-from ffgym.diagnosis.search.worth import explains_most, is_worth
+from ffgym.diagnosis.search.ranking import (
+    Component,
+    Ranking,
+    compute_overlap,
+    find_changed_components,
+    propose_start,
+    rank,
+)
+from ffgym.diagnosis.search.rivals import (
+    compare_rivals,
+    find_lookalikes,
+    list_uncompared,
+    select_tied,
+    turn_into_rivals,
+)
+from ffgym.diagnosis.search.rounds import (
+    ScoredFit,
+    SearchResult,
+    SearchRound,
+    drop_needless,
+    fit_and_score,
+    prune,
+    refit,
+    score,
+)
+from ffgym.diagnosis.search.significance import explains_most, is_significant
 from ffgym.diagnosis.settings import settings
 
 _HALVINGS = 4
@@ -26,49 +48,49 @@ Report = Callable[[str, float], None]
 
 
 def search(
-    setting: Setting,
+    problem: FitProblem,
     candidates: Callable[[Fit], Candidates],
-    faultless: Values,
+    null_residuals: Values,
     rng: np.random.Generator,
     report: Report = lambda what, share: None,
     most: int = settings().search.most_causes,
-) -> Found:
+) -> SearchResult:
     """Find the effects that explain a log.
 
     Args:
-        setting: the log.
+        problem: the log.
         candidates: effects to try beside those of a fit; frequencies are looked for in what it leaves.
-        faultless: residuals of faultless logs, (R, M, K) by component.
+        null_residuals: residuals of faultless logs, (R, M, K) by component.
         rng: resamples blocks.
         report: told what is done.
         most: causes to be found, from 1 to MOST; each wave of one that repeats with an angle counts.
     """
-    nominal = now = judged_with(setting, ())
+    nominal = now = fit_and_score(problem, ())
     first = candidates(now.fit)
-    rounds, needless = [_round(setting, first, faultless, nominal, now, (), report)], list[Hypothesis]()
+    rounds, needless = [_run_round(problem, first, null_residuals, nominal, now, (), report)], list[Hypothesis]()
     while (one := rounds[-1]).adopted:
-        grown = refitted(setting, one.tried[0])
-        now = without_needless(setting, grown)
+        grown = refit(problem, one.tried[0])
+        now = drop_needless(problem, grown)
         needless += [h for h in grown.fit.hypotheses if not h.is_among(now.fit.hypotheses)]
         if len(now.fit.hypotheses) >= most:
             break
-        rounds.append(_round(setting, candidates(now.fit), faultless, nominal, now, needless, report))
-    beside = compared(setting, nominal, now, rounds, rng)
+        rounds.append(_run_round(problem, candidates(now.fit), null_residuals, nominal, now, needless, report))
+    beside = compare_rivals(problem, nominal, now, rounds, rng)
     for _ in range(settings().search.exchanges):
         if beside.better is None:
             break
-        now = without_needless(setting, refitted(setting, beside.better))
-        beside = compared(setting, nominal, now, rounds, rng)
+        now = drop_needless(problem, refit(problem, beside.better))
+        beside = compare_rivals(problem, nominal, now, rounds, rng)
     rivals = beside.rivals
-    unsure = tied_among(now.fit.hypotheses, rivals)
+    unsure = select_tied(now.fit.hypotheses, rivals)
     sure = [hypothesis for hypothesis in now.fit.hypotheses if hypothesis not in unsure]
     if sure and unsure:
-        rivals = (*rivals, *as_rivals(unsure, rivals, rounds))
-    rivals = (*rivals, *without_rival(tuple(rounds), now, rivals))
-    final = _final(setting, nominal, now, sure or now.fit.hypotheses, report)
+        rivals = (*rivals, *turn_into_rivals(unsure, rivals, rounds))
+    rivals = (*rivals, *list_uncompared(tuple(rounds), now, rivals))
+    final = _conclude(problem, nominal, now, sure or now.fit.hypotheses, report)
     is_left_out = bool(sure and unsure and final.fit.hypotheses)
-    rows = float(now.fit.evidence.rows.sum())
-    return Found(
+    rows = float(now.fit.equations.rows.sum())
+    return SearchResult(
         nominal=nominal,
         candidates=first,
         final=final,
@@ -80,81 +102,83 @@ def search(
     )
 
 
-def _final(setting: Setting, nominal: Tried, now: Tried, kept: Sequence[Hypothesis], report: Report) -> Tried:
+def _conclude(
+    problem: FitProblem, nominal: ScoredFit, now: ScoredFit, kept: Sequence[Hypothesis], report: Report
+) -> ScoredFit:
     """The model with those causes that are kept; the nominal one if all together explain too little.
 
     What a cause explains that ties with a rival is explained by one of both, whoever it is. A cause of which nothing is
     left once all of it is fitted together is none.
     """
-    if not kept or not explains_most(setting, nominal, now):
+    if not kept or not explains_most(problem, nominal, now):
         return nominal
     report("fitting all of it once more", 1.0)
-    model = now if len(kept) == len(now.fit.hypotheses) else judged_with(setting, kept)
-    fitted = scored(setting, corrected(setting, model.fit))
+    model = now if len(kept) == len(now.fit.hypotheses) else fit_and_score(problem, kept)
+    fitted = score(problem, correct_bias(problem, model.fit))
     there = [hypothesis for hypothesis in fitted.fit.hypotheses if not hypothesis.is_null]
-    return fitted if len(there) == len(fitted.fit.hypotheses) else _final(setting, nominal, now, there, report)
+    return fitted if len(there) == len(fitted.fit.hypotheses) else _conclude(problem, nominal, now, there, report)
 
 
-def _round(
-    setting: Setting,
+def _run_round(
+    problem: FitProblem,
     candidates: Candidates,
-    faultless: Values,
-    nominal: Tried,
-    now: Tried,
+    null_residuals: Values,
+    nominal: ScoredFit,
+    now: ScoredFit,
     needless: Sequence[Hypothesis],
     report: Report,
-) -> Round:
+) -> SearchRound:
     """Rank, fit the best, and see whether the best of those is to be adopted; if not, look at other joints."""
-    residual = values_of(now.fit.residual)
-    together = {key: np.concatenate([rows, faultless[key]], axis=2) for key, rows in residual.items()}
-    evidence = candidates.stack.evidence(together)
-    ranking = ranked(evidence, candidates, candidates.calibration, with_most=now is nominal)
-    chance = ranking.threshold * float(evidence.rows.sum()) / evidence.n_components
-    done, beaten = Round(before=now, ranking=ranking, tried=(), adopted=False), set[str]()
+    residual = split_components(now.fit.residual)
+    together = {key: np.concatenate([rows, null_residuals[key]], axis=2) for key, rows in residual.items()}
+    equations = candidates.design.form_equations(together)
+    ranking = rank(equations, candidates, candidates.nuisance_places, with_most=now is nominal)
+    chance = ranking.threshold * float(equations.rows.sum()) / equations.n_components
+    done, beaten = SearchRound(before=now, ranking=ranking, tried=(), adopted=False), set[str]()
     for _ in range(1 + settings().search.elsewhere):
-        tried = _tried(setting, candidates, ranking, evidence, now, needless, beaten, report)
+        tried = _fit_best(problem, candidates, ranking, equations, now, needless, beaten, report)
         if not tried:
             break
-        worthy = next((other for other in tried if is_worth(setting, nominal, now, other, chance)), None)
+        worthy = next((other for other in tried if is_significant(problem, nominal, now, other, chance)), None)
         first = [other for other in (worthy, *tried) if other is not None]
         one = replace(done, tried=tuple(dict.fromkeys(first)), adopted=worthy is not None)
         if worthy is not None:
-            return replace(one, alike=lookalikes(setting, candidates, ranking, now, worthy))
+            return replace(one, alike=find_lookalikes(problem, candidates, ranking, now, worthy))
         done = done if done.tried else one
         beaten |= {other.hypothesis.joint for other in tried}
     return done
 
 
-def _tried(
-    setting: Setting,
+def _fit_best(
+    problem: FitProblem,
     candidates: Candidates,
     ranking: Ranking,
-    evidence: Evidence,
-    now: Tried,
+    equations: NormalEquations,
+    now: ScoredFit,
     needless: Sequence[Hypothesis],
     beaten: Container[str],
     report: Report,
-) -> list[Tried]:
+) -> list[ScoredFit]:
     """The best candidate on joints where none was beaten, and its rivals, fitted beside the causes; the best first.
 
     What others once made up for is not tried again: it would come and go for ever.
     """
     limits = settings().search
-    fixed, tried = now.fit.hypotheses, list[Tried]()
-    places: set[Place] = set()
+    fixed, tried = now.fit.hypotheses, list[ScoredFit]()
+    places: set[HypothesisKey] = set()
     best, where = 0.0, dict[Component, float]()
     for i in ranking.order:
         if len(tried) == limits.tried or not ranking.is_significant(i) or ranking.score[i] < limits.near_best * best:
             break
         if candidates.first(candidates.groups[i]).joint in beaten:
             continue
-        here = acts_on(evidence, candidates, int(i), candidates.calibration)
-        if where and overlap(where, here) < limits.same_target:
+        here = find_changed_components(equations, candidates, int(i), candidates.nuisance_places)
+        if where and compute_overlap(where, here) < limits.same_target:
             continue
-        linear = start_of(evidence, candidates, int(i), candidates.calibration, setting.log.robot)
+        linear = propose_start(equations, candidates, int(i), candidates.nuisance_places, problem.log.robot)
         if linear.place in places or linear.is_among((*fixed, *needless)):
             continue
-        start = _possible(setting, fixed, linear)
+        start = _shrink_to_possible(problem, fixed, linear)
         if start is None:
             continue
         places.add(start.place)
@@ -162,26 +186,26 @@ def _tried(
         report(f"fitting {start.label}", len(tried) / limits.tried)
         trim_heap()
         try:
-            tried.append(slimmed(setting, judged_with(setting, (*fixed, start), now.fit), now.fit))
+            tried.append(prune(problem, fit_and_score(problem, (*fixed, start), now.fit), now.fit))
         except FAILED:
             continue  # what cannot be computed loses
 
-    def price(one: Tried) -> float:
+    def price(one: ScoredFit) -> float:
         """Energy that is left, and what each number costs: a share of that, or of what is removed if that is less."""
         share = max(0.0, min(one.total, now.total - one.total))
-        return one.total + limits.slack * len(one.hypothesis.free()) * share
+        return one.total + limits.slack * len(one.hypothesis.list_free()) * share
 
     return sorted(tried, key=price)
 
 
-def _possible(setting: Setting, others: Sequence[Hypothesis], start: Hypothesis) -> Hypothesis | None:
+def _shrink_to_possible(problem: FitProblem, others: Sequence[Hypothesis], start: Hypothesis) -> Hypothesis | None:
     """A hypothesis as large as a machine can have it, at most as it is; None if none can, however little of it.
 
     What pushes the arm away from its springs must be tried: the arm may not stay where it is.
     """
     for _ in range(_HALVINGS):
-        can_be = machine_with(setting.nominal, (*others, start)) is not None
-        if can_be and (start.kind.side != "link" or left_by(setting, (*others, start)) < np.inf):
+        can_be = build_machine(problem.nominal, (*others, start)) is not None
+        if can_be and (start.kind.side != "link" or compute_rss(problem, (*others, start)) < np.inf):
             return start
         start = start.scaled(0.5)
     return None

@@ -7,7 +7,7 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError
 from ffgym.diagnosis.held_out import LoopLevel
-from ffgym.diagnosis.regimes import motion_map
+from ffgym.diagnosis.regimes import map_by_motion
 from ffgym.diagnosis.residual import Channel, Residual
 from ffgym.diagnosis.result import Diagnosis
 from ffgym.report.diagnosis.words import by_model, in_joint_units
@@ -65,7 +65,7 @@ class DiagnosisReport:
         found = []
         for channel in self.before.channels:
             if channel != "tool":
-                over = motion_map(self.before, channel).overall
+                over = map_by_motion(self.before, channel).overall
                 for index, (component, ratio) in enumerate(zip(self.before.robot.joints, over, strict=True)):
                     if np.isfinite(ratio):
                         found.append((Place(channel=channel, component=component, index=index), float(ratio)))

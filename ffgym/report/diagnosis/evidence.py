@@ -8,10 +8,10 @@ import numpy as np
 
 from ffgym.core.measures import rms
 from ffgym.core.types import Array
-from ffgym.diagnosis.patterns import cycles_per_turn
+from ffgym.diagnosis.patterns import compute_turn_spectrum
 from ffgym.diagnosis.patterns.periodic import Amplitude
-from ffgym.diagnosis.profiles import VARIABLES, Variable, profiles
-from ffgym.diagnosis.regimes import LogRows, log_rows, motion_map
+from ffgym.diagnosis.profiles import VARIABLES, Variable, compute_profiles
+from ffgym.diagnosis.regimes import LogRows, collect_rows, map_by_motion
 from ffgym.diagnosis.residual import UNITS, Channel, Residual, components
 from ffgym.report.diagnosis.diagnosis_report import DiagnosisReport, Place
 from ffgym.report.diagnosis.words import LOOKS, NOMINAL, counting, fine_scale_of, scale_of
@@ -33,10 +33,10 @@ def place_figures(report: DiagnosisReport, place: Place) -> list[ReportFigure]:
     """What the residual of one joint looks like."""
     models, channel, j = report.models, place.channel, place.index
     nominal, words = models[NOMINAL], words_of("diagnosis_figures")
-    ratio = motion_map(nominal, channel).ratio[j]
+    ratio = map_by_motion(nominal, channel).ratio[j]
     order = np.argsort(-np.nan_to_num(ratio, nan=-1.0), kind="stable")
     worst = [int(motion) for motion in order if np.isfinite(ratio[motion])][:_LOOPS]
-    rows = {name: log_rows(residual, channel) for name, residual in models.items()}
+    rows = {name: collect_rows(residual, channel) for name, residual in models.items()}
     unit, scale = nominal.robot.kinematics.units[j], scale_of(nominal.robot, channel, j)
     figures = [_time_figure(models, place, worst[0])]
     if (depends := profiles_figure(rows, channel, j, j, unit, scale)) is not None:
@@ -116,7 +116,7 @@ def profiles_figure(
     """
     factor, of_residual = scale or (1.0, UNITS[channel])
     found = {
-        name: {log: profiles(rows, component, joint, variable) for log, rows in logs.items()}
+        name: {log: compute_profiles(rows, component, joint, variable) for log, rows in logs.items()}
         for name, variable in VARIABLES.items()
     }
     shown = {name: of for name, of in found.items() if any(p.mean.size for one in of.values() for p in one.values())}
@@ -194,10 +194,10 @@ def _amplitudes(models: Mapping[str, Residual], place: Place, form: Amplitude) -
     channel, j, found = place.channel, place.index, {}
     for name, residual in models.items():
         of = components(channel, residual.robot)[j]
-        spectrum = cycles_per_turn(residual, channel, of, place.component, amplitude=form)
+        spectrum = compute_turn_spectrum(residual, channel, of, place.component, amplitude=form)
         if spectrum is not None:
             # RMS of the residual about its mean over each motion.
-            rows = log_rows(residual, channel)
+            rows = collect_rows(residual, channel)
             known = np.isfinite(rows.residual[:, j])
             values, motion = rows.residual[known, j], rows.motion[known]
             count = np.bincount(motion, minlength=rows.motion.max() + 1)
@@ -234,7 +234,7 @@ def tool_figures(report: DiagnosisReport) -> list[ReportFigure]:
     """Path of the tool in the motion in which it stands out most; none without a tracker."""
     if report.before is None or "tool" not in report.before.channels:
         return []
-    ratio = motion_map(report.before, "tool").ratio
+    ratio = map_by_motion(report.before, "tool").ratio
     if np.isnan(ratio).all():
         return []
     worst = int(np.nanargmax(np.nanmax(ratio, axis=0, initial=0.0)))

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ffgym.diagnosis.regimes import ResidualMap, motion_map, regime_map
+from ffgym.diagnosis.regimes import ResidualMap, map_by_motion, map_by_regime
 from ffgym.diagnosis.result import Level
 from ffgym.report.diagnosis.diagnosis_report import DiagnosisReport
 from ffgym.report.diagnosis.words import EXTENDED, FINE, LOOKS, NOMINAL, place_of, rivals_of
@@ -44,7 +44,7 @@ def map_figures(report: DiagnosisReport) -> list[ReportFigure]:
     standing_out = {place.channel for place in report.places}
     for channel in channels:
         if channel == "torque" or (channel in standing_out and channel != "tool"):
-            over = motion_map(report.before, channel)
+            over = map_by_motion(report.before, channel)
             ratios = zip(over.components, over.overall, strict=True)
             whole = ", ".join(f"{component} {ratio:.1f}" for component, ratio in ratios if np.isfinite(ratio))
             figures.append(
@@ -52,10 +52,10 @@ def map_figures(report: DiagnosisReport) -> list[ReportFigure]:
                     name=f"regimes-{channel}",
                     title=f"Residual over noise floor by what the joint was doing, {channel}",
                     caption=f"{cells} The whole log, nominal model: {whole}.",
-                    figure=map_figure([[(name, regime_map(each, channel))] for name, each in models.items()]),
+                    figure=map_figure([[(name, map_by_regime(each, channel))] for name, each in models.items()]),
                 )
             )
-    maps = [[(f"{c}, {name}", motion_map(each, c)) for name, each in models.items()] for c in channels]
+    maps = [[(f"{c}, {name}", map_by_motion(each, c)) for name, each in models.items()] for c in channels]
     figures.append(ReportFigure("motions", "Residual over noise floor by motion", cells, map_figure(maps)))
     return figures
 

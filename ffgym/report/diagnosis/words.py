@@ -10,7 +10,7 @@ import numpy as np
 from ffgym.core.types import Array
 from ffgym.diagnosis.held_out import LoopLevel
 from ffgym.diagnosis.residual import UNITS, Channel, MotionResidual, Residual
-from ffgym.diagnosis.result import Cause, Diagnosis, Level, Rival, Size, Unjudged
+from ffgym.diagnosis.result import Cause, Diagnosis, Level, Rival, Size, UnjudgedEffect
 from ffgym.effects import EFFECTS
 from ffgym.report.identification.plots import MEASURED, NEW, OLD
 from ffgym.report.page import words_of
@@ -45,7 +45,7 @@ def rivals_of(diagnosis: Diagnosis, cause: Cause) -> list[Rival]:
     return sorted(own, key=lambda rival: (not rival.tied, -rival.held_out_gain))
 
 
-def together(unjudged: Sequence[Unjudged]) -> list[tuple[str, str]]:
+def together(unjudged: Sequence[UnjudgedEffect]) -> list[tuple[str, str]]:
     """Effects with their joints, and the reason; those that share a reason stand together."""
     joints: dict[tuple[str, str], list[str]] = {}
     for one in unjudged:

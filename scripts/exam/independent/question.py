@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ffgym.core.errors import FFGymError, check_choice, check_whole
-from ffgym.diagnosis.calibration import Calibration
+from ffgym.diagnosis.nuisance import ParameterPrior
 from scripts.exam.independent.hidden import KINDS, Concealed, concealed, possible
 from scripts.exam.independent.loudness import loudness
 from scripts.exam.independent.machine import numbers_of
@@ -71,7 +71,7 @@ def hand_out(row: Row, number: int, *, seed: int, **fixed: Any) -> IndependentPa
         number=number,
         robot=setup.robot,
         log=tuple(log),
-        calibration=Calibration.of_share(setup.share),
+        prior=ParameterPrior.of_share(setup.share),
         truth=() if hidden is None else (hidden.truth(setup.robot, heard),),
         clue=None if hidden is None else hidden.clue(setup.robot),
         conditions=setup.label,

@@ -18,8 +18,8 @@ def test_a_spring_begins_near_its_size_however_much_larger_that_is_than_a_linear
         tries.append(float(hypotheses[-1].values["growth"]) / 1e4)
         return abs(np.log(tries[-1] / best))
 
-    monkeypatch.setattr(module, "left_by", left)
-    (begun,) = module._well_begun(None, [one])
+    monkeypatch.setattr(module, "compute_rss", left)
+    (begun,) = module._choose_start(None, [one])
     size = float(begun.values["growth"]) / 1e4
     assert 1 / within < size / best < within
     assert len(tries) <= len(module._SIZES) + module._FURTHER

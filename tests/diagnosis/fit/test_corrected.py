@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
-from ffgym.diagnosis.fit.refine import corrected, fit
-from ffgym.diagnosis.log import log_of
-from ffgym.diagnosis.prepare import prepared
+from ffgym.diagnosis.fit.refine import correct_bias, fit
+from ffgym.diagnosis.log import assemble_log
+from ffgym.diagnosis.nuisance import ParameterPrior
+from ffgym.diagnosis.prepare import prepare
 from ffgym.effects import EFFECTS
 from ffgym.paths import joint_reference, multisine
 from ffgym.robot import ModelOptions
@@ -32,15 +32,17 @@ def diagnosed(robot, name):
         record_dt=0.004,
         n_threads=1,
     )
-    ready = prepared(log_of(robot, log), Machine(robot=robot), Calibration(share=1e-5), np.random.default_rng(0))
-    return ready.setting, true
+    ready = prepare(
+        assemble_log(robot, log), Machine(robot=robot), ParameterPrior(share=1e-5), np.random.default_rng(0)
+    )
+    return ready.problem, true
 
 
 @pytest.mark.parametrize("name", list(TRUE))
 def test_a_size_is_nearer_to_the_truth(name, one_axis):
     setting, true = diagnosed(one_axis, name)
     plain = fit(setting, [true], begun=True)
-    better = corrected(setting, plain)
+    better = correct_bias(setting, plain)
     size = next(iter(TRUE[name]))
     off = [abs(float(found.hypotheses[0].values[size]) - TRUE[name][size]) for found in (plain, better)]
     assert better.left < plain.left
@@ -50,4 +52,4 @@ def test_a_size_is_nearer_to_the_truth(name, one_axis):
 def test_where_nothing_was_found_nothing_changes(one_axis):
     setting, _ = diagnosed(one_axis, "torque_clock")
     nothing = fit(setting, [])
-    assert corrected(setting, nothing) is nothing
+    assert correct_bias(setting, nothing) is nothing

@@ -5,11 +5,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.column import Column
 from ffgym.diagnosis.fit.fit import Fit
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
-from ffgym.diagnosis.search.ranking import hypothesis_of
-from ffgym.diagnosis.variant import variants
+from ffgym.diagnosis.search.ranking import build_hypothesis
+from ffgym.diagnosis.sensitivity import Sensitivity
+from ffgym.diagnosis.variant import list_variants
 from ffgym.effects import EFFECTS
 from ffgym.robot import load_robot
 
@@ -23,7 +23,7 @@ def columns_for(kind, robot, joint):
     """The columns that the search would make of an effect on one joint, without what they show."""
     cycles = {name: [2.0] for name in robot.joints}
     return [
-        Column(
+        Sensitivity(
             effect=kind,
             joint=joint,
             parameter=v.parameter,
@@ -33,7 +33,7 @@ def columns_for(kind, robot, joint):
             shape={name: np.asarray(value).ravel()[0] for name, value in v.shape.items()},
             parts={},
         )
-        for v in variants(kind, robot, cycles)
+        for v in list_variants(kind, robot, cycles)
         if v.choice == 0
     ]
 
@@ -42,7 +42,7 @@ def test_a_sine_and_a_cosine_become_amplitude_and_phase(robot):
     kind, amplitude, phase = EFFECTS["cogging"], 0.03, 1.1
     columns = columns_for(kind, robot, "elbow" if "elbow" in robot.joints else robot.joints[1])
     assert len(columns) == 2
-    found = hypothesis_of(columns, amplitude * np.array([np.cos(phase), np.sin(phase)]), robot)
+    found = build_hypothesis(columns, amplitude * np.array([np.cos(phase), np.sin(phase)]), robot)
     assert float(found.values["amplitude"]) == pytest.approx(amplitude)
     assert float(found.values["phase"]) == pytest.approx(phase)
     effect = found.effect(robot)
@@ -51,7 +51,7 @@ def test_a_sine_and_a_cosine_become_amplitude_and_phase(robot):
 
 def test_sizes_become_the_effect_on_its_joint_alone(robot):
     columns = columns_for(EFFECTS["coulomb_level"], robot, robot.joints[0])
-    effect = hypothesis_of(columns, np.array([0.2]), robot).effect(robot)
+    effect = build_hypothesis(columns, np.array([0.2]), robot).effect(robot)
     np.testing.assert_allclose(effect.change, [0.2, 0.0])
 
 
@@ -64,8 +64,8 @@ def test_a_moved_hypothesis_stays_within_its_bounds_and_can_be_built(name, chang
     values = {n: np.array(_usual(p)) for n, p in kind.parameters().items()}
     joint = robot.joints[0] if any(p.per == "joint" for p in kind.parameters().values()) else ""
     begun = Hypothesis(kind=kind, joint=joint, source=None, values=values)
-    moved = begun.moved([change] * len(begun.free()))
-    for before, after in zip(begun.free(), moved.free(), strict=True):
+    moved = begun.moved([change] * len(begun.list_free()))
+    for before, after in zip(begun.list_free(), moved.list_free(), strict=True):
         assert before.low <= after.value <= before.high
         assert after.value == pytest.approx(np.clip(before.value + change, before.low, before.high))
     moved.effect(robot)
@@ -117,13 +117,13 @@ def test_how_long_a_session_takes_to_change_something_is_not_fitted_anew_where_r
         source=None,
         values={name: np.array(p.high) for name, p in backlash.items()},
     )
-    n_free = len(drift.free()) + len(gap.free())
+    n_free = len(drift.list_free()) + len(gap.list_free())
     found = SimpleNamespace(
-        hypotheses=(drift, gap), n_calibration=2, calibration_only=np.arange(2), columns=((),) * n_free
+        hypotheses=(drift, gap), n_nuisances=2, calibration_only=np.arange(2), columns=((),) * n_free
     )
-    held = [number.name for h in (drift, gap) for number in h.free() if number.of_session]
+    held = [number.name for h in (drift, gap) for number in h.list_free() if number.of_session]
     assert held == ["duration"]
-    names = ["c", "c"] + [number.name for h in (drift, gap) for number in h.free()]
+    names = ["c", "c"] + [number.name for h in (drift, gap) for number in h.list_free()]
     assert [names[i] for i in Fit.fold_columns.fget(found)] == [name for name in names if name != "duration"]
 
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.calibration import Doubt
-from ffgym.diagnosis.column import Column
 from ffgym.diagnosis.fit.written import with_numbers
+from ffgym.diagnosis.nuisance import NuisanceParameter
+from ffgym.diagnosis.sensitivity import Sensitivity
 from ffgym.effects import EFFECTS
 from ffgym.robot import load_robot
 from ffgym.simulation.plant import Machine
@@ -15,8 +15,8 @@ from ffgym.simulation.plant import Machine
 
 def doubt(name, parameter, joint, sigma=0.05):
     kind = EFFECTS[name]
-    column = Column(effect=kind, joint=joint, parameter=parameter, parts={})
-    return Doubt(column=column, sigma=sigma)
+    column = Sensitivity(effect=kind, joint=joint, parameter=parameter, parts={})
+    return NuisanceParameter(column=column, sigma=sigma)
 
 
 @pytest.fixture

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
-from ffgym.diagnosis.fit.setting import tangents
-from ffgym.diagnosis.log import log_of
-from ffgym.diagnosis.measured import valid_rows
-from ffgym.diagnosis.replay.channels import predicted
+from ffgym.diagnosis.fit.problem import compute_tangents
+from ffgym.diagnosis.log import assemble_log
+from ffgym.diagnosis.replay.channels import predict
 from ffgym.diagnosis.replay.rows import replay
+from ffgym.diagnosis.residual_rows import find_valid_rows
 from ffgym.effects import EFFECTS
 from tests.diagnosis.replay.replay_samples import nominal, recorded
 
@@ -22,7 +22,7 @@ VALUES = {
 
 @pytest.fixture(scope="module")
 def log():
-    return log_of(nominal().robot, list(recorded({"nominal": nominal()}).values()))
+    return assemble_log(nominal().robot, list(recorded({"nominal": nominal()}).values()))
 
 
 def hypotheses():
@@ -42,16 +42,16 @@ def test_tangents_are_difference_quotients_of_replays(log):
     for one in all_of_them:
         machine = one.on(machine)
     run = replay(log, machine)
-    columns, at = tangents(run, nominal(), all_of_them), 0
-    now, inside = predicted(run), valid_rows(log)
+    columns, at = compute_tangents(run, nominal(), all_of_them), 0
+    now, inside = predict(run), find_valid_rows(log)
     for i, one in enumerate(all_of_them):
-        for k, free in enumerate(one.free()):
+        for k, free in enumerate(one.list_free()):
             share = 0.2 * free.nudge / free.step
-            moved = one.moved([share * free.step if n == k else 0.0 for n in range(len(one.free()))])
+            moved = one.moved([share * free.step if n == k else 0.0 for n in range(len(one.list_free()))])
             other = nominal()
             for j, hypothesis in enumerate(all_of_them):
                 other = (moved if j == i else hypothesis).on(other)
-            then = predicted(replay(log, other))
+            then = predict(replay(log, other))
             quotient = (then["torque"] - now["torque"])[..., 0][inside] / share
             column = columns[at]["torque", 0][inside]
             at += 1
@@ -64,11 +64,11 @@ def test_columns_that_are_known_stand_in_their_places(log):
     for one in all_of_them:
         machine = one.on(machine)
     run = replay(log, machine)
-    columns = tangents(run, nominal(), all_of_them)
-    n = len(all_of_them[1].free())
+    columns = compute_tangents(run, nominal(), all_of_them)
+    n = len(all_of_them[1].list_free())
     given = [{("torque", 0): np.full(1, k)} for k in range(n)]
-    at = len(all_of_them[0].free())
-    again = tangents(run, nominal(), all_of_them, {1: given})
+    at = len(all_of_them[0].list_free())
+    again = compute_tangents(run, nominal(), all_of_them, {1: given})
     assert again[at : at + n] == given
     for one, other in zip(columns[:at] + columns[at + n :], again[:at] + again[at + n :], strict=True):
         assert one.keys() == other.keys()
@@ -82,6 +82,6 @@ def test_the_slope_of_a_frequency_is_found_within_a_radian_of_all_turns_of_a_log
     known = EFFECTS["cogging"].parameters()
     values = {name: np.array(p.neutral if p.default is None else p.default) for name, p in known.items()}
     one = Hypothesis(kind=EFFECTS["cogging"], joint="j1", source=None, values=values | {"cycles": np.array(cycles)})
-    (frequency,) = [free for free in one.free() if free.name == "cycles"]
+    (frequency,) = [free for free in one.list_free() if free.name == "cycles"]
     assert 2 * np.pi * 100 * frequency.nudge < 0.5
     assert frequency.nudge / cycles > 1e-6  # far from rounding

@@ -5,9 +5,9 @@ from functools import cache
 
 import numpy as np
 
-from ffgym.diagnosis.log import log_of
-from ffgym.diagnosis.measured import residual_rows
-from ffgym.diagnosis.replay import predicted, replay
+from ffgym.diagnosis.log import assemble_log
+from ffgym.diagnosis.replay import predict, replay
+from ffgym.diagnosis.residual_rows import compute_residuals
 from ffgym.paths import joint_reference, multisine
 from ffgym.robot import load_robot
 from ffgym.simulation import Run, simulate
@@ -60,5 +60,5 @@ def with_effect(*effects):
 
 def left(recordings, machine):
     """Log of recordings, and what a machine's replay leaves of it."""
-    log = log_of(nominal().robot, recordings)
-    return log, residual_rows(log, predicted(replay(log, machine)))
+    log = assemble_log(nominal().robot, recordings)
+    return log, compute_residuals(log, predict(replay(log, machine)))

@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.calibration import Calibration
-from ffgym.diagnosis.column import columns_of
-from ffgym.diagnosis.excitation import judgeable_kinds
+from ffgym.diagnosis.excitation import sort_effects
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
-from ffgym.diagnosis.fit.setting import tangents
-from ffgym.diagnosis.log import log_of
-from ffgym.diagnosis.measured import residual_rows, valid_rows
-from ffgym.diagnosis.replay import predicted, replay
+from ffgym.diagnosis.fit.problem import compute_tangents
+from ffgym.diagnosis.log import assemble_log
+from ffgym.diagnosis.nuisance import ParameterPrior
+from ffgym.diagnosis.replay import predict, replay
+from ffgym.diagnosis.residual_rows import compute_residuals, find_valid_rows
+from ffgym.diagnosis.sensitivity import compute_sensitivities
 from ffgym.effects import EFFECTS
 from tests.diagnosis.replay.replay_samples import nominal, recorded
 
@@ -30,7 +30,7 @@ def flexible(axes, *others):
 
 
 def rows_left(log, machine):
-    return residual_rows(log, predicted(replay(log, machine)))
+    return compute_residuals(log, predict(replay(log, machine)))
 
 
 @pytest.mark.parametrize("axes", AXES)
@@ -40,9 +40,9 @@ def test_a_replay_on_a_base_that_gives_way_predicts_what_was_simulated_on_one(ax
     others = [] if beside is None else [EFFECTS[beside].on(nominal().robot, stiffness=20.0, hysteresis=2.0)]
     machines = {"stands": on(others), "gives way": flexible(axes, *others)}  # of no one batch
     stands, gives_way = (
-        log_of(nominal().robot, list(recorded({name: machine}).values())) for name, machine in machines.items()
+        assemble_log(nominal().robot, list(recorded({name: machine}).values())) for name, machine in machines.items()
     )
-    inside = valid_rows(gives_way)
+    inside = find_valid_rows(gives_way)
     steps, without = rows_left(stands, on(others)), rows_left(gives_way, on(others))
     with_it = rows_left(gives_way, flexible(axes, *others))
     for channel in ("torque", "tool"):
@@ -51,17 +51,17 @@ def test_a_replay_on_a_base_that_gives_way_predicts_what_was_simulated_on_one(ax
 
 
 def test_columns_of_a_base_are_what_little_of_it_changes_in_all_channels():
-    log = log_of(nominal().robot, list(recorded({"nominal": nominal()}).values()))
+    log = assemble_log(nominal().robot, list(recorded({"nominal": nominal()}).values()))
     run = replay(log, nominal())
-    columns = columns_of(run, [BASE], {})
+    columns = compute_sensitivities(run, [BASE], {})
     assert [(column.joint, column.parameter, column.part) for column in columns] == [
         ("", "compliance", axis) for axis in range(3)
     ]
     small = 1e-8
-    before = predicted(run)
+    before = predict(run)
     for column in columns:
         compliance = [small if axis == column.part else 0.0 for axis in range(3)]
-        then = predicted(replay(log, on([BASE.on(nominal().robot, compliance=compliance)])))
+        then = predict(replay(log, on([BASE.on(nominal().robot, compliance=compliance)])))
         for (channel, k), rows in column.parts.items():
             quotient = (then[channel][..., k] - before[channel][..., k]) / small
             assert np.abs(rows - quotient).max() <= 0.1 * np.abs(quotient).max() + 1e-6, (channel, k)
@@ -70,13 +70,13 @@ def test_columns_of_a_base_are_what_little_of_it_changes_in_all_channels():
 def test_tangents_of_a_base_are_difference_quotients_of_replays():
     values = {"compliance": np.array([3e-5, 1e-5, 0.0]), "relaxation": np.array(2e-3)}
     one = Hypothesis(kind=BASE, joint="", source=None, values=values)
-    log = log_of(nominal().robot, list(recorded({"nominal": nominal()}).values()))
+    log = assemble_log(nominal().robot, list(recorded({"nominal": nominal()}).values()))
     machine = one.on(nominal())
     run = replay(log, machine)
-    columns, before = tangents(run, nominal(), [one]), predicted(run)
+    columns, before = compute_tangents(run, nominal(), [one]), predict(run)
     for k, (free, column) in enumerate(zip(one.free(), columns, strict=True)):
         changes = [0.2 * free.nudge if n == k else 0.0 for n in range(len(columns))]
-        then = predicted(replay(log, one.moved(changes).on(nominal())))
+        then = predict(replay(log, one.moved(changes).on(nominal())))
         quotient = (then["torque"] - before["torque"])[..., 0] / (0.2 * free.nudge / free.step)
         assert np.abs(column["torque", 0] - quotient).max() <= 0.1 * np.abs(quotient).max() + 1e-9, free
 
@@ -84,7 +84,7 @@ def test_tangents_of_a_base_are_difference_quotients_of_replays():
 @pytest.mark.parametrize("has_one", [False, True])
 def test_a_base_is_looked_for_unless_the_model_has_one_that_gives_way(has_one):
     machine = flexible("about all") if has_one else nominal()
-    log = log_of(nominal().robot, list(recorded({"nominal": nominal()}).values()))
-    judgeable, others = judgeable_kinds(log, machine, Calibration())
+    log = assemble_log(nominal().robot, list(recorded({"nominal": nominal()}).values()))
+    judgeable, others = sort_effects(log, machine, ParameterPrior())
     assert (BASE in judgeable) == (not has_one)
     assert ("base_flexibility" in {one.effect for one in others}) == has_one

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.log import log_of
-from ffgym.diagnosis.measured import measured_rows, valid_rows
-from ffgym.diagnosis.replay import predicted, replay
+from ffgym.diagnosis.log import assemble_log
+from ffgym.diagnosis.replay import predict, replay
 from ffgym.diagnosis.replay.states import deflected, flown, state_of
+from ffgym.diagnosis.residual_rows import filter_measured, find_valid_rows
 from ffgym.diagnosis.settings import settings
 from ffgym.effects import EFFECTS, TorqueEffect
 from ffgym.effects.along import torques_along
@@ -23,14 +23,14 @@ def recording():
 
 @pytest.fixture(scope="module")
 def log(recording):
-    return log_of(nominal().robot, [recording])
+    return assemble_log(nominal().robot, [recording])
 
 
 @pytest.mark.parametrize(("channel", "share"), [("torque", 5e-3), ("tool", 1e-3), ("link", 1e-3), ("servo", 0.15)])
 def test_the_nominal_machine_leaves_hardly_anything_of_its_own_motion(channel, share, recording):
     log, rest = left([recording], nominal())
-    inside = valid_rows(log)
-    signal = measured_rows(log)[channel][inside]
+    inside = find_valid_rows(log)
+    signal = filter_measured(log)[channel][inside]
     size = np.sqrt(np.mean((signal - signal.mean(axis=0)) ** 2))
     assert np.sqrt(np.mean(rest[channel][inside] ** 2)) < share * size
 
@@ -72,24 +72,24 @@ def test_noise_of_the_motion_shows_alike_where_links_are_taken_from_the_motion_w
 
 
 def test_an_effect_without_size_changes_nothing(log):
-    exact = predicted(replay(log, nominal()))
+    exact = predict(replay(log, nominal()))
     for name in ("load_friction", "backlash", "torque_ripple", "tracker_clock", "payload"):
         null = small(EFFECTS[name], nominal().robot, share=0.0)
-        for channel, rows in predicted(replay(log, with_effect(null))).items():
+        for channel, rows in predict(replay(log, with_effect(null))).items():
             np.testing.assert_allclose(rows, exact[channel], rtol=0, atol=1e-9, err_msg=name)
 
 
 def test_motions_side_by_side_are_replayed_as_each_alone(recording, log):
     shorter = recording.slice(end=0.8)
     other = replace(shorter, header=replace(shorter.header, segment="short"))
-    both = replay(log_of(nominal().robot, [recording, other], like=log), nominal())
+    both = replay(assemble_log(nominal().robot, [recording, other], like=log), nominal())
     np.testing.assert_allclose(both.torque[:, 0], replay(log, nominal()).torque[:, 0], atol=1e-9)
 
 
 def test_an_arm_in_a_gap_begins_where_the_plant_lets_it_hang():
     for name, share in (("hardening", 0.3), ("backlash", 0.5)):
         machine = with_effect(small(EFFECTS[name], nominal().robot, share=share))
-        log = log_of(nominal().robot, [recorded({name: machine})[name]])
+        log = assemble_log(nominal().robot, [recorded({name: machine})[name]])
         assert log.link is not None
         hangs = log.link[0, 0] - log.q[0, 0]
         run = replay(log, machine)
@@ -98,8 +98,8 @@ def test_an_arm_in_a_gap_begins_where_the_plant_lets_it_hang():
 
 def test_a_payload_lowers_the_tool_and_takes_torque(log):
     laden = Machine(robot=log.robot, effects=(EFFECTS["payload"].on(log.robot, mass=2.0),))
-    empty, full = predicted(replay(log, nominal())), predicted(replay(log, laden))
-    first = int(np.argmax(valid_rows(log)[:, 0]))
+    empty, full = predict(replay(log, nominal())), predict(replay(log, laden))
+    first = int(np.argmax(find_valid_rows(log)[:, 0]))
     assert full["tool"][first, 0, 2] < empty["tool"][first, 0, 2]
     assert np.abs(full["torque"]).mean() > np.abs(empty["torque"]).mean()
 
@@ -120,7 +120,7 @@ def test_effects_that_follow_the_motor_do_not_see_how_joints_bend(log):
 
 def test_a_joint_bends_at_once_as_sample_by_sample_under_what_follows_its_motor():
     robot = nominal().robot
-    log = log_of(
+    log = assemble_log(
         robot, [recorded({"nominal": nominal()}, sample_dt=settings().replay.spring_step)["nominal"]]
     )  # a step of springs per sample
     effects = [small(EFFECTS[name], robot, share=0.5) for name in ("kinematic_error", "hardening")]
@@ -139,7 +139,7 @@ def test_an_exact_replay_balances_links_where_they_bend_to_the_square_of_what_sl
     robot = nominal().robot
     drive = replace(robot.drive, joint_stiffness=0.05 * robot.drive.joint_stiffness)
     soft, missed = replace(nominal(), robot=replace(robot, drive=drive)), []
-    log = log_of(soft.robot, [recording])
+    log = assemble_log(soft.robot, [recording])
     for exact in (False, True):
         run = replay(log, soft, exact=exact)
         load = -(drive.joint_stiffness * run.deflection.angle + drive.joint_damping * run.deflection.rate)

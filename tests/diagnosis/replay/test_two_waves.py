@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.log import log_of
-from ffgym.diagnosis.replay import predicted, replay
+from ffgym.diagnosis.log import assemble_log
+from ffgym.diagnosis.replay import predict, replay
 from ffgym.diagnosis.settings import settings
 from ffgym.effects import EFFECTS
 from scripts.exam.equations import VARIANTS
@@ -38,7 +38,7 @@ def recordings(one, two):
 @pytest.fixture(scope="module")
 def log():
     """With a step of the springs in each sample: between samples, one replay has torques and the other one angles."""
-    return log_of(
+    return assemble_log(
         nominal().robot, [recorded({"nominal": nominal()}, sample_dt=settings().replay.spring_step)["nominal"]]
     )
 
@@ -50,5 +50,5 @@ def test_a_simulation_of_both_is_that_of_the_error(recordings):
 
 
 def test_a_replay_of_both_is_that_of_the_error(log, one, two):
-    here, there, without = (predicted(replay(log, machine))["torque"] for machine in (one, two, nominal()))
+    here, there, without = (predict(replay(log, machine))["torque"] for machine in (one, two, nominal()))
     assert np.abs(here - there).max() < 1e-9 * np.abs(here - without).max()

@@ -2,20 +2,20 @@
 
 import numpy as np
 
-from ffgym.diagnosis.evidence import blocks_of
-from ffgym.diagnosis.search.candidates import surrogates
-from ffgym.diagnosis.search.ranking import _extreme
+from ffgym.diagnosis.normal_equations import cut_blocks
+from ffgym.diagnosis.search.candidates import draw_surrogates
+from ffgym.diagnosis.search.ranking import _estimate_extreme
 from ffgym.diagnosis.settings import settings
 
 ROW_DT = 0.01
 
 
-def made(calibration=()):
+def made(prior=()):
     rng = np.random.default_rng(0)
     draws = {"torque": rng.normal(size=(600, 2, 1, 2))}
     valid = np.ones((600, 2), dtype=bool)
-    blocks = blocks_of(valid, ROW_DT)
-    return draws, blocks, surrogates(draws, blocks, calibration, np.random.default_rng(1))["torque", 0]
+    blocks = cut_blocks(valid, ROW_DT)
+    return draws, blocks, draw_surrogates(draws, blocks, prior, np.random.default_rng(1))["torque", 0]
 
 
 def test_each_block_of_a_faultless_log_is_one_of_the_replays_or_its_negative():
@@ -51,5 +51,5 @@ def test_chance_exceeds_the_threshold_a_few_times_in_a_thousand():
     alarms = 0
     for _ in range(2000):
         largest = rng.chisquare(1, size=(settings().screening.surrogates + 1, 40)).max(axis=1)
-        alarms += largest[-1] > _extreme(largest[:-1])
+        alarms += largest[-1] > _estimate_extreme(largest[:-1])
     assert 0.0005 <= alarms / 2000 < 0.006

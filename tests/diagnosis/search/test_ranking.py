@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.evidence import blocks_of, stack_of
-from ffgym.diagnosis.search.ranking import _largest, _linear_fit, acts_on, overlap
+from ffgym.diagnosis.normal_equations import build_design_matrix, cut_blocks
+from ffgym.diagnosis.search.ranking import _compute_largest, _fit_linearly, compute_overlap, find_changed_components
 from ffgym.diagnosis.solving import Candidate, Priors
 
 FIRST, SECOND = ("torque", 0), ("tool", 1)
@@ -16,8 +16,8 @@ NONE = np.array([], dtype=int)
 
 def problem(columns, residual, groups):
     """Evidence of columns by component, and candidates of them without calibration."""
-    blocks = blocks_of(np.ones(ROWS, dtype=bool), 0.02)
-    evidence = stack_of(blocks, columns, {key: np.ones(ROWS) for key in residual}).evidence(
+    blocks = cut_blocks(np.ones(ROWS, dtype=bool), 0.02)
+    evidence = build_design_matrix(blocks, columns, {key: np.ones(ROWS) for key in residual}).form_equations(
         {key: rows[..., None] for key, rows in residual.items()}
     )
     n = len(columns)
@@ -31,20 +31,20 @@ def test_a_candidate_acts_where_its_fit_changes_the_predictions():
     a, b, c = rng.normal(size=(3, *ROWS))
     columns = [{FIRST: a, SECOND: 2 * b}, {SECOND: c}, {FIRST: b}]
     evidence, candidates = problem(columns, {FIRST: 3 * a + b, SECOND: 6 * b + c}, [[0], [1], [2], [0, 1]])
-    where = [acts_on(evidence, candidates, i, NONE) for i in range(4)]
+    where = [find_changed_components(evidence, candidates, i, NONE) for i in range(4)]
     assert where[0][FIRST] == pytest.approx(np.sum(a**2) / (np.sum(a**2) + 4 * np.sum(b**2)))
     assert where[1] == {FIRST: 0.0, SECOND: 1.0}
     assert where[2] == {FIRST: 1.0, SECOND: 0.0}
-    assert overlap(where[1], where[2]) == 0.0
-    assert overlap(where[0], where[0]) == pytest.approx(1.0)
-    assert overlap(where[0], where[1]) == pytest.approx(where[0][SECOND])
+    assert compute_overlap(where[1], where[2]) == 0.0
+    assert compute_overlap(where[0], where[0]) == pytest.approx(1.0)
+    assert compute_overlap(where[0], where[1]) == pytest.approx(where[0][SECOND])
     both = 9 * np.sum(a**2) / (9 * np.sum(a**2) + np.sum((6 * b + c) ** 2))
     assert where[3][FIRST] == pytest.approx(both, rel=0.02)
 
 
 def test_what_explains_nothing_acts_nowhere():
     evidence, candidates = problem([{FIRST: np.ones(ROWS)}], {FIRST: np.zeros(ROWS)}, [[0]])
-    assert acts_on(evidence, candidates, 0, NONE) == {}
+    assert find_changed_components(evidence, candidates, 0, NONE) == {}
 
 
 def test_columns_that_are_alike_do_not_begin_with_large_numbers_that_cancel():
@@ -53,7 +53,7 @@ def test_columns_that_are_alike_do_not_begin_with_large_numbers_that_cancel():
     same, own = rng.normal(size=(2, *ROWS))
     columns = [{FIRST: 100 * same}, {FIRST: 100 * same + 0.1 * own}]
     evidence, candidates = problem(columns, {FIRST: 200 * same + 5 * own}, [[0, 1]])
-    found = _linear_fit(evidence, candidates, 0, NONE)
+    found = _fit_linearly(evidence, candidates, 0, NONE)
     assert np.abs(found).max() < 2.5
     assert found.sum() == pytest.approx(2.0, rel=0.01)
 
@@ -62,7 +62,7 @@ def test_columns_that_differ_begin_with_what_they_are():
     rng = np.random.default_rng(2)
     a, b = rng.normal(size=(2, *ROWS))
     evidence, candidates = problem([{FIRST: 50 * a}, {FIRST: 50 * b}], {FIRST: 100 * a - 150 * b}, [[0, 1]])
-    np.testing.assert_allclose(_linear_fit(evidence, candidates, 0, NONE), [2.0, -3.0], rtol=1e-3)
+    np.testing.assert_allclose(_fit_linearly(evidence, candidates, 0, NONE), [2.0, -3.0], rtol=1e-3)
 
 
 @pytest.mark.parametrize(("bound", "most"), [(4.0, (1 / 0.3 - 0.4) ** 2), (np.inf, 0.0)])
@@ -72,5 +72,5 @@ def test_calibration_hides_no_more_of_an_effect_than_its_bounds_allow(bound, mos
     evidence, candidates = problem([{FIRST: 0.1 * shift}, {FIRST: shift}], {FIRST: shift}, [[1]])
     ends = np.array([bound, np.inf])
     candidates.priors = Priors(precision=np.array([1e-9, 1e-2]), low=-ends, high=ends)
-    (found,) = _largest(evidence, candidates, np.array([0]))
+    (found,) = _compute_largest(evidence, candidates, np.array([0]))
     assert found == pytest.approx(most * shift.size, rel=1e-3, abs=1e-3)

@@ -8,8 +8,8 @@ import pytest
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.result import Rival
 from ffgym.diagnosis.search import rivals as module
-from ffgym.diagnosis.search.found import Round, found_in
-from ffgym.diagnosis.search.rivals import as_rivals, compared, tied_among
+from ffgym.diagnosis.search.rivals import compare_rivals, select_tied, turn_into_rivals
+from ffgym.diagnosis.search.rounds import SearchRound, find_adoption
 from ffgym.effects import EFFECTS
 
 BLOCKS = 100
@@ -25,7 +25,7 @@ def hypothesis(name, joint, cycles=None):
 def tried(name, joint, left, removes, cycles=None, beside=()):
     """A fitted candidate: energy left per block, and what it removes of each component."""
     one = hypothesis(name, joint, cycles)
-    fit = SimpleNamespace(hypotheses=(*beside, one), columns=[{}] * len(one.free()), removes=removes)
+    fit = SimpleNamespace(hypotheses=(*beside, one), columns=[{}] * len(one.list_free()), removes=removes)
     rows = np.full(BLOCKS, left)
     return SimpleNamespace(hypothesis=one, fit=fit, left=rows, total=float(rows.sum()))
 
@@ -36,13 +36,13 @@ def judge(monkeypatch):
 
     Equations are as inexact as is allowed for.
     """
-    monkeypatch.setattr(module, "without_calibration", lambda setting, fit: fit)
+    monkeypatch.setattr(module, "subtract_nuisances", lambda setting, fit: fit)
     monkeypatch.setattr(module, "loudness", lambda setting, fit: {k: 11.0 - fit.removes.get(k, 0.0) for k in "ab"})
-    monkeypatch.setattr(module, "touched", lambda setting, columns: {"a"})
-    monkeypatch.setattr(module, "removed_by", lambda *found: SimpleNamespace(of_excess=0.5))
-    monkeypatch.setattr(module, "_inexactness", lambda setting, best: np.inf)
+    monkeypatch.setattr(module, "find_touched", lambda setting, columns: {"a"})
+    monkeypatch.setattr(module, "compute_explained_by_newest", lambda *found: SimpleNamespace(of_excess=0.5))
+    monkeypatch.setattr(module, "_compute_inexactness", lambda setting, best: np.inf)
     again = {}
-    monkeypatch.setattr(module, "judged_with", lambda setting, hypotheses, like: again[hypotheses[-1].kind.name])
+    monkeypatch.setattr(module, "fit_and_score", lambda setting, hypotheses, like: again[hypotheses[-1].kind.name])
     return again
 
 
@@ -53,9 +53,9 @@ def judged(best, others, fitted=None):
 
 def comparison(best, others, fitted=None):
     before = SimpleNamespace(left=np.full(BLOCKS, 100.0), total=100.0 * BLOCKS, fit=SimpleNamespace(removes={}))
-    one = Round(adopted=True, ranking=None, before=before, tried=(best, *others))
+    one = SearchRound(adopted=True, ranking=None, before=before, tried=(best, *others))
     fitted = fitted or best
-    return compared(None, before, fitted, [one], np.random.default_rng(0)), one
+    return compare_rivals(None, before, fitted, [one], np.random.default_rng(0)), one
 
 
 TWICE, ONCE = (("kinematic_error", "resolver_ripple"), 2.0), (("resolver_ripple", "kinematic_error"), 1.0)
@@ -68,12 +68,12 @@ def two_waves(judge, swapped):
     rounds, causes = [], ()
     for (name, rival), cycles in (TWICE, ONCE):
         best, other = (tried(n, "j1", 10.0, {"a": 9.0}, cycles, causes) for n in (name, rival))
-        rounds.append(Round(adopted=True, ranking=None, before=before, tried=(best, other)))
+        rounds.append(SearchRound(adopted=True, ranking=None, before=before, tried=(best, other)))
         judge[rival] = tried(rival, "j1", swapped[rival], {"a": 9.0}, cycles)
         causes = best.fit.hypotheses
     for name, cycles, beside in (("resolver_ripple", 2.0, causes[1]), ("kinematic_error", 1.0, causes[0])):
         judge[name].fit.hypotheses = (beside, hypothesis(name, "j1", cycles))
-    return compared(None, before, best, rounds, np.random.default_rng(0))
+    return compare_rivals(None, before, best, rounds, np.random.default_rng(0))
 
 
 def test_what_explains_as_much_of_the_same_ties(judge):
@@ -81,8 +81,8 @@ def test_what_explains_as_much_of_the_same_ties(judge):
     (rival,), one = judged(best, [other])
     assert rival.tied
     assert rival.against == "stribeck_peak on j1"
-    assert tied_among([best.hypothesis], [rival]) == [best.hypothesis]
-    (mirrored,) = as_rivals([best.hypothesis], [rival], [one])
+    assert select_tied([best.hypothesis], [rival]) == [best.hypothesis]
+    (mirrored,) = turn_into_rivals([best.hypothesis], [rival], [one])
     assert (mirrored.effect, mirrored.joint, mirrored.against) == ("stribeck_peak", "j1", "dwell_stiction on j1")
     assert mirrored.held_out_gain == pytest.approx(0.9)
 
@@ -123,7 +123,7 @@ def test_a_rival_that_was_led_astray_is_compared_again_beside_the_other_causes(j
 
 def test_causes_that_no_rival_ties_with_are_sure():
     rival = Rival(effect="b", joint="j1", held_out_gain=0.5, tied=False, against="viscous_level on j1", reason="lost")
-    assert tied_among([hypothesis("viscous_level", "j1")], [rival]) == []
+    assert select_tied([hypothesis("viscous_level", "j1")], [rival]) == []
 
 
 def test_a_cause_gives_way_to_a_rival_that_explains_more_beside_what_came_later(judge):
@@ -139,8 +139,8 @@ def test_a_cause_gives_way_to_another_effect_that_leaves_less_beside_what_came_l
     fitted = tried("coulomb_level", "j1", 10.0, {"a": 6.0})
     fitted.fit.hypotheses = (best.hypothesis, beside)
     before = SimpleNamespace(left=np.full(BLOCKS, 100.0), total=100.0 * BLOCKS, fit=SimpleNamespace(removes={}))
-    one = Round(adopted=True, ranking=None, before=before, tried=(best, other))
-    better = compared(None, before, fitted, [one], np.random.default_rng(0)).better
+    one = SearchRound(adopted=True, ranking=None, before=before, tried=(best, other))
+    better = compare_rivals(None, before, fitted, [one], np.random.default_rng(0)).better
     assert (better is not None) == gives_way
 
 
@@ -162,12 +162,12 @@ def test_a_wave_of_a_cause_of_which_another_wave_is_sure_ties_with_nothing(judge
     lefts, rounds = {1.0: 10.0, 2.0: second}, []
     for best, cycles in ((one, 1.0), (two, 2.0)):
         other = tried("kinematic_error", "j1", lefts[cycles], {"a": 9.0}, cycles)
-        rounds.append(Round(adopted=True, ranking=None, before=before, tried=(best, other)))
+        rounds.append(SearchRound(adopted=True, ranking=None, before=before, tried=(best, other)))
     again = {cycles: tried("kinematic_error", "j1", left, {"a": 9.0}, cycles) for cycles, left in lefts.items()}
-    module.judged_with = lambda setting, hypotheses, like: again[float(hypotheses[-1].values["cycles"])]
-    rivals = compared(None, before, two, rounds, np.random.default_rng(0)).rivals
+    module.fit_and_score = lambda setting, hypotheses, like: again[float(hypotheses[-1].values["cycles"])]
+    rivals = compare_rivals(None, before, two, rounds, np.random.default_rng(0)).rivals
     assert [rival.tied for rival in rivals] == [ties, ties]
-    assert tied_among(two.fit.hypotheses, rivals) == (list(two.fit.hypotheses) if ties else [])
+    assert select_tied(two.fit.hypotheses, rivals) == (list(two.fit.hypotheses) if ties else [])
 
 
 def test_of_explanations_that_tie_the_plausible_one_stands(judge):
@@ -202,5 +202,5 @@ def test_a_rival_beside_which_another_cause_must_be_too_large_says_which_that_is
 def test_a_cause_is_found_in_the_round_of_its_wave_however_far_that_moved(cycles, found):
     """A wave that no round tried so is taken for the first of its effect."""
     tries = [tried("cogging", "j1", 10.0, {}, wave) for wave in (1.0, 2.0)]
-    rounds = [Round(adopted=True, ranking=None, before=None, tried=(one,)) for one in tries]
-    assert found_in(rounds, hypothesis("cogging", "j1", cycles)) == (rounds[found], tries[found])
+    rounds = [SearchRound(adopted=True, ranking=None, before=None, tried=(one,)) for one in tries]
+    assert find_adoption(rounds, hypothesis("cogging", "j1", cycles)) == (rounds[found], tries[found])

@@ -21,17 +21,17 @@ def candidates(monkeypatch):
 
     def tried(found, there=(), needless=()):
         ranking = SimpleNamespace(order=range(len(found)), score=np.ones(len(found)), is_significant=lambda i: True)
-        known = SimpleNamespace(groups=range(len(found)), first=lambda i: found[i], calibration=None)
-        monkeypatch.setattr(module, "acts_on", lambda *_: {})
-        monkeypatch.setattr(module, "start_of", lambda evidence, candidates, i, *_: found[i])
-        monkeypatch.setattr(module, "_possible", lambda setting, others, start: start)
+        known = SimpleNamespace(groups=range(len(found)), first=lambda i: found[i], nuisance_places=None)
+        monkeypatch.setattr(module, "find_changed_components", lambda *_: {})
+        monkeypatch.setattr(module, "propose_start", lambda evidence, candidates, i, *_: found[i])
+        monkeypatch.setattr(module, "_shrink_to_possible", lambda setting, others, start: start)
         monkeypatch.setattr(
-            module, "judged_with", lambda setting, all_of, like: SimpleNamespace(hypothesis=all_of[-1], total=1.0)
+            module, "fit_and_score", lambda setting, all_of, like: SimpleNamespace(hypothesis=all_of[-1], total=1.0)
         )
         now = SimpleNamespace(fit=SimpleNamespace(hypotheses=tuple(there)), total=2.0)
         setting = SimpleNamespace(log=SimpleNamespace(robot=None))
         report = lambda what, share: None  # noqa: E731
-        return [one.hypothesis for one in module._tried(setting, known, ranking, None, now, needless, (), report)]
+        return [one.hypothesis for one in module._fit_best(setting, known, ranking, None, now, needless, (), report)]
 
     return tried
 
@@ -50,13 +50,13 @@ def test_what_ties_with_a_rival_is_explained_all_the_same(monkeypatch):
     loud, quiet = cogging("j1", 3.0), cogging("j1", 7.0)
     model = lambda setting, kept: SimpleNamespace(fit=SimpleNamespace(hypotheses=tuple(kept)))  # noqa: E731
     monkeypatch.setattr(module, "explains_most", lambda setting, nominal, now: loud in now.fit.hypotheses)
-    monkeypatch.setattr(module, "judged_with", model)
-    monkeypatch.setattr(module, "corrected", lambda setting, fit: fit)
-    monkeypatch.setattr(module, "scored", lambda setting, fit: SimpleNamespace(fit=fit))
+    monkeypatch.setattr(module, "fit_and_score", model)
+    monkeypatch.setattr(module, "correct_bias", lambda setting, fit: fit)
+    monkeypatch.setattr(module, "score", lambda setting, fit: SimpleNamespace(fit=fit))
     nominal = model(None, ())
 
     def kept_of(all_of, kept):
-        return module._final(None, nominal, model(None, all_of), kept, lambda what, share: None).fit.hypotheses
+        return module._conclude(None, nominal, model(None, all_of), kept, lambda what, share: None).fit.hypotheses
 
     assert kept_of([loud, quiet], [quiet]) == (quiet,)
     assert kept_of([loud, quiet], [loud, quiet]) == (loud, quiet)
@@ -73,10 +73,10 @@ def test_a_cause_of_which_nothing_is_left_once_all_is_fitted_together_is_none(mo
         return SimpleNamespace(hypotheses=tuple(left))
 
     monkeypatch.setattr(module, "explains_most", lambda setting, nominal, now: True)
-    monkeypatch.setattr(module, "judged_with", model)
-    monkeypatch.setattr(module, "corrected", corrected)
-    monkeypatch.setattr(module, "scored", lambda setting, fit: SimpleNamespace(fit=fit))
+    monkeypatch.setattr(module, "fit_and_score", model)
+    monkeypatch.setattr(module, "correct_bias", corrected)
+    monkeypatch.setattr(module, "score", lambda setting, fit: SimpleNamespace(fit=fit))
     nominal = model(None, ())
     for all_of, left in (((here, gone), (here,)), ((gone,), ())):
-        found = module._final(None, nominal, model(None, all_of), all_of, lambda what, share: None)
+        found = module._conclude(None, nominal, model(None, all_of), all_of, lambda what, share: None)
         assert found.fit.hypotheses == left

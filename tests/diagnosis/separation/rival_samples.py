@@ -5,9 +5,9 @@ from functools import cache
 import numpy as np
 
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
-from ffgym.diagnosis.log import log_of
-from ffgym.diagnosis.measured import residual_rows, valid_rows
-from ffgym.diagnosis.replay import predicted, replay
+from ffgym.diagnosis.log import assemble_log
+from ffgym.diagnosis.replay import predict, replay
+from ffgym.diagnosis.residual_rows import compute_residuals, find_valid_rows
 from ffgym.diagnosis.sampling import Sampling
 from ffgym.effects import EFFECTS
 from ffgym.effects.parameters import Parameter
@@ -55,10 +55,10 @@ def _value(p: Parameter) -> float:
 
 def log_ratio(recordings, nominal: Machine, right, wrong) -> float:
     """Log-likelihood ratio of one cause to another, as fitted before, from recordings of a machine with the first."""
-    log = log_of(nominal.robot, recordings)
-    noise, valid = noise_of(nominal.robot), valid_rows(log)
+    log = assemble_log(nominal.robot, recordings)
+    noise, valid = noise_of(nominal.robot), find_valid_rows(log)
     energy = []
     for one in (right, wrong):
-        rest = residual_rows(log, predicted(replay(log, one.on(nominal))))
+        rest = compute_residuals(log, predict(replay(log, one.on(nominal))))
         energy.append(sum(float(np.sum((rest[c][valid] / rms) ** 2)) for c, rms in noise.items()))
     return 0.5 * (energy[1] - energy[0])

@@ -8,8 +8,8 @@ import pytest
 
 from ffgym.cli.main import main
 from ffgym.core.errors import FFGymError
-from ffgym.diagnosis.separation import WARMING, separating_motion
-from ffgym.diagnosis.sessions import proposals
+from ffgym.diagnosis.separation import WARMING, design_separating_motion
+from ffgym.diagnosis.sessions import propose_sessions
 from ffgym.diagnosis.settings import settings
 from ffgym.recordings import read_folder
 from ffgym.robot import load_robot
@@ -39,7 +39,7 @@ def proposed(robot, joint, names, louder=1.0):
     causes = [cause(name, joint) for name in names]
     arm = arm_of(robot)
     noise = {channel: louder * rms for channel, rms in noise_of(arm.robot).items()}
-    return causes, separating_motion(arm, Machine.of(arm.robot), causes, noise)
+    return causes, design_separating_motion(arm, Machine.of(arm.robot), causes, noise)
 
 
 def recorded(arm, machine, protocols):
@@ -98,7 +98,7 @@ def test_rests_separate_breakaway_that_grows_from_one_that_does_not(tmp_path, ca
 def test_nothing_is_proposed_for_causes_that_no_motion_tells_apart():
     arm = arm_of("one_axis")
     twins = [cause("coulomb_level", "j1"), cause("coulomb_level", "j1").moved([0.01])]
-    assert separating_motion(arm, Machine.of(arm.robot), twins, noise_of(arm.robot)) is None
+    assert design_separating_motion(arm, Machine.of(arm.robot), twins, noise_of(arm.robot)) is None
 
 
 def test_more_noise_makes_the_expectation_smaller():
@@ -110,13 +110,13 @@ def test_more_noise_makes_the_expectation_smaller():
 def test_one_cause_cannot_be_separated():
     arm = arm_of("one_axis")
     with pytest.raises(FFGymError, match="two causes"):
-        separating_motion(arm, Machine.of(arm.robot), [cause("cogging", "j1")], noise_of(arm.robot))
+        design_separating_motion(arm, Machine.of(arm.robot), [cause("cogging", "j1")], noise_of(arm.robot))
 
 
 @pytest.mark.parametrize("robot", ["one_axis", "two_link", "irb4600_60_205"])
 def test_every_proposal_is_a_protocol_file_of_a_minute_or_so(robot, tmp_path):
     arm = arm_of(robot)
-    for proposal in proposals(arm.robot, arm.robot.joints[:1]):
+    for proposal in propose_sessions(arm.robot, arm.robot.joints[:1]):
         file = tmp_path / f"{proposal.name}.toml"
         file.write_text(proposal.toml())
         from_file, planned = (plan_session(arm, p) for p in (load_protocols(file), proposal.protocols()))
@@ -126,4 +126,4 @@ def test_every_proposal_is_a_protocol_file_of_a_minute_or_so(robot, tmp_path):
 
 
 def test_proposals_for_a_robot_without_a_work_area_have_no_circles():
-    assert "circles" not in {proposal.name for proposal in proposals(load_robot("one_axis"), ["j1"])}
+    assert "circles" not in {proposal.name for proposal in propose_sessions(load_robot("one_axis"), ["j1"])}

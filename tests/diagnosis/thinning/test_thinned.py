@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from ffgym.diagnosis import diagnose
-from ffgym.diagnosis.cells import MotionRegressor, cells_of, coarse
 from ffgym.diagnosis.settings import Settings, use_settings
-from ffgym.diagnosis.thinning import affordable, note_of, thin
+from ffgym.diagnosis.thinning import compute_affordable_time, read_notes, thin
+from ffgym.diagnosis.thinning_cells import MotionRegressor, cut_cells, take_medians
 from ffgym.effects import EFFECTS
 from ffgym.paths import joint_reference, multisine
 from ffgym.recordings import Recording, write_recording
@@ -58,14 +58,14 @@ def test_a_log_that_can_be_afforded_is_left_as_it_is(one_axis):
     short = working(one_axis, [swing(0.1, 0.5, 8.0)] * 6)
     assert lasting([short]) < AFFORDED
     assert thin([short]) == [short]
-    assert note_of(thin([short])) == ()
+    assert read_notes(thin([short])) == ()
 
 
 def test_six_axes_can_afford_the_protocol_diagnosis_at_1_khz_and_recorded_sessions():
     with use_settings({"blocks.samples": Settings().blocks.samples}):
-        assert 88.0 < affordable(0.001, 6) < 100.0
-        assert affordable(0.01, 6) > 415.0  # all recordings of the UR10e
-        assert affordable(0.1, 6) > 3630.0  # those of the KR300
+        assert 88.0 < compute_affordable_time(0.001, 6) < 100.0
+        assert compute_affordable_time(0.01, 6) > 415.0  # all recordings of the UR10e
+        assert compute_affordable_time(0.1, 6) > 3630.0  # those of the KR300
 
 
 def test_a_long_log_is_thinned_to_the_bound_and_spread_over_all_its_time(one_axis):
@@ -77,7 +77,7 @@ def test_a_long_log_is_thinned_to_the_bound_and_spread_over_all_its_time(one_axi
     assert begins == sorted(begins)
     assert all(any(third * 100 <= begin < (third + 1) * 100 for begin in begins) for third in range(3))
     assert thin(parts) == parts
-    (note,) = note_of(parts)
+    (note,) = read_notes(parts)
     assert f"{lasting(parts):.0f} of {lasting([long]):.0f} s are used, {len(parts)} stretches of 1 recording" in note
 
 
@@ -121,7 +121,9 @@ def test_no_stretch_lies_in_a_pause_of_the_clock(pause, one_axis):
     long = working(one_axis, [*usual, fast, fast, *usual])
     t = np.where(long.t > 124.5, long.t + pause, long.t)
     paused = long.with_columns(timestamp=t)
-    assert len(cells_of(coarse(paused), MotionRegressor.of([coarse(paused)]))) < 300  # a night takes no memory
+    assert (
+        len(cut_cells(take_medians(paused), MotionRegressor.of([take_medians(paused)]))) < 300
+    )  # a night takes no memory
     parts = thin([paused])
     assert all(np.diff(part.t).max() < 2 * DT for part in parts)
     assert {part.t[0] > 124.5 + pause for part in parts} == {False, True}
@@ -155,8 +157,8 @@ def test_recordings_in_files_are_thinned_as_those_in_memory(one_axis, tmp_path):
 
 
 def test_slow_rows_can_be_afforded_for_longer():
-    assert affordable(0.01, 6) > affordable(0.004, 6)
-    assert affordable(0.004, 1) == 6 * affordable(0.004, 6)
+    assert compute_affordable_time(0.01, 6) > compute_affordable_time(0.004, 6)
+    assert compute_affordable_time(0.004, 1) == 6 * compute_affordable_time(0.004, 6)
 
 
 def test_a_hidden_effect_is_found_in_a_thinned_log(one_axis):

@@ -185,5 +185,5 @@ def test_what_calibration_allows_for_is_not_called_small_nor_unexplained():
 
 
 def test_a_joint_of_which_too_few_rows_count_has_no_picture_of_what_its_residual_depends_on(monkeypatch):
-    monkeypatch.setattr(evidence, "profiles", lambda *arguments: {})
+    monkeypatch.setattr(evidence, "compute_profiles", lambda *arguments: {})
     assert evidence.profiles_figure({"the log": None}, "torque", 0, 0) is None

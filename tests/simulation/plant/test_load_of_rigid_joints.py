@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from ffgym.diagnosis import diagnose
-from ffgym.diagnosis.log import log_of
-from ffgym.diagnosis.measured import residual_rows, valid_rows
-from ffgym.diagnosis.replay import predicted, replay
+from ffgym.diagnosis.log import assemble_log
+from ffgym.diagnosis.replay import predict, replay
+from ffgym.diagnosis.residual_rows import compute_residuals, find_valid_rows
 from ffgym.effects import EFFECTS
 from ffgym.paths import joint_reference, multisine
 from ffgym.robot import load_robot
@@ -38,9 +38,9 @@ def recording(arm):
 def left(arm, recording, share):
     """RMS that a model with such a loss leaves of each torque."""
     machine = Machine(robot=arm, effects=(EFFECTS["load_friction"].on(arm, share=share),))
-    log = log_of(arm, [recording])
-    residual = residual_rows(log, predicted(replay(log, machine)))["torque"]
-    return np.sqrt(np.mean(residual[valid_rows(log)] ** 2, axis=0))
+    log = assemble_log(arm, [recording])
+    residual = compute_residuals(log, predict(replay(log, machine)))["torque"]
+    return np.sqrt(np.mean(residual[find_valid_rows(log)] ** 2, axis=0))
 
 
 def test_simulation_and_replay_lose_the_same_share_of_the_load(arm, recording):

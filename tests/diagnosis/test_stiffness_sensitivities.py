@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.column import columns_of, stiffness_columns
-from ffgym.diagnosis.log import log_of
-from ffgym.diagnosis.push import replayed_parts
+from ffgym.diagnosis.log import assemble_log
+from ffgym.diagnosis.perturbation import replay_change
 from ffgym.diagnosis.replay import replay
-from ffgym.diagnosis.variant import with_effect
+from ffgym.diagnosis.sensitivity import compute_sensitivities, compute_stiffness_sensitivities
+from ffgym.diagnosis.variant import add_effect
 from ffgym.effects.transmission.stiffness import JointStiffness
 from tests.diagnosis.replay.replay_samples import nominal, recorded
 
@@ -20,7 +20,7 @@ def run():
     robot = nominal().robot
     drive = replace(robot.drive, joint_damping=0.3 * robot.drive.joint_damping)
     light = replace(nominal(), robot=replace(robot, drive=drive))
-    return replay(log_of(light.robot, [recorded({"m": nominal()})["m"]]), light)
+    return replay(assemble_log(light.robot, [recorded({"m": nominal()})["m"]]), light)
 
 
 def explained(column, parts):
@@ -31,9 +31,11 @@ def explained(column, parts):
 
 @pytest.mark.parametrize("change", [-0.2, 0.2])
 def test_a_spring_that_is_a_fifth_off_is_explained_by_replays_and_not_by_slopes(run, change):
-    parts = replayed_parts(run, with_effect(run.machine, JointStiffness(change=np.array([change, 0.0]))))
-    (slope,) = (column for column in columns_of(run, [JointStiffness], {}) if column.joint == run.robot.joints[0])
-    others = stiffness_columns(run, [0])
+    parts = replay_change(run, add_effect(run.machine, JointStiffness(change=np.array([change, 0.0]))))
+    (slope,) = (
+        column for column in compute_sensitivities(run, [JointStiffness], {}) if column.joint == run.robot.joints[0]
+    )
+    others = compute_stiffness_sensitivities(run, [0])
     assert {column.joint for column in others} == {run.robot.joints[0]}
     assert len({column.choice for column in (slope, *others)}) == 7
     assert max(explained(column, parts) for column in others) > 0.8

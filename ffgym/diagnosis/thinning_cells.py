@@ -15,7 +15,7 @@ POSITION = "motor.position"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Coarse:
+class CoarseMotion:
     """Motion of one recording on S coarse rows, on the side of its columns."""
 
     t: Array
@@ -30,19 +30,19 @@ class Coarse:
     """Its rate."""
 
 
-def coarse(source: Source) -> Coarse:
+def take_medians(source: Source) -> CoarseMotion:
     """Take medians of the positions of a recording, which single bad rows leave; without positions, it stands still."""
     t = source.t
     every = min(max(1, round(settings().blocks.coarse_period / float(np.median(np.diff(t))))), len(t) // 2)
     names = [f"{POSITION}.{joint}" for joint in source.header.joints]
     there = all(name in source.columns for name in names)
-    at = _medians(t, every)
-    q = np.stack([_medians(source[name] if there else np.zeros(len(t)), every) for name in names], axis=1)
+    at = _reduce(t, every)
+    q = np.stack([_reduce(source[name] if there else np.zeros(len(t)), every) for name in names], axis=1)
     dq = np.gradient(q, at, axis=0)
-    return Coarse(t=at, period=float(np.median(np.diff(at))), q=q, dq=dq, ddq=np.gradient(dq, at, axis=0))
+    return CoarseMotion(t=at, period=float(np.median(np.diff(at))), q=q, dq=dq, ddq=np.gradient(dq, at, axis=0))
 
 
-def _medians(values: Array, every: int) -> Array:
+def _reduce(values: Array, every: int) -> Array:
     n = len(values) // every
     return np.asarray(np.median(values[: n * every].reshape(n, every), axis=1))
 
@@ -71,7 +71,7 @@ class MotionRegressor:
     """RMS of the columns, shape (K,); inf for those that are 0."""
 
     @classmethod
-    def of(cls, log: Sequence[Coarse]) -> "MotionRegressor":
+    def of(cls, log: Sequence[CoarseMotion]) -> "MotionRegressor":
         """Scale it to all recordings of a log."""
         # sizes that hardly any row exceeds; inf where all are 0
         limits = settings().blocks
@@ -89,11 +89,11 @@ class MotionRegressor:
         rms = np.sqrt(energy / sum(len(one.t) for one in log))
         return replace(rough, scale=np.where(rms > 0, rms, np.inf))
 
-    def rests(self, motion: Coarse) -> BoolArray:
+    def rests(self, motion: CoarseMotion) -> BoolArray:
         """Rows in which no joint moves, shape (S,)."""
         return np.asarray((np.abs(motion.dq) <= settings().blocks.resting * self.speed).all(axis=1))
 
-    def rows(self, motion: Coarse) -> Array:
+    def rows(self, motion: CoarseMotion) -> Array:
         """Rows of a recording, shape (S, K)."""
         limits = settings().blocks
         u, a = np.clip(motion.dq / self.speed, -1, 1), np.clip(motion.ddq / self.acceleration, -1, 1)
@@ -131,7 +131,7 @@ class Cells:
         return len(self.moving)
 
 
-def cells_of(motion: Coarse, regressor: MotionRegressor) -> Cells:
+def cut_cells(motion: CoarseMotion, regressor: MotionRegressor) -> Cells:
     """Cut a recording into cells, at rest where there is one within half a cell."""
     # times with pauses of the clock shortened
     limits = settings().blocks

@@ -16,9 +16,9 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from ffgym.core.types import Array
-from ffgym.diagnosis.replay import Replay, predicted, replay
-from ffgym.diagnosis.replay.channels import late
-from ffgym.diagnosis.replay.rows import alike, same_links
+from ffgym.diagnosis.replay import Replay, predict, replay
+from ffgym.diagnosis.replay.channels import delay
+from ffgym.diagnosis.replay.rows import have_same_links, have_same_numbers
 from ffgym.diagnosis.replay.states import along_speed
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.sampling import derivatives_of_motions
@@ -31,7 +31,7 @@ from ffgym.simulation.plant import Machine
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Push:
+class Perturbation:
     """What an effect adds to the balance of torques along a replay, (T, M, N) each; None is nothing."""
 
     motor: Array | None = None
@@ -45,37 +45,39 @@ class Push:
     joint_ddq: Array | None = None
     """Its acceleration."""
 
-    def plus(self, more: "Push", sign: float = 1.0) -> "Push":
+    def plus(self, more: "Perturbation", sign: float = 1.0) -> "Perturbation":
         """This push and another one, or less that one."""
         found = {}
-        for name in (f.name for f in fields(Push)):
+        for name in (f.name for f in fields(Perturbation)):
             other = getattr(more, name)
             found[name] = plus(getattr(self, name), None if other is None else sign * other)
-        return Push(**found)
+        return Perturbation(**found)
 
-    def only_joint(self, joint: int) -> "Push":
+    def select_joint(self, joint: int) -> "Perturbation":
         """Of a push of effects on all joints, that of one of them alone."""
         found = {}
-        for name, values in ((f.name, getattr(self, f.name)) for f in fields(Push)):
+        for name, values in ((f.name, getattr(self, f.name)) for f in fields(Perturbation)):
             if values is not None:
                 found[name] = np.zeros_like(values)
                 found[name][..., joint] = values[..., joint]
-        return Push(**found)
+        return Perturbation(**found)
 
 
-def push_of(run: Replay, effect: Effect) -> Push:
+def perturb(run: Replay, effect: Effect) -> Perturbation:
     """What `effect` adds along a nominal replay."""
     if isinstance(effect, TorqueEffect):
         added = torques_along(effect, run.state, run.log.dt)
-        return Push(
+        return Perturbation(
             motor=None if added.motor is None else -added.motor,
             links=None if added.link is None else -added.link,
             spring=added.spring,
         )
-    return of_numbers(run, effect.in_description(run.robot)) if isinstance(effect, NativeEffect) else Push()
+    return (
+        perturb_numbers(run, effect.in_description(run.robot)) if isinstance(effect, NativeEffect) else Perturbation()
+    )
 
 
-def of_numbers(run: Replay, other: RobotDescription) -> Push:
+def perturb_numbers(run: Replay, other: RobotDescription) -> Perturbation:
     """Of a robot with other numbers: what each group of them changes by itself."""
     robot, drive = run.robot, run.robot.drive
     motor, links, spring = None, None, None
@@ -85,32 +87,32 @@ def of_numbers(run: Replay, other: RobotDescription) -> Push:
         new, old = getattr(other.drive, name), getattr(drive, name)
         return np.subtract(new, old, out=np.zeros_like(old), where=new != old)
 
-    if not alike(other.friction, robot.friction):
-        motor = _friction(run, other.friction, 0.0) - run.bristles.torque
+    if not have_same_numbers(other.friction, robot.friction):
+        motor = _compute_friction(run, other.friction, 0.0) - run.bristles.torque
     if np.any(heavier := more("rotor_inertia")):
         motor = plus(motor, heavier * drive.motor_angle(run.log.ddq))
     stiffer, damped = more("joint_stiffness"), more("joint_damping")
     if np.any(stiffer) or np.any(damped):
         spring = -(stiffer * run.deflection.angle + damped * run.deflection.rate)
-    if not same_links(other, robot):
+    if not have_same_links(other, robot):
         links = run.link_torque(other) - run.own_link_torque
-    return Push(motor=motor, links=links, spring=spring)
+    return Perturbation(motor=motor, links=links, spring=spring)
 
 
-def _friction(run: Replay, friction: LuGreParameters, faster: Array | float) -> Array:
+def _compute_friction(run: Replay, friction: LuGreParameters, faster: Array | float) -> Array:
     """Friction torque of another model, or at joint speeds that differ by `faster` [rad/s] wherever motors move."""
     drive, log = run.robot.drive, run.log
     slip = log.slip_dq + np.where(log.slip_dq != 0, faster, 0.0)
     return along_speed(friction, drive.motor_angle(slip), drive.motor_angle(log.dq + faster), log.dt).torque
 
 
-def moved(run: Replay, further: Array) -> Push:
+def perturb_motion(run: Replay, further: Array) -> Perturbation:
     """Of motors that truly were `further` [rad] than read, behind the gearbox; it goes through the motion's filter."""
     drive, log = run.robot.drive, run.log
     joint_q = log.sampling.motion_filter(further, log.dt)
     joint_dq, joint_ddq = derivatives_of_motions(joint_q, log.lengths, log.dt)
-    friction = _friction(run, run.robot.friction, joint_dq)
-    return Push(
+    friction = _compute_friction(run, run.robot.friction, joint_dq)
+    return Perturbation(
         motor=drive.rotor_inertia * drive.motor_angle(joint_ddq) + friction - run.bristles.torque,
         links=np.matmul(run.links.mass, joint_ddq[..., None])[..., 0],
         joint_q=joint_q,
@@ -122,13 +124,13 @@ Parts = Mapping[tuple[Channel, int], Array]
 """By channel and component, shape (R, M) each; what is not there does not change."""
 
 
-def changes(run: Replay, pushes: Sequence[Push]) -> list[Parts]:
+def propagate(run: Replay, pushes: Sequence[Perturbation]) -> list[Parts]:
     """What each of several pushes changes in the channels that the log has; springs are solved for all together."""
-    bent = _bent(run, [push for push in pushes if push.links is not None or push.spring is not None])
-    return [_change(run, push, bent.get(id(push))) for push in pushes]
+    bent = _bend_springs(run, [push for push in pushes if push.links is not None or push.spring is not None])
+    return [_change_channels(run, push, bent.get(id(push))) for push in pushes]
 
 
-def _bent(run: Replay, pushes: Sequence[Push]) -> dict[int, tuple[Array, Array]]:
+def _bend_springs(run: Replay, pushes: Sequence[Perturbation]) -> dict[int, tuple[Array, Array]]:
     """How pushes bend the springs: rows of the deflection (R, M, N) [rad] and of the torque that the joints then carry.
 
     Solved at coarser samples than the replay: what is compared has no faster parts.
@@ -139,7 +141,7 @@ def _bent(run: Replay, pushes: Sequence[Push]) -> dict[int, tuple[Array, Array]]
     sampling, none = run.log.sampling.coarser(every), np.zeros_like(run.log.q)
     load = np.stack(
         [
-            _smoothed((none if p.spring is None else p.spring) - (0.0 if p.links is None else p.links), every)
+            _smooth((none if p.spring is None else p.spring) - (0.0 if p.links is None else p.links), every)
             for p in pushes
         ],
         axis=-1,
@@ -154,7 +156,7 @@ def _bent(run: Replay, pushes: Sequence[Push]) -> dict[int, tuple[Array, Array]]
     return {id(push): (angle[..., i], carried[..., i]) for i, push in enumerate(pushes)}
 
 
-def _smoothed(values: Array, every: int) -> Array:
+def _smooth(values: Array, every: int) -> Array:
     """Means about every n-th sample."""
     if every == 1:
         return values
@@ -165,7 +167,7 @@ def _smoothed(values: Array, every: int) -> Array:
     return means
 
 
-def _change(run: Replay, push: Push, bent: tuple[Array, Array] | None) -> Parts:
+def _change_channels(run: Replay, push: Perturbation, bent: tuple[Array, Array] | None) -> Parts:
     """What a push changes, with how it bends the springs."""
     sampling, drive = run.log.sampling, run.robot.drive
     rows = (len(sampling.at), *run.log.q.shape[1:])
@@ -190,21 +192,21 @@ def _change(run: Replay, push: Push, bent: tuple[Array, Array] | None) -> Parts:
     return parts
 
 
-def clock_parts(run: Replay, gone: Sequence[Effect], come: Sequence[Effect]) -> Parts:
+def shift_clocks(run: Replay, gone: Sequence[Effect], come: Sequence[Effect]) -> Parts:
     """Change of the channels whose clocks are exchanged."""
     found: dict[tuple[Channel, int], Array] = {}
     of_channel: list[tuple[Channel, Array]] = [("torque", run.torque)]
     if run.log.link is not None:
         of_channel.append(("link", run.link_q))
     for channel, values in of_channel:
-        before, after = late(values, channel, gone, run.log), late(values, channel, come, run.log)
+        before, after = delay(values, channel, gone, run.log), delay(values, channel, come, run.log)
         if before is not after:
             rows = run.log.sampling(after - before)
             found |= {(channel, j): rows[..., j] for j in range(run.robot.n_joints)}
     return found
 
 
-def replayed_parts(run: Replay, machine: Machine) -> Parts:
+def replay_change(run: Replay, machine: Machine) -> Parts:
     """Change of all channels if the log is replayed on another machine: of what has joints of its own."""
-    before, after = predicted(run), predicted(replay(run.log, machine, run))
+    before, after = predict(run), predict(replay(run.log, machine, run))
     return {(c, k): after[c][..., k] - rows[..., k] for c, rows in before.items() for k in range(rows.shape[2])}

@@ -14,14 +14,14 @@ from ffgym.diagnosis.settings import settings
 from ffgym.robot import RobotDescription
 
 
-def knows_low_speed(robot: RobotDescription) -> BoolArray:
+def describes_low_speed(robot: RobotDescription) -> BoolArray:
     """Joints whose description has more than Coulomb and viscous friction: a breakaway peak, shape (N,)."""
     friction = robot.friction
     knows: BoolArray = friction.static > (1 + settings().replay.stribeck_peak) * friction.coulomb
     return knows
 
 
-def judged_rows(log: Log) -> BoolArray:
+def find_predictable_rows(log: Log) -> BoolArray:
     """Rows that count for the torque of each motor, shape (R, M, N).
 
     All of them where the description knows low speeds; else those in whose reach of the low-pass the motor never was
@@ -32,11 +32,11 @@ def judged_rows(log: Log) -> BoolArray:
     speed = robot.drive.motor_angle(log.dq) / robot.drive.gear_ratio
     slow = np.abs(speed) < settings().replay.low_speed * robot.kinematics.max_speed
     near = scipy.ndimage.maximum_filter1d(slow.astype(np.int8), 2 * sampling.half_length + 1, axis=0)[sampling.at] > 0
-    judged: BoolArray = knows_low_speed(robot) | ~near
+    judged: BoolArray = describes_low_speed(robot) | ~near
     return judged
 
 
-def measured_rows(log: Log) -> dict[Channel, Array]:
+def filter_measured(log: Log) -> dict[Channel, Array]:
     """Measured signals (R, M, C) through the log's low-pass; unknown tool positions are 0 there, and not valid."""
     sampling = log.sampling
     found: dict[Channel, Array] = {"torque": sampling(log.torque)}
@@ -52,7 +52,7 @@ def measured_rows(log: Log) -> dict[Channel, Array]:
 def check_length(log: Log) -> None:
     """Check that there is something to fit to, and something else to judge by."""
     limits = settings().replay
-    lasts = float(np.count_nonzero(valid_rows(log))) * log.sampling.row_dt
+    lasts = float(np.count_nonzero(find_valid_rows(log))) * log.sampling.row_dt
     if lasts < limits.shortest_log:
         raise FFGymError(
             f"The recordings are too short: without the ends, which low-passes take, {lasts:.2g} s are left in which "
@@ -60,7 +60,7 @@ def check_length(log: Log) -> None:
         )
 
 
-def valid_rows(log: Log) -> BoolArray:
+def find_valid_rows(log: Log) -> BoolArray:
     """Rows that count in all channels, shape (R, M)."""
     known = log.known
     if log.tool is not None:
@@ -68,13 +68,13 @@ def valid_rows(log: Log) -> BoolArray:
     return log.sampling.valid(known)
 
 
-def counting_rows(log: Log) -> dict[tuple[Channel, int], BoolArray]:
+def find_counting_rows(log: Log) -> dict[tuple[Channel, int], BoolArray]:
     """Rows that count for each component, (R, M) each.
 
     All valid ones, but those of torque at low speed where the model knows nothing of it, those whose samples the mask
     of a recording leaves out for the joint, and none of an encoder that is not there.
     """
-    valid, judged = valid_rows(log), judged_rows(log)
+    valid, judged = find_valid_rows(log), find_predictable_rows(log)
     masks = [recording.valid for recording in log.recordings]
     if not all(mask.all() for mask in masks):
         within = np.ones((log.sampling.n_samples, len(masks), log.robot.n_joints), dtype=np.bool_)
@@ -83,7 +83,7 @@ def counting_rows(log: Log) -> dict[tuple[Channel, int], BoolArray]:
         unmasked = [log.sampling.valid(within[:, :, j]) for j in range(log.robot.n_joints)]
         judged = judged & np.stack(unmasked, axis=-1)
     found: dict[tuple[Channel, int], BoolArray] = {}
-    for channel, rows in measured_rows(log).items():
+    for channel, rows in filter_measured(log).items():
         for c in range(rows.shape[2]):
             found[channel, c] = valid & judged[..., c] if channel == "torque" else valid
     if log.link is not None:
@@ -92,25 +92,25 @@ def counting_rows(log: Log) -> dict[tuple[Channel, int], BoolArray]:
     return found
 
 
-def residual_rows(log: Log, prediction: dict[Channel, Array]) -> dict[Channel, Array]:
+def compute_residuals(log: Log, prediction: dict[Channel, Array]) -> dict[Channel, Array]:
     """Measured minus predicted (R, M, C).
 
     The servo's integral begins where nobody knows, and an encoder counts from where nobody knows: their means are taken
     off. An error that is written with rounded angles, off by a part of a step, drifts in the integral: so is its slope.
     """
-    valid = valid_rows(log)
+    valid = find_valid_rows(log)
     found = {}
-    for channel, rows in measured_rows(log).items():
+    for channel, rows in filter_measured(log).items():
         rest = rows - prediction[channel]
         if channel == "link" and log.link is not None:
             rest = np.where(np.isnan(log.link).any(axis=(0, 1)), 0.0, rest)
         if channel in ("servo", "link"):
-            rest = _without_trend(rest, valid, slope=channel == "servo")
+            rest = _detrend(rest, valid, slope=channel == "servo")
         found[channel] = rest
     return found
 
 
-def _without_trend(rows: Array, valid: BoolArray, *, slope: bool) -> Array:
+def _detrend(rows: Array, valid: BoolArray, *, slope: bool) -> Array:
     """Rows (R, M, C) without the mean, and the slope over time, of valid rows (R, M) of each motion."""
     weight = valid.astype(np.float64)
     count = np.maximum(weight.sum(axis=0), 1.0)[:, None]
@@ -124,7 +124,7 @@ def _without_trend(rows: Array, valid: BoolArray, *, slope: bool) -> Array:
     return straight
 
 
-def since_move(angle: Array, speed: Array, dt: float) -> tuple[Array, Array]:
+def measure_moves(angle: Array, speed: Array, dt: float) -> tuple[Array, Array]:
     """Travel since the present move began, and how long the motor had stood before it; both as large as the angle.
 
     A move begins where a motor turns, and where it starts after `DWELL` or more at rest, in either direction. Shorter
@@ -151,7 +151,7 @@ def since_move(angle: Array, speed: Array, dt: float) -> tuple[Array, Array]:
     return np.abs(angle - np.take_along_axis(angle, began, axis=0)), np.take_along_axis(stood, began, axis=0)
 
 
-def residual_of(log: Log, run: Replay, rest: Mapping[Channel, Array], floor: Mapping[Channel, Array]) -> Residual:
+def assemble_residual(log: Log, run: Replay, rest: Mapping[Channel, Array], floor: Mapping[Channel, Array]) -> Residual:
     """Residuals of all motions.
 
     Args:
@@ -160,10 +160,10 @@ def residual_of(log: Log, run: Replay, rest: Mapping[Channel, Array], floor: Map
         rest: measured minus predicted, (R, M, C) by channel, less what calibration errors explain.
         floor: RMS of noise alone, (M, C).
     """
-    at, valid, measured = log.sampling.at, valid_rows(log), measured_rows(log)
-    counting = counting_rows(log)
+    at, valid, measured = log.sampling.at, find_valid_rows(log), filter_measured(log)
+    counting = find_counting_rows(log)
     motor = run.robot.drive.motor_angle
-    travel, stood = since_move(motor(run.log.q), motor(run.log.slip_dq), log.dt)
+    travel, stood = measure_moves(motor(run.log.q), motor(run.log.slip_dq), log.dt)
     motions = []
     for i, name in enumerate(log.names):
         n = int(np.searchsorted(at, len(log.recordings[i])))

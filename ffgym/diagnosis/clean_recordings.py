@@ -14,12 +14,12 @@ import scipy
 
 from ffgym.core.measures import rms
 from ffgym.core.types import Array
-from ffgym.diagnosis.as_moved import as_moved
+from ffgym.diagnosis.clean_replay import replay_finely
 from ffgym.diagnosis.computing import FAILED
 from ffgym.diagnosis.log import Log
-from ffgym.diagnosis.log_columns import motor_side, reference_of, roomy
-from ffgym.diagnosis.measured import valid_rows
-from ffgym.diagnosis.replay import Replay, servo_feedback
+from ffgym.diagnosis.log_columns import build_reference, read_motor_side, widen_limits
+from ffgym.diagnosis.replay import Replay, predict_feedback
+from ffgym.diagnosis.residual_rows import find_valid_rows
 from ffgym.diagnosis.settings import settings
 from ffgym.recordings import Recording
 from ffgym.robot import ModelOptions, RobotDescription
@@ -38,18 +38,18 @@ def has_servo(robot: RobotDescription) -> bool:
     return not robot.quantities or all(entry in robot.quantities for entry in _NUMBERS)
 
 
-def is_foreign(log: Log) -> bool:
+def has_foreign_servo(log: Log) -> bool:
     """Whether another controller than the documented one made the feedback torque of most joints."""
     if log.feedback is None or not log.shows_servo:
         return False
-    rows, valid = log.sampling, valid_rows(log)
+    rows, valid = log.sampling, find_valid_rows(log)
 
     def about_mean(values: Array) -> Array:
         """Valid rows of all motions about the mean of each motion, (S, N)."""
         parts = [motion[counts] for motion, counts in zip(rows(values).swapaxes(0, 1), valid.T, strict=True)]
         return np.concatenate([part - part.mean(axis=0) for part in parts if len(part)])
 
-    measured, foretold = about_mean(log.feedback), about_mean(servo_feedback(log, log.robot))
+    measured, foretold = about_mean(log.feedback), about_mean(predict_feedback(log, log.robot))
     pairs = (measured, foretold), (measured, measured), (foretold, foretold)
     both, one, other = (np.einsum("sn,sn->n", a, b) for a, b in pairs)
     share = np.divide(both**2, one * other, out=np.ones_like(both), where=one * other > 0)
@@ -67,18 +67,18 @@ _LONGEST = (2.0, 0.5)
 a step that is twice as long as they were described with."""
 
 
-def _simulated(log: Log, run: Replay, longest: float) -> list[Recording]:
+def _simulate(log: Log, run: Replay, longest: float) -> list[Recording]:
     """By steps of `longest` physics steps, and of half of it, extrapolated to none."""
-    robot = roomy(run.machine.robot, log.recordings)
+    robot = widen_limits(run.machine.robot, log.recordings)
     machine = replace(run.machine, robot=robot)
-    runs = [Run(reference=reference_of(robot, recording)) for recording in log.recordings]
+    runs = [Run(reference=build_reference(robot, recording)) for recording in log.recordings]
     steps = [share * run.robot.physics_dt for share in (longest, longest / 2)]
     coarse, fine = (
         simulate(
             runs,
             machine=[machine.later(float(s)) for s in log.started],
             options=ModelOptions(looks=False, physics_dt=step),
-            record_dt=_record_dt(robot, max(steps), log.dt),
+            record_dt=_choose_record_dt(robot, max(steps), log.dt),
             n_threads=1,  # a few simulations take twice the processor time on two for a seventh less time
         )
         for step in steps
@@ -87,11 +87,11 @@ def _simulated(log: Log, run: Replay, longest: float) -> list[Recording]:
     for one, other, like in zip(coarse, fine, log.recordings, strict=True):
         columns = {name: 2 * other[name] - values for name, values in one.columns.items()}
         columns["timestamp"] = one["timestamp"]
-        found.append(_like(Recording(columns=columns, header=one.header), like))
+        found.append(_resample(Recording(columns=columns, header=one.header), like))
     return found
 
 
-def _record_dt(robot: RobotDescription, step: float, dt: float) -> float:
+def _choose_record_dt(robot: RobotDescription, step: float, dt: float) -> float:
     """The longest sample period of a simulation that has all samples of a log, whose clock is never exact.
 
     The shortest one if none has them: what lies between its samples is interpolated then.
@@ -102,7 +102,7 @@ def _record_dt(robot: RobotDescription, step: float, dt: float) -> float:
     return max(having, default=periods[0])
 
 
-def _like(exact: Recording, like: Recording) -> Recording:
+def _resample(exact: Recording, like: Recording) -> Recording:
     """The rows and columns of another recording: what one must be derived from, the other must, too."""
     columns = {name: values for name, values in exact.columns.items() if name in like.columns}
     since, dt = like.t - like.t[0] + exact.t[0], like.dt
@@ -121,7 +121,7 @@ def _like(exact: Recording, like: Recording) -> Recording:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Exact:
+class CleanRecordings:
     """Recordings of the nominal machine, one for each motion of a log."""
 
     recordings: tuple[Recording, ...]
@@ -129,7 +129,7 @@ class Exact:
     """Whether they are of its controller along the log's set-points; else the motors move as measured."""
 
 
-def exact_recordings(log: Log, run: Replay) -> Exact:
+def make_clean_recordings(log: Log, run: Replay) -> CleanRecordings:
     """What the nominal machine would have recorded in continuous time, without noise.
 
     With set-points, it is simulated under its controller. Without, or where another controller moved the machine, or
@@ -140,13 +140,13 @@ def exact_recordings(log: Log, run: Replay) -> Exact:
         if longest >= 1 and run.robot.n_substeps % longest:
             continue
         try:
-            simulated = _simulated(log, run, longest)
+            simulated = _simulate(log, run, longest)
         except FAILED:
             continue  # unstable with such a step, or its servo does not hold it
         if is_same_motion(log, simulated):
-            return Exact(recordings=tuple(simulated), simulated=True)
+            return CleanRecordings(recordings=tuple(simulated), simulated=True)
         break
-    return Exact(recordings=tuple(as_moved(log, run)), simulated=False)
+    return CleanRecordings(recordings=tuple(replay_finely(log, run)), simulated=False)
 
 
 def is_same_motion(log: Log, exact: Sequence[Recording]) -> bool:
@@ -154,7 +154,7 @@ def is_same_motion(log: Log, exact: Sequence[Recording]) -> bool:
     drive = log.robot.drive
     for i, recording in enumerate(exact):
         n = min(len(recording), log.lengths[i])
-        angle = motor_side(log.robot, recording)[:n]
+        angle = read_motor_side(log.robot, recording)[:n]
         missed = (angle - drive.motor_angle(log.q[:n, i]))[log.recordings[i].valid[:n].any(axis=1)]
         if rms(missed, 0).max() > settings().replay.same_motion:
             return False

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
-from ffgym.diagnosis.search import found as module
+from ffgym.diagnosis.search import rounds as module
 from ffgym.diagnosis.solving import Priors
 from ffgym.effects import EFFECTS
 
@@ -26,12 +26,12 @@ def search(monkeypatch):
             replayed.append("".join(begun.fit.hypotheses))
             return tried(begun.fit.hypotheses, by_replaying)
 
-        monkeypatch.setattr(module, "machine_with", lambda nominal, causes: causes)
-        monkeypatch.setattr(module, "evaluated", lambda setting, causes, like: tried(causes, by_slopes))
-        monkeypatch.setattr(module, "scored", lambda setting, fit: fit)
-        monkeypatch.setattr(module, "refined", refined)
-        monkeypatch.setattr(module, "judged_with", lambda setting, causes, like, begun: tried(causes, by_replaying))
-        return module.without_needless(SETTING, tried("abc", by_replaying)).fit.hypotheses, replayed
+        monkeypatch.setattr(module, "build_machine", lambda nominal, causes: causes)
+        monkeypatch.setattr(module, "evaluate", lambda setting, causes, like: tried(causes, by_slopes))
+        monkeypatch.setattr(module, "score", lambda setting, fit: fit)
+        monkeypatch.setattr(module, "refine", refined)
+        monkeypatch.setattr(module, "fit_and_score", lambda setting, causes, like, begun: tried(causes, by_replaying))
+        return module.drop_needless(SETTING, tried("abc", by_replaying)).fit.hypotheses, replayed
 
     return make
 
@@ -63,7 +63,7 @@ def warm():
 
 
 def tried(hypothesis, total):
-    free = hypothesis.free()
+    free = hypothesis.list_free()
     n = len(free)
     priors = Priors(precision=np.ones(n), low=np.full(n, -3.0), high=np.full(n, 3.0))
     return SimpleNamespace(
@@ -79,21 +79,21 @@ def test_a_size_that_rows_left_out_do_not_ask_for_is_null(needed, monkeypatch):
         return 100.0 * len(needed - kept) + len(kept)
 
     def left_out(setting, fit, priors):
-        free, held = fit.hypotheses[-1].free(), priors.high - priors.low < 1e-3
+        free, held = fit.hypotheses[-1].list_free(), priors.high - priors.low < 1e-3
         for number, bound in zip(free, held, strict=True):
             if bound:
                 at = number.value + number.step * priors.low[free.index(number)]
                 assert at == pytest.approx(0.0, abs=1e-5)
         return np.array([total({f.name for f, out in zip(free, held, strict=True) if not out} & SIZES)])
 
-    monkeypatch.setattr(module, "left_out", left_out)
-    monkeypatch.setattr(module, "evaluated", lambda setting, hypotheses, like: hypotheses)
-    monkeypatch.setattr(module, "refined", lambda setting, begun, like: begun)
+    monkeypatch.setattr(module, "compute_held_out_rss", left_out)
+    monkeypatch.setattr(module, "evaluate", lambda setting, hypotheses, like: hypotheses)
+    monkeypatch.setattr(module, "refine", lambda setting, begun, like: begun)
     monkeypatch.setattr(
-        module, "scored", lambda setting, begun: tried(begun[-1], total({f.name for f in begun[-1].free()} & SIZES))
+        module, "score", lambda setting, begun: tried(begun[-1], total({f.name for f in begun[-1].list_free()} & SIZES))
     )
-    slim = module.slimmed(None, tried(warm(), total(SIZES))).hypothesis
-    assert {free.name for free in slim.free()} & SIZES == needed
+    slim = module.prune(None, tried(warm(), total(SIZES))).hypothesis
+    assert {free.name for free in slim.list_free()} & SIZES == needed
     assert slim.null == SIZES - needed
     assert all(slim.values[name] == 0.0 for name in slim.null)
-    assert slim.moved([0.1] * len(slim.free())).null == slim.null
+    assert slim.moved([0.1] * len(slim.list_free())).null == slim.null

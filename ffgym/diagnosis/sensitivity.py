@@ -12,18 +12,18 @@ import numpy as np
 
 from ffgym.core.types import Array
 from ffgym.diagnosis.computing import FAILED
-from ffgym.diagnosis.push import (
+from ffgym.diagnosis.perturbation import (
     Parts,
-    Push,
-    changes,
-    clock_parts,
-    moved,
-    push_of,
-    replayed_parts,
+    Perturbation,
+    perturb,
+    perturb_motion,
+    propagate,
+    replay_change,
+    shift_clocks,
 )
-from ffgym.diagnosis.replay import Replay, servo_feedback, tracked
+from ffgym.diagnosis.replay import Replay, predict_feedback, predict_tracker
 from ffgym.diagnosis.settings import settings
-from ffgym.diagnosis.variant import Cycles, Variant, variants, with_effect
+from ffgym.diagnosis.variant import Cycles, Variant, add_effect, list_variants
 from ffgym.effects import ClockEffect, Effect, ModelEffect, NativeEffect, ResolverEffect, TrackerEffect
 from ffgym.effects.transmission.stiffness import JointStiffness
 
@@ -33,7 +33,7 @@ _TOGETHER = 24
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Column:
+class Sensitivity:
     """Change of the predictions per unit of a parameter."""
 
     effect: type[Effect]
@@ -51,24 +51,24 @@ class Column:
     parts: Parts
 
 
-def columns_of(run: Replay, kinds: Iterable[type[Effect]], cycles: Cycles) -> list[Column]:
+def compute_sensitivities(run: Replay, kinds: Iterable[type[Effect]], cycles: Cycles) -> list[Sensitivity]:
     """Columns of effects along a nominal replay; the same effect, joint and choice stand together."""
-    found: list[Column] = []
-    waiting: list[tuple[Variant, str, Push]] = []
+    found: list[Sensitivity] = []
+    waiting: list[tuple[Variant, str, Perturbation]] = []
 
     def solve() -> None:
-        for (variant, joint, _), parts in zip(waiting, changes(run, [push for _, _, push in waiting]), strict=True):
-            found.append(_column(run, variant, joint, parts))
+        for (variant, joint, _), parts in zip(waiting, propagate(run, [push for _, _, push in waiting]), strict=True):
+            found.append(_build_sensitivity(run, variant, joint, parts))
         waiting.clear()
 
     for kind in kinds:
-        for variant in variants(kind, run.robot, cycles):
+        for variant in list_variants(kind, run.robot, cycles):
             try:
-                at_once = _at_once(run, variant)
-                pushes = [] if at_once is not None else _pushes(run, variant)
+                at_once = _compute_without_springs(run, variant)
+                pushes = [] if at_once is not None else _list_perturbations(run, variant)
             except FAILED:
                 continue  # a machine that cannot have it, or not so much of it, shows nothing of it
-            found += [_column(run, variant, joint, parts) for joint, parts in at_once or ()]
+            found += [_build_sensitivity(run, variant, joint, parts) for joint, parts in at_once or ()]
             for joint, push in pushes:
                 waiting.append((variant, joint, push))
                 if len(waiting) == _TOGETHER:
@@ -77,29 +77,29 @@ def columns_of(run: Replay, kinds: Iterable[type[Effect]], cycles: Cycles) -> li
     return [column for column in found if all(np.isfinite(rows).all() for rows in column.parts.values())]
 
 
-def _at_once(run: Replay, variant: Variant) -> list[tuple[str, Parts]] | None:
+def _compute_without_springs(run: Replay, variant: Variant) -> list[tuple[str, Parts]] | None:
     """Change by a variant that bends no springs of the arm, by joint; None if it bends them."""
     limits = settings().screening
     effect, log, joints = variant.effect, run.log, run.robot.joints
     if isinstance(effect, TrackerEffect):
-        return _tracked_parts(run, variant) if log.tool is not None else []
+        return _compute_tracker_changes(run, variant) if log.tool is not None else []
     if isinstance(effect, ClockEffect):
-        written = clock_parts(run, [], [effect])
+        written = shift_clocks(run, [], [effect])
         return [("", written)] if written else []
     # joints of its own swing: a small effect is more like one of any size
     if isinstance(effect, ModelEffect):
         values = effect.values()
         small = type(effect)(**values | {variant.parameter: limits.small_step * values[variant.parameter]})
-        parts = replayed_parts(run, with_effect(run.machine, small))
+        parts = replay_change(run, add_effect(run.machine, small))
         return [("", {key: rows / limits.small_step for key, rows in parts.items()})]
     if effect.side == "controller":
         if not log.shows_servo or not isinstance(effect, NativeEffect):
             return []
-        rows = log.sampling(servo_feedback(log, effect.in_description(run.robot)) - servo_feedback(log, run.robot))
+        rows = log.sampling(predict_feedback(log, effect.in_description(run.robot)) - predict_feedback(log, run.robot))
         return [(joints[j], {("servo", j): rows[..., j]}) for j in variant.joints]
     # before the gearbox: torque of its own motor, for all motors at once
     if effect.side == "motor" and not isinstance(effect, ResolverEffect):
-        motor = push_of(run, effect).motor
+        motor = perturb(run, effect).motor
         if motor is None:
             return []
         rows = log.sampling(motor)
@@ -107,20 +107,22 @@ def _at_once(run: Replay, variant: Variant) -> list[tuple[str, Parts]] | None:
     return None
 
 
-def machine_columns(run: Replay, effects: Sequence[tuple[str, Effect]], parameter: str, step: float) -> list[Column]:
+def compute_machine_sensitivities(
+    run: Replay, effects: Sequence[tuple[str, Effect]], parameter: str, step: float
+) -> list[Sensitivity]:
     """One column for each of several effects that act on the whole arm, per unit of `parameter`, `step` from null."""
     found = []
-    for (joint, effect), change in zip(effects, changes(run, [push_of(run, one) for _, one in effects]), strict=True):
+    for (joint, effect), change in zip(effects, propagate(run, [perturb(run, one) for _, one in effects]), strict=True):
         parts = {key: values / step for key, values in change.items()}
-        found.append(Column(effect=type(effect), joint=joint, parameter=parameter, parts=parts))
+        found.append(Sensitivity(effect=type(effect), joint=joint, parameter=parameter, parts=parts))
     return found
 
 
-def _column(run: Replay, variant: Variant, joint: str, parts: Parts) -> Column:
+def _build_sensitivity(run: Replay, variant: Variant, joint: str, parts: Parts) -> Sensitivity:
     """The column of a variant, per unit of its parameter."""
     at = list(run.robot.joints).index(joint) if joint else None
     shape = {name: value if at is None or value.ndim == 0 else value[at] for name, value in variant.shape.items()}
-    return Column(
+    return Sensitivity(
         effect=type(variant.effect),
         joint=joint,
         parameter=variant.parameter,
@@ -132,40 +134,40 @@ def _column(run: Replay, variant: Variant, joint: str, parts: Parts) -> Column:
     )
 
 
-def _tracked_parts(run: Replay, variant: Variant) -> list[tuple[str, Parts]]:
+def _compute_tracker_changes(run: Replay, variant: Variant) -> list[tuple[str, Parts]]:
     """Change by an effect between the tool and its measurement, on each joint alone."""
     joints = run.robot.joints
     every = run.log.sampling.stride  # what a tracker errs by changes no faster than the tool moves
-    exact, found = tracked(run, every=every), list[tuple[str, Parts]]()
+    exact, found = predict_tracker(run, every=every), list[tuple[str, Parts]]()
     for j in variant.joints or (None,):
         values = variant.effect.values()
         for name, p in type(variant.effect).parameters().items():
             if j is not None and p.role == "size" and p.per == "joint":
                 values[name] = np.where(np.arange(len(joints)) == j, values[name], p.neutral)
-        machine = with_effect(run.machine, type(variant.effect)(**values))
-        rows = tracked(run, machine, every) - exact
+        machine = add_effect(run.machine, type(variant.effect)(**values))
+        rows = predict_tracker(run, machine, every) - exact
         found.append(("" if j is None else joints[j], {("tool", k): rows[..., k] for k in range(3)}))
     return found
 
 
-def _pushes(run: Replay, variant: Variant) -> list[tuple[str, Push]]:
+def _list_perturbations(run: Replay, variant: Variant) -> list[tuple[str, Perturbation]]:
     """Pushes on the arm, one per joint that has the effect, or one of the whole machine."""
     effect, joints = variant.effect, run.robot.joints
     if isinstance(effect, ResolverEffect):
         # wrong readings at all motors, which truly moved otherwise; what they ask of the links is left to each
         error = effect.error(run.state.motor_angle, run.state.motor_speed)
-        misread, found = moved(run, -run.robot.drive.joint_angle(error.angle)), []
+        misread, found = perturb_motion(run, -run.robot.drive.joint_angle(error.angle)), []
         for j in variant.joints:
-            alone = misread.only_joint(j)
+            alone = misread.select_joint(j)
             if misread.joint_ddq is not None:
                 alone = replace(alone, links=run.links.mass[..., j] * misread.joint_ddq[..., j, None])
             found.append((joints[j], alone))
         return found
-    push = push_of(run, effect)
-    return [(joints[j], push.only_joint(j)) for j in variant.joints] or [("", push)]
+    push = perturb(run, effect)
+    return [(joints[j], push.select_joint(j)) for j in variant.joints] or [("", push)]
 
 
-def together(columns: Sequence[Column]) -> list[list[int]]:
+def group_candidates(columns: Sequence[Sensitivity]) -> list[list[int]]:
     """Places of columns that are one candidate: of one effect, joint and shape, and for a pair of one other joint."""
     found: dict[tuple[type[Effect], str, int, int | None], list[int]] = {}
     for i, column in enumerate(columns):
@@ -180,13 +182,15 @@ _CHANGES = (-0.24, -0.16, -0.08, 0.08, 0.16, 0.24)
 is less than a third of a turn away from that of one of them, after six swings."""
 
 
-def stiffness_columns(run: Replay, joints: Iterable[int]) -> list[Column]:
+def compute_stiffness_sensitivities(run: Replay, joints: Iterable[int]) -> list[Sensitivity]:
     """Columns of the springs of some `joints`, by their indices; each change is a candidate of its own."""
     found = []
     for j in joints:
         for choice, change in enumerate(_CHANGES, start=1):
-            softer = with_effect(run.machine, JointStiffness(change=change * np.eye(run.robot.n_joints)[j]))
-            parts = {key: rows / change for key, rows in replayed_parts(run, softer).items()}
+            softer = add_effect(run.machine, JointStiffness(change=change * np.eye(run.robot.n_joints)[j]))
+            parts = {key: rows / change for key, rows in replay_change(run, softer).items()}
             joint = run.robot.joints[j]
-            found.append(Column(effect=JointStiffness, joint=joint, parameter="change", choice=choice, parts=parts))
+            found.append(
+                Sensitivity(effect=JointStiffness, joint=joint, parameter="change", choice=choice, parts=parts)
+            )
     return found

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from ffgym.diagnosis.as_moved import as_moved
-from ffgym.diagnosis.calibration import Calibration
-from ffgym.diagnosis.exact import exact_recordings
-from ffgym.diagnosis.log import log_of
-from ffgym.diagnosis.prepare import prepared
+from ffgym.diagnosis.clean_recordings import make_clean_recordings
+from ffgym.diagnosis.clean_replay import replay_finely
+from ffgym.diagnosis.log import assemble_log
+from ffgym.diagnosis.nuisance import ParameterPrior
+from ffgym.diagnosis.prepare import prepare
 from ffgym.diagnosis.replay import replay
 from ffgym.diagnosis.sampling import derivatives
 from ffgym.diagnosis.settings import use_settings
@@ -35,8 +35,8 @@ def at_times(recording, t):
 
 
 def exact(recording):
-    log = log_of(nominal().physical, [recording])
-    return exact_recordings(log, replay(log, nominal()))
+    log = assemble_log(nominal().physical, [recording])
+    return make_clean_recordings(log, replay(log, nominal()))
 
 
 def test_what_a_machine_records_is_known_for_steps_of_no_length(recording):
@@ -80,13 +80,13 @@ def test_between_samples_of_the_simulation_the_tool_is_where_the_links_hold_it(p
 
 def test_a_motion_that_is_made_up_is_the_measured_one_once_it_went_through_the_low_pass(recording):
     """Motors that stop within milliseconds: smoothed again, they would turn back later than they do."""
-    log = log_of(nominal().physical, [recording])
+    log = assemble_log(nominal().physical, [recording])
     stopped = np.maximum(log.q, np.quantile(log.q, 0.3, axis=0))
     low_pass = log.sampling.motion_filter
     smooth = np.stack([low_pass(stopped[:, 0], log.dt)], axis=1)
     dq, ddq = derivatives(smooth[:, 0], log.dt)
     log = replace(log, q=smooth, dq=dq[:, None], ddq=ddq[:, None], slip_dq=dq[:, None], trembling=0 * log.trembling)
-    again = log_of(log.robot, as_moved(log, replay(log, nominal())), like=log).q
+    again = assemble_log(log.robot, replay_finely(log, replay(log, nominal())), like=log).q
     inner = slice(50, -50)
     twice = np.abs(low_pass(smooth[:, 0], log.dt) - smooth[:, 0])[inner].max()
     assert np.abs(again - smooth)[inner].max() < 0.4 * twice
@@ -94,11 +94,11 @@ def test_a_motion_that_is_made_up_is_the_measured_one_once_it_went_through_the_l
 
 def test_only_friction_needs_the_shortest_steps_of_a_fine_replay(recording):
     """Links and springs in steps twice as long give the torque of those in a quarter of one."""
-    log = log_of(nominal().physical, [recording])
+    log = assemble_log(nominal().physical, [recording])
     run = replay(log, nominal())
-    torque = as_moved(log, run)[0].joint_array("motor.effort")
+    torque = replay_finely(log, run)[0].joint_array("motor.effort")
     with use_settings({"replay.link_step": 1e-9}):
-        finest = as_moved(log, run)[0].joint_array("motor.effort")
+        finest = replay_finely(log, run)[0].joint_array("motor.effort")
     assert 0 < np.abs(torque - finest).max() < 1e-3 * np.abs(finest).max()
     sampled = run.torque[: len(finest), 0]
     assert np.sqrt(np.mean((torque - finest) ** 2)) < 0.1 * np.sqrt(np.mean((sampled - finest) ** 2))
@@ -106,14 +106,14 @@ def test_only_friction_needs_the_shortest_steps_of_a_fine_replay(recording):
 
 def test_vibration_in_a_wide_band_is_left_out_of_a_smooth_motion_and_kept_in_a_sharp_one(recording):
     """Angles that tremble at 60 Hz where 70 Hz are compared."""
-    log = log_of(nominal().physical, [recording], cutoff=70.0)
+    log = assemble_log(nominal().physical, [recording], cutoff=70.0)
     shaking = 1e-5 * np.sin(2 * np.pi * 60.0 * log.t)[:, None, None]
     log = replace(log, q=log.q + shaking, trembling=0 * log.trembling)
     run = replay(log, nominal())
     turn = np.exp(2j * np.pi * 60.0 * log.t[100:-100])[:, None]
 
     def of_vibration(smooth):
-        angle = log_of(log.robot, as_moved(log, run, smooth=smooth), like=log).recordings[0]
+        angle = assemble_log(log.robot, replay_finely(log, run, smooth=smooth), like=log).recordings[0]
         moved = angle.joint_array("motor.position") / log.robot.drive.gear_ratio - log.q[:, 0] + shaking[:, 0]
         return 2 * np.abs(np.mean(turn * moved[100:-100], axis=0)) / 1e-5
 
@@ -131,18 +131,18 @@ def test_a_machine_under_another_controller_moves_as_measured(recording):
     moved = found.recordings[0].joint_array("motor.position")
     measured = log.joint_array("motor.position")
     assert np.abs(moved - measured)[100:-100].max() < 0.05
-    ready = prepared(log_of(nominal().physical, [log]), nominal(), Calibration(), np.random.default_rng(0))
+    ready = prepare(assemble_log(nominal().physical, [log]), nominal(), ParameterPrior(), np.random.default_rng(0))
     assert not ready.simulated
 
 
 def test_motions_of_a_long_log_are_made_one_by_one_as_they_are_together(recording, monkeypatch):
     """All at once they would take memory for every motion; the shorter one is padded either way."""
     half = recording.slice(end=0.5 * float(recording.t[-1]))
-    log = log_of(nominal().physical, [recording, replace(half, header=replace(half.header, segment="half"))])
+    log = assemble_log(nominal().physical, [recording, replace(half, header=replace(half.header, segment="half"))])
     run, together = replay(log, nominal()), []
     for most in (1_000_000, 1):
-        monkeypatch.setattr("ffgym.diagnosis.as_moved._TOGETHER", most)
-        together.append(as_moved(log, run))
+        monkeypatch.setattr("ffgym.diagnosis.clean_replay._TOGETHER", most)
+        together.append(replay_finely(log, run))
     for at_once, alone in zip(*together, strict=True):
         assert at_once.columns.keys() == alone.columns.keys()
         for name, values in at_once.columns.items():

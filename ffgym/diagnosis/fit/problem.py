@@ -9,12 +9,21 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
-from ffgym.diagnosis.calibration import Doubt, RowOffset, is_row_offset
-from ffgym.diagnosis.evidence import Blocks, Stack, Values, stack_of
-from ffgym.diagnosis.fit.hypothesis import Hypothesis, machine_of
+from ffgym.diagnosis.fit.hypothesis import Hypothesis, exchange_effects
 from ffgym.diagnosis.log import Log
-from ffgym.diagnosis.push import Parts, Push, changes, clock_parts, moved, of_numbers, push_of, replayed_parts
-from ffgym.diagnosis.replay import Replay, servo_feedback, tracked
+from ffgym.diagnosis.normal_equations import DesignMatrix, TimeBlocks, Values, build_design_matrix
+from ffgym.diagnosis.nuisance import NuisanceParameter, RowOffset, is_row_offset
+from ffgym.diagnosis.perturbation import (
+    Parts,
+    Perturbation,
+    perturb,
+    perturb_motion,
+    perturb_numbers,
+    propagate,
+    replay_change,
+    shift_clocks,
+)
+from ffgym.diagnosis.replay import Replay, predict_feedback, predict_tracker
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.settings import settings
 from ffgym.diagnosis.solving import Priors
@@ -27,16 +36,16 @@ HELD = 1e-6
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Setting:
+class FitProblem:
     """A log, and all that does not depend on what is fitted to it."""
 
     log: Log
     nominal: Machine
-    blocks: Blocks
+    blocks: TimeBlocks
     weights: Values
-    calibration: Sequence[Parts]
+    nuisance_columns: Sequence[Parts]
     """Columns per standard deviation."""
-    doubts: tuple[Doubt, ...]
+    nuisances: tuple[NuisanceParameter, ...]
     """What those columns are."""
     like: Replay
     """Nominal replay of the log, whose parts serve other replays."""
@@ -61,17 +70,19 @@ class Setting:
         certain = np.square(weight * self.floor[channel][:, c])[counted]
         return float(np.mean(certain)) if len(certain) else 0.0
 
-    def calibration_priors(self, hypotheses: Sequence[Hypothesis] = ()) -> Priors:
+    def nuisance_priors(self, hypotheses: Sequence[Hypothesis] = ()) -> Priors:
         """Priors of the calibration's columns beside hypotheses, in standard deviations.
 
         A number that is a cause is no calibration error beside it: it is one number, with one prior.
         """
-        if not self.doubts:
-            bound = np.full(len(self.calibration), settings().prior.bound)
+        if not self.nuisances:
+            bound = np.full(len(self.nuisance_columns), settings().prior.bound)
             return Priors(precision=np.ones(len(bound)), low=-bound, high=bound)
         n = self.log.robot.n_joints
-        is_cause = np.array([any(is_number_of(doubt, one, n) for one in hypotheses) for doubt in self.doubts])
-        low, high = np.array([doubt.limits for doubt in self.doubts]).T
+        is_cause = np.array(
+            [any(is_parameter_of(nuisance, one, n) for one in hypotheses) for nuisance in self.nuisances]
+        )
+        low, high = np.array([nuisance.limits for nuisance in self.nuisances]).T
         low, high = np.where(is_cause, -HELD, low), np.where(is_cause, HELD, high)
         return Priors(precision=np.ones(len(low)), low=low, high=high)
 
@@ -80,95 +91,97 @@ class Setting:
         n, found = self.log.robot.n_joints, []
         for one in hypotheses:
             values = dict(one.values)
-            for doubt in self.doubts:
-                name = doubt.column.parameter
-                if is_number_of(doubt, one, n) and name in values and doubt.column.part is None:
+            for nuisance in self.nuisances:
+                name = nuisance.column.parameter
+                if is_parameter_of(nuisance, one, n) and name in values and nuisance.column.part is None:
                     share = one.kind.parameters()[name].unit == "1"
-                    more, at = values[name], doubt.at * doubt.sigma
+                    more, at = values[name], nuisance.at * nuisance.sigma
                     values[name] = (1 + more) * (1 + at) - 1 if share else more + at
             found.append(replace(one, values=values))
         return tuple(found)
 
     @cached_property
-    def stack(self) -> Stack:
+    def design(self) -> DesignMatrix:
         """The calibration's columns, weighted."""
-        return stack_of(self.blocks, self.calibration, self.weights)
+        return build_design_matrix(self.blocks, self.nuisance_columns, self.weights)
 
     def with_bias(self, bias: Mapping[Channel, Array]) -> Self:
         """Return the setting with another bias and the same stack, which depends on none and is large."""
         other = replace(self, bias=bias)
-        other.__dict__["stack"] = self.stack
+        other.__dict__["design"] = self.design
         return other
 
 
-def is_number_of(doubt: Doubt, hypothesis: Hypothesis, n_joints: int) -> bool:
+def is_parameter_of(nuisance: NuisanceParameter, hypothesis: Hypothesis, n_joints: int) -> bool:
     """Whether a hypothesis has the number that a calibration error is of."""
-    column = doubt.column
+    column = nuisance.column
     if column.effect is RowOffset:
         return is_row_offset(hypothesis.kind, n_joints)
     is_there = (column.effect, column.joint) == (hypothesis.kind, hypothesis.joint)
     return is_there and column.parameter not in hypothesis.null
 
 
-def values_of(residual: Mapping[Channel, Array]) -> Values:
+def split_components(residual: Mapping[Channel, Array]) -> Values:
     """Residuals (R, M, C) by component, (R, M, 1) each."""
     return {(channel, k): rows[..., k : k + 1] for channel, rows in residual.items() for k in range(rows.shape[2])}
 
 
-def exchanged(run: Replay, machines: Sequence[Machine]) -> list[Parts]:
+def compute_exchange_changes(run: Replay, machines: Sequence[Machine]) -> list[Parts]:
     """Change of all predictions for each of several machines in place of that of the replay."""
-    known: dict[TorqueEffect, Push] = {}
-    pushes = [_push(run, machine, known) for machine in machines]
+    known: dict[TorqueEffect, Perturbation] = {}
+    pushes = [_perturb_exchange(run, machine, known) for machine in machines]
     found: list[Parts] = []
-    for machine, pushed in zip(machines, changes(run, pushes), strict=True):
-        gone, come = _exchange(run.machine, machine)
+    for machine, pushed in zip(machines, propagate(run, pushes), strict=True):
+        gone, come = _list_exchange(run.machine, machine)
         both = (*gone, *come)
         if any(isinstance(effect, ModelEffect) for effect in both):
-            found.append(replayed_parts(run, machine))
+            found.append(replay_change(run, machine))
             continue
         parts = dict(pushed)
         if run.log.tool is not None and any(isinstance(effect, TrackerEffect) for effect in both):
             every = run.log.sampling.stride
-            seen = tracked(run, machine, every) - tracked(run, run.machine, every)
+            seen = predict_tracker(run, machine, every) - predict_tracker(run, run.machine, every)
             for k in range(3):
                 parts["tool", k] = parts.get(("tool", k), 0.0) + seen[..., k]
         if any(isinstance(effect, ClockEffect) for effect in both):
-            for key, rows in clock_parts(run, gone, come).items():
+            for key, rows in shift_clocks(run, gone, come).items():
                 parts[key] = parts.get(key, 0.0) + rows
         if any(effect.side == "controller" for effect in both) and run.log.shows_servo:
-            servo = run.log.sampling(servo_feedback(run.read, machine.physical) - servo_feedback(run.read, run.robot))
+            servo = run.log.sampling(
+                predict_feedback(run.read, machine.physical) - predict_feedback(run.read, run.robot)
+            )
             parts |= {("servo", j): servo[..., j] for j in range(run.robot.n_joints)}
         found.append(parts)
     return found
 
 
-def _exchange(before: Machine, after: Machine) -> tuple[list[Effect], list[Effect]]:
+def _list_exchange(before: Machine, after: Machine) -> tuple[list[Effect], list[Effect]]:
     """Effects that go, and effects that come."""
     gone = [effect for effect in before.effects if effect not in after.effects]
     return gone, [effect for effect in after.effects if effect not in before.effects]
 
 
-def _push(run: Replay, machine: Machine, known: dict[TorqueEffect, Push]) -> Push:
+def _perturb_exchange(run: Replay, machine: Machine, known: dict[TorqueEffect, Perturbation]) -> Perturbation:
     """What the exchange adds to the balance of torques; `known` are pushes of effects, computed once."""
-    gone, come = _exchange(run.machine, machine)
-    total = Push()
+    gone, come = _list_exchange(run.machine, machine)
+    total = Perturbation()
     if any(isinstance(effect, NativeEffect) for effect in (*gone, *come)):
-        total = of_numbers(run, machine.physical)
+        total = perturb_numbers(run, machine.physical)
     for sign, effects in ((-1.0, gone), (1.0, come)):
         for effect in effects:
             if isinstance(effect, TorqueEffect):
                 if effect not in known:
-                    known[effect] = push_of(run, effect)
+                    known[effect] = perturb(run, effect)
                 total = total.plus(known[effect], sign)
     # motors truly were elsewhere, as another resolver read what was read
     if machine.resolver_effects != run.machine.resolver_effects:
         angle, speed = run.state.motor_angle, run.state.motor_speed
         was, is_now = run.machine.read_by_resolver(angle, speed), machine.read_by_resolver(angle, speed)
-        total = total.plus(moved(run, run.robot.drive.joint_angle(was[0] - is_now[0])))
+        total = total.plus(perturb_motion(run, run.robot.drive.joint_angle(was[0] - is_now[0])))
     return total
 
 
-def tangents(
+def compute_tangents(
     run: Replay, before: Machine, hypotheses: Sequence[Hypothesis], known: Mapping[int, Sequence[Parts]] | None = None
 ) -> list[Parts]:
     """One column per free number of all `hypotheses`, per its practical step.
@@ -179,24 +192,24 @@ def tangents(
     known = known or {}
     machines, steps = [], []
     for i, hypothesis in enumerate(hypotheses):
-        for k in range(0 if i in known else len(hypothesis.free())):
-            machine, step = _beside(run.machine, len(before.effects) + i, hypothesis, k)
+        for k in range(0 if i in known else len(hypothesis.list_free())):
+            machine, step = _nudge(run.machine, len(before.effects) + i, hypothesis, k)
             machines.append(machine)
             steps.append(step)
-    parts = iter(zip(exchanged(run, machines), steps, strict=True))
+    parts = iter(zip(compute_exchange_changes(run, machines), steps, strict=True))
     columns: list[Parts] = []
     for i, hypothesis in enumerate(hypotheses):
         if i in known:
             columns += known[i]
             continue
-        for _, (one, step) in zip(hypothesis.free(), parts, strict=False):
+        for _, (one, step) in zip(hypothesis.list_free(), parts, strict=False):
             columns.append({key: values / step for key, values in one.items()})
     return columns
 
 
-def _beside(machine: Machine, place: int, hypothesis: Hypothesis, k: int) -> tuple[Machine, float]:
+def _nudge(machine: Machine, place: int, hypothesis: Hypothesis, k: int) -> tuple[Machine, float]:
     """The machine with number `k` of the hypothesis at `place` a bit higher, or lower if need be; and by how much."""
-    free = hypothesis.free()
+    free = hypothesis.list_free()
     for change in (free[k].nudge, -free[k].nudge):
         changes = [0.0] * len(free)
         changes[k] = change
@@ -204,7 +217,7 @@ def _beside(machine: Machine, place: int, hypothesis: Hypothesis, k: int) -> tup
             continue
         effects = list(machine.effects)
         effects[place] = hypothesis.moved(changes).effect(machine.robot)
-        beside = machine_of(machine, effects)
+        beside = exchange_effects(machine, effects)
         if beside is not None:
             return beside, change / free[k].step
     raise FFGymError(f"{free[k].name} of {hypothesis.label} = {free[k].value:g} can be neither higher nor lower.")

@@ -5,22 +5,22 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from ffgym.diagnosis import choice as module
-from ffgym.diagnosis.choice import Choice, _not_among
 from ffgym.diagnosis.patterns.periodic import Spectrum
+from ffgym.diagnosis.search import generator as module
+from ffgym.diagnosis.search.generator import CandidateGenerator, _exclude_tried
 
 
 def test_a_frequency_is_tried_once_however_often_it_was_found():
     found = {"j1": [12.0, 12.1, 1.0, 2.0, 1.1], "j2": [6.0], "j3": []}
-    assert _not_among(found, {"j2": (5.9,)}) == {"j1": (12.0, 1.0, 2.0)}
-    assert _not_among(found, {"j1": (12.0, 1.0, 2.0), "j2": (5.7,)}) == {"j2": (6.0,)}
+    assert _exclude_tried(found, {"j2": (5.9,)}) == {"j1": (12.0, 1.0, 2.0)}
+    assert _exclude_tried(found, {"j1": (12.0, 1.0, 2.0), "j2": (5.7,)}) == {"j2": (6.0,)}
 
 
 def test_a_peak_beside_what_turns_with_the_shaft_does_not_stand_for_it():
     """The torque of a resolver's second wave peaked at 1.84 cycles per turn, which explained a tenth of it."""
-    assert _not_among({"j1": [0.994, 1.839, 1.0, 2.0]}, {}) == {"j1": (0.994, 1.839, 2.0)}
-    assert _not_among({"j1": [1.84, 2.0]}, {"j1": (0.994, 1.839, 2.0)}) == {}
-    assert _not_among({"j1": [2.0]}, {"j1": (1.839,)}) == {"j1": (2.0,)}
+    assert _exclude_tried({"j1": [0.994, 1.839, 1.0, 2.0]}, {}) == {"j1": (0.994, 1.839, 2.0)}
+    assert _exclude_tried({"j1": [1.84, 2.0]}, {"j1": (0.994, 1.839, 2.0)}) == {}
+    assert _exclude_tried({"j1": [2.0]}, {"j1": (1.839,)}) == {"j1": (2.0,)}
 
 
 @pytest.mark.parametrize(
@@ -38,13 +38,13 @@ def test_what_turns_with_the_shaft_is_tried_where_the_torque_of_its_joint_is_lou
 ):
     """Though nothing peaks there: the torque of an angle that is wrong turns its phase at each resonance."""
     robot = SimpleNamespace(joints=("j1", "j2"))
-    monkeypatch.setattr(module, "residual_of", lambda *given: SimpleNamespace(robot=robot))
+    monkeypatch.setattr(module, "assemble_residual", lambda *given: SimpleNamespace(robot=robot))
     monkeypatch.setattr(module, "components", lambda channel, robot: "xyz")
     flat = Spectrum(frequency=np.array([30.0, 40.0]), share=np.array([0.2, 0.1]))
-    monkeypatch.setattr(module, "cycles_per_turn", lambda *given, **kind: flat)
+    monkeypatch.setattr(module, "compute_turn_spectrum", lambda *given, **kind: flat)
     faultless = SimpleNamespace(sensor_share=lambda component, floor: sensors)
-    ready = SimpleNamespace(setting=SimpleNamespace(log=None), floor=None, faultless=faultless)
-    cycles = Choice(ready, (), None)._cycles(SimpleNamespace(run=None), {}, {loud: energy})
+    ready = SimpleNamespace(problem=SimpleNamespace(log=None), floor=None, null=faultless)
+    cycles = CandidateGenerator(ready, (), None)._cycles(SimpleNamespace(run=None), {}, {loud: energy})
     assert (1.0 in cycles["j1"] and 2.0 in cycles["j1"]) == tried
     assert (30.0 in cycles["j1"]) == (tried or loud == ("tool", 2))
 
@@ -54,16 +54,16 @@ def test_other_springs_are_tried_once_on_elastic_joints_whose_torque_is_far_off(
     run = SimpleNamespace(springs=SimpleNamespace(elastic=np.array([1, 2])))
     made = SimpleNamespace(beside=lambda columns: made)
     tried = []
-    monkeypatch.setattr(module, "without_calibration", lambda setting, fit: {})
+    monkeypatch.setattr(module, "subtract_nuisances", lambda setting, fit: {})
     monkeypatch.setattr(module, "loudness", lambda setting, rest: energies)
-    monkeypatch.setattr(module, "candidates_for", lambda *given: made)
-    monkeypatch.setattr(module, "stiffness_columns", lambda run, joints: tried.append(joints))
-    monkeypatch.setattr(Choice, "_cycles", lambda *given: {})
-    choice = Choice(SimpleNamespace(setting=None, run=run), (module.JointStiffness,), None)
+    monkeypatch.setattr(module, "list_candidates", lambda *given: made)
+    monkeypatch.setattr(module, "compute_stiffness_sensitivities", lambda run, joints: tried.append(joints))
+    monkeypatch.setattr(CandidateGenerator, "_cycles", lambda *given: {})
+    choice = CandidateGenerator(SimpleNamespace(problem=None, run=run), (module.JointStiffness,), None)
     choice(None)
     choice(None)
     energies["torque", 2] = 50.0
     choice(None)
     assert tried == [[1], [2]]
-    assert Choice(SimpleNamespace(setting=None, run=run), (), None)(None) is made
+    assert CandidateGenerator(SimpleNamespace(problem=None, run=run), (), None)(None) is made
     assert len(tried) == 2

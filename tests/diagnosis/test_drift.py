@@ -5,11 +5,11 @@ from datetime import date, timedelta
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.by_recording import days_of, drifts
-from ffgym.diagnosis.evidence import blocks_of
-from ffgym.diagnosis.log import log_of
-from ffgym.diagnosis.measured import residual_rows, valid_rows
-from ffgym.diagnosis.replay import predicted, replay
+from ffgym.diagnosis.drift import find_drifts, read_days
+from ffgym.diagnosis.log import assemble_log
+from ffgym.diagnosis.normal_equations import cut_blocks
+from ffgym.diagnosis.replay import predict, replay
+from ffgym.diagnosis.residual_rows import compute_residuals, find_valid_rows
 from ffgym.effects import EFFECTS
 from ffgym.paths import joint_reference, multisine
 from ffgym.robot import load_robot
@@ -37,10 +37,10 @@ def sessions(change, effect="viscous_level"):
 
 
 def told(robot, recordings):
-    log = log_of(robot, recordings)
+    log = assemble_log(robot, recordings)
     run = replay(log, Machine(robot=robot))
-    rest = residual_rows(log, predicted(run))
-    return drifts(log, run, rest, blocks_of(valid_rows(log), log.sampling.row_dt))
+    rest = compute_residuals(log, predict(run))
+    return find_drifts(log, run, rest, cut_blocks(find_valid_rows(log), log.sampling.row_dt))
 
 
 @pytest.mark.parametrize("effect", ["viscous_level", "coulomb_level"])
@@ -70,4 +70,4 @@ def test_days_are_read_from_names_of_several_styles():
     _, recordings = sessions(0.0)
     names = ("ur-20_02_05-20sec", "2020-02-07 b", "x20200210", "20.02.06.csv", "run 20_02_05", "20_03_05")
     named = [recording.renamed(name) for recording, name in zip(recordings, names, strict=True)]
-    assert days_of(named).tolist() == [0, 2, 5, 1, 0, 29]
+    assert read_days(named).tolist() == [0, 2, 5, 1, 0, 29]

@@ -15,13 +15,13 @@ import numpy as np
 import scipy
 
 from ffgym.core.types import Array, BoolArray
-from ffgym.diagnosis.column import columns_of
-from ffgym.diagnosis.evidence import Blocks
 from ffgym.diagnosis.log import Log
-from ffgym.diagnosis.measured import counting_rows
+from ffgym.diagnosis.normal_equations import TimeBlocks
 from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.residual import Channel
+from ffgym.diagnosis.residual_rows import find_counting_rows
 from ffgym.diagnosis.result import Drift
+from ffgym.diagnosis.sensitivity import compute_sensitivities
 from ffgym.diagnosis.settings import settings
 from ffgym.effects.friction.coulomb import CoulombLevel
 from ffgym.effects.friction.viscous import ViscousLevel
@@ -33,7 +33,7 @@ _DATE = re.compile(r"(?<!\d)(\d{4}|\d{2})[-_.]?(0[1-9]|1[0-2])[-_.]?(0[1-9]|[12]
 _LEVELS = (CoulombLevel, ViscousLevel)
 
 
-def drifts(log: Log, run: Replay, rest: Mapping[Channel, Array], blocks: Blocks) -> tuple[Drift, ...]:
+def find_drifts(log: Log, run: Replay, rest: Mapping[Channel, Array], blocks: TimeBlocks) -> tuple[Drift, ...]:
     """Friction levels that change from day to day.
 
     Args:
@@ -43,16 +43,16 @@ def drifts(log: Log, run: Replay, rest: Mapping[Channel, Array], blocks: Blocks)
         blocks: of rows, whose sums are what errors are known from.
     """
     limits = settings().verdict
-    days = days_of(log.recordings)
+    days = read_days(log.recordings)
     if len(log.recordings) < limits.drift_recordings or days is None or np.ptp(days) < limits.drift_days:
         return ()
-    counting = counting_rows(log)
-    columns = {(c.effect.name, c.joint): c.parts for c in columns_of(run, _LEVELS, {})}
+    counting = find_counting_rows(log)
+    columns = {(c.effect.name, c.joint): c.parts for c in compute_sensitivities(run, _LEVELS, {})}
     found: list[Drift] = []
     for j, joint in enumerate(log.robot.joints):
         torque, rows = rest["torque"][..., j], counting["torque", j]
         levels = {
-            kind.name: _levels(own, torque, rows, blocks)
+            kind.name: _fit_levels(own, torque, rows, blocks)
             for kind in _LEVELS
             if (own := columns[kind.name, joint].get(("torque", j))) is not None
         }
@@ -65,8 +65,8 @@ def drifts(log: Log, run: Replay, rest: Mapping[Channel, Array], blocks: Blocks)
         v, e, day = values[known], errors[known], days[known]
         if len(v) < limits.drift_recordings or len(np.unique(day)) < 2:
             continue
-        rate, error, chance = _line(v, e, day)
-        if chance > limits.drift_level or abs(rate) * np.ptp(day) < limits.drift_size or not _holds(v, e, day):
+        rate, error, chance = _fit_line(v, e, day)
+        if chance > limits.drift_level or abs(rate) * np.ptp(day) < limits.drift_size or not _is_steady(v, e, day):
             continue
         found.append(
             Drift(
@@ -83,7 +83,7 @@ def drifts(log: Log, run: Replay, rest: Mapping[Channel, Array], blocks: Blocks)
     return tuple(found)
 
 
-def days_of(recordings: Sequence[Recording]) -> Array | None:
+def read_days(recordings: Sequence[Recording]) -> Array | None:
     """Days since the first recording, by `recorded` in its meta data or a date in its name; None if one has neither."""
     found = []
     for recording in recordings:
@@ -99,7 +99,7 @@ def days_of(recordings: Sequence[Recording]) -> Array | None:
     return np.array(found, dtype=np.float64) - min(found)
 
 
-def _levels(column: Array, rest: Array, counting: BoolArray, blocks: Blocks) -> tuple[Array, Array, float]:
+def _fit_levels(column: Array, rest: Array, counting: BoolArray, blocks: TimeBlocks) -> tuple[Array, Array, float]:
     """One level beside a constant in each motion; the other level stays: along one motion both look much alike.
 
     Rows of a block say the same: errors are those of sums over blocks (White's estimate, clustered).
@@ -129,7 +129,7 @@ _ROUNDS = 5
 """Times that a line is fitted, and what levels scatter about it beyond their errors (method of moments)."""
 
 
-def _line(values: Array, errors: Array, day: Array) -> tuple[float, float, float]:
+def _fit_line(values: Array, errors: Array, day: Array) -> tuple[float, float, float]:
     """Slope of levels over days, its standard error, and the probability of as steep a one by chance.
 
     Levels scatter about a line by more than their errors; how much is found by iteration (method of moments).
@@ -146,15 +146,15 @@ def _line(values: Array, errors: Array, day: Array) -> tuple[float, float, float
     return rate, error, float(2 * scipy.stats.t.sf(abs(rate) / error, n - 2))
 
 
-def _holds(values: Array, errors: Array, day: Array) -> bool:
+def _is_steady(values: Array, errors: Array, day: Array) -> bool:
     """Whether a change goes the same way without any one of three or more days; else that day is an odd one."""
     limits = settings().verdict
-    rate = _line(values, errors, day)[0]
+    rate = _fit_line(values, errors, day)[0]
     for one in np.unique(day):
         rest = day != one
         if len(np.unique(day[rest])) < 2 or rest.sum() < limits.drift_recordings:
             continue
-        other, _, chance = _line(values[rest], errors[rest], day[rest])
+        other, _, chance = _fit_line(values[rest], errors[rest], day[rest])
         if other * rate < 0 or chance > limits.drift_holds:
             return False
     return True

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from ffgym.core.types import Array, BoolArray, IntArray
-from ffgym.diagnosis.push import Parts
+from ffgym.diagnosis.perturbation import Parts
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.settings import settings
 
@@ -16,7 +16,7 @@ Values = Mapping[tuple[Channel, int], Array]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Blocks:
+class TimeBlocks:
     """Blocks of rows: each of one motion, and of one half of it."""
 
     of_row: IntArray
@@ -44,11 +44,11 @@ class Blocks:
         ends = np.cumsum(np.bincount(self.of_row[self.of_row >= 0], minlength=len(self)))
         return [slice(int(start), int(end)) for start, end in zip((0, *ends[:-1]), ends, strict=True)]
 
-    def merged(self) -> "Blocks":
+    def merge(self) -> "TimeBlocks":
         """As few as halves and motions can still be left out of: all that lie in the same part of a motion are one."""
         parts = np.stack([self.motion, self.half, self.guard], axis=1).astype(np.intp)
         kinds, kind = np.unique(parts, axis=0, return_inverse=True)
-        return Blocks(
+        return TimeBlocks(
             of_row=np.where(self.of_row >= 0, kind[self.of_row], -1),
             motion=kinds[:, 0],
             half=kinds[:, 1],
@@ -56,7 +56,7 @@ class Blocks:
         )
 
 
-def blocks_of(valid: BoolArray, row_dt: float) -> Blocks:
+def cut_blocks(valid: BoolArray, row_dt: float) -> TimeBlocks:
     """Blocks of `valid` rows (R, M), `row_dt` [s] apart."""
     limits = settings().blocks
     of_row = np.full(valid.shape, -1, dtype=np.intp)
@@ -74,7 +74,7 @@ def blocks_of(valid: BoolArray, row_dt: float) -> Blocks:
         halves += [0] * first + [1] * (n - first)
         guards += [n >= 6 and k in (first - 1, first) for k in range(n)]
         count += n
-    return Blocks(of_row=of_row, motion=np.array(motions), half=np.array(halves), guard=np.array(guards))
+    return TimeBlocks(of_row=of_row, motion=np.array(motions), half=np.array(halves), guard=np.array(guards))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -88,17 +88,17 @@ class _Columns:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Stack:
+class DesignMatrix:
     """Weighted columns with their products, made once for many residuals."""
 
-    blocks: Blocks
+    blocks: TimeBlocks
     weights: Values
     """(M,) or (R, M) per component; rows of weight 0 do not count."""
     parts: Mapping[tuple[Channel, int], tuple[_Columns, ...]]
     gram: Array
     """A^T A, shape (B, P, P)."""
 
-    def beside(self, columns: Sequence[Parts], scale: Array | None = None) -> "Stack":
+    def beside(self, columns: Sequence[Parts], scale: Array | None = None) -> "DesignMatrix":
         """These columns first, then `columns`, (R, M) per component each, times `scale` (len(columns),)."""
         n, more = self.gram.shape[1], len(columns)
         gram = np.zeros((len(self.blocks), n + more, n + more))
@@ -115,9 +115,9 @@ class Stack:
             for old in (*parts.get(key, ()), new):
                 self._add_products(gram, old, new)
             parts[key] = (*parts.get(key, ()), new)
-        return Stack(blocks=self.blocks, weights=self.weights, parts=parts, gram=gram)
+        return DesignMatrix(blocks=self.blocks, weights=self.weights, parts=parts, gram=gram)
 
-    def evidence(self, residuals: Values) -> "Evidence":
+    def form_equations(self, residuals: Values) -> "NormalEquations":
         """Sums with residuals (R, M, K) per component."""
         n_residuals = next(iter(residuals.values())).shape[2]
         moment = np.zeros((len(self.blocks), self.gram.shape[1], n_residuals))
@@ -131,7 +131,7 @@ class Stack:
                 counted[b] += np.count_nonzero(counts[own])
                 for columns in self.parts.get(key, ()):
                     moment[b, columns.at] += columns.rows[own].T @ r
-        return Evidence(stack=self, moment=moment, energy=energy, rows=counted, n_components=len(residuals))
+        return NormalEquations(design=self, moment=moment, energy=energy, rows=counted, n_components=len(residuals))
 
     def energy_of(self, places: IntArray, x: Array) -> dict[tuple[Channel, int], float]:
         """Energy of what some columns, times `x`, change in each component."""
@@ -158,13 +158,13 @@ class Stack:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Evidence:
+class NormalEquations:
     r"""Sums over blocks of a regression :math:`r = A x`, weighted rows of all channels together.
 
     All statistics are functions of these few numbers, so that they cost nothing beside the replays.
     """
 
-    stack: Stack
+    design: DesignMatrix
     """The columns A."""
     moment: Array
     """A^T r, shape (B, P, K), for K residuals: that of the log first, then those of noise."""
@@ -176,19 +176,21 @@ class Evidence:
     """Components of all channels."""
 
     @property
-    def blocks(self) -> Blocks:
+    def blocks(self) -> TimeBlocks:
         """Blocks of rows."""
-        return self.stack.blocks
+        return self.design.blocks
 
     @property
     def gram(self) -> Array:
         """A^T A, shape (B, P, P)."""
-        return self.stack.gram
+        return self.design.gram
 
 
-def stack_of(blocks: Blocks, columns: Sequence[Parts], weights: Values, scale: Array | None = None) -> Stack:
+def build_design_matrix(
+    blocks: TimeBlocks, columns: Sequence[Parts], weights: Values, scale: Array | None = None
+) -> DesignMatrix:
     """Columns (R, M) per component, weighted by (M,) or (R, M) per component, times `scale` (len(columns),)."""
-    none = Stack(blocks=blocks, weights=weights, parts={}, gram=np.zeros((len(blocks), 0, 0)))
+    none = DesignMatrix(blocks=blocks, weights=weights, parts={}, gram=np.zeros((len(blocks), 0, 0)))
     return none.beside(columns, scale)
 
 
@@ -200,7 +202,7 @@ class Fold:
     test: BoolArray
 
 
-def motion_folds(blocks: Blocks) -> list[Fold]:
+def make_motion_folds(blocks: TimeBlocks) -> list[Fold]:
     """Each motion left out in turn: does an explanation hold for other motions? None of a single motion."""
     motions = np.unique(blocks.motion)
     if len(motions) < 2:
@@ -208,7 +210,7 @@ def motion_folds(blocks: Blocks) -> list[Fold]:
     return [Fold(train=blocks.motion != m, test=blocks.motion == m) for m in motions]
 
 
-def half_folds(blocks: Blocks) -> list[Fold]:
+def make_half_folds(blocks: TimeBlocks) -> list[Fold]:
     """Each half of each motion left out in turn: the only split that can judge what one motion alone excites.
 
     Blocks on either side of the cut are not fitted to when the other half is judged, so that nothing leaks over it.

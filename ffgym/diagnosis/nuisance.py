@@ -14,12 +14,12 @@ import numpy as np
 from ffgym.core.errors import check_number
 from ffgym.core.measures import rms
 from ffgym.core.types import Array
-from ffgym.diagnosis.column import Column, columns_of, machine_columns
 from ffgym.diagnosis.identification.rigid_body.base import base_parameters
 from ffgym.diagnosis.identification.rigid_body.terms import BODIES, ROTOR_INERTIA, rigid_motion
-from ffgym.diagnosis.push import Parts
-from ffgym.diagnosis.replay import Replay, servo_feedback
+from ffgym.diagnosis.perturbation import Parts
+from ffgym.diagnosis.replay import Replay, predict_feedback
 from ffgym.diagnosis.residual import Channel
+from ffgym.diagnosis.sensitivity import Sensitivity, compute_machine_sensitivities, compute_sensitivities
 from ffgym.diagnosis.settings import settings
 from ffgym.effects import ClockEffect, Effect, NativeEffect
 from ffgym.effects.drive.delay import TorqueDelay
@@ -123,7 +123,7 @@ Refit = Callable[[Sequence[Recording]], RobotDescription]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Calibration:
+class ParameterPrior:
     """Standard deviations of what is known of the nominal model."""
 
     share: float = settings().prior.share
@@ -154,7 +154,7 @@ class Calibration:
         check_number("calibration base", self.base, low=0.0, high=1.0)
 
     @classmethod
-    def of_share(cls, share: float) -> "Calibration":
+    def of_share(cls, share: float) -> "ParameterPrior":
         """Calibration with relative errors of standard deviation `share`."""
         return cls(share=share, offset=settings().prior.offset * share)
 
@@ -177,10 +177,10 @@ class Calibration:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Doubt:
+class NuisanceParameter:
     """A column of what calibration leaves open."""
 
-    column: Column
+    column: Sensitivity
     sigma: float
     """Standard deviation of its parameter, in the parameter's unit."""
     at: float = 0.0
@@ -200,41 +200,43 @@ class Doubt:
         return max(-limits.bound - self.at, low), min(limits.bound - self.at, high)
 
 
-def doubts_of(run: Replay, calibration: Calibration) -> list[Doubt]:
+def list_nuisance_parameters(run: Replay, prior: ParameterPrior) -> list[NuisanceParameter]:
     """Columns of all calibration errors along a nominal replay."""
-    robot, share = run.robot, calibration.share
+    robot, share = run.robot, prior.share
     coulomb = dict(zip(robot.joints, robot.friction.coulomb.tolist(), strict=True))
     static = dict(zip(robot.joints, robot.friction.static.tolist(), strict=True))
 
-    def each(sigma: float, *kinds: type[Effect]) -> list[Doubt]:
-        return [Doubt(column=column, sigma=sigma) for column in columns_of(run, kinds, {})]
+    def each(sigma: float, *kinds: type[Effect]) -> list[NuisanceParameter]:
+        return [NuisanceParameter(column=column, sigma=sigma) for column in compute_sensitivities(run, kinds, {})]
 
     elastic = () if robot.drive.is_rigid.all() else (JointStiffness, JointDamping)
-    found = each(calibration.of_levels, CoulombLevel, ViscousLevel) + each(share, PreslidingStiffness, *elastic)
-    if calibration.torque_constant > 0:
-        constants = each(calibration.torque_constant, TorqueConstant)
-        found += [doubt for doubt in constants if doubt.column.parameter == "error"]
+    found = each(prior.of_levels, CoulombLevel, ViscousLevel) + each(share, PreslidingStiffness, *elastic)
+    if prior.torque_constant > 0:
+        constants = each(prior.torque_constant, TorqueConstant)
+        found += [nuisance for nuisance in constants if nuisance.column.parameter == "error"]
     # breakaway torque is a share of itself off, where the effect's parameter is one of the Coulomb torque
-    for column in columns_of(run, [StribeckPeak], {}):
+    for column in compute_sensitivities(run, [StribeckPeak], {}):
         of_level = static[column.joint] / coulomb[column.joint] if column.parameter == "level" else 1.0
-        found.append(Doubt(column=column, sigma=share * of_level))
-    if calibration.base > 0:
-        found += _base_doubts(run, calibration.base)
+        found.append(NuisanceParameter(column=column, sigma=share * of_level))
+    if prior.base > 0:
+        found += _list_base_parameters(run, prior.base)
     else:
         found += each(share, RotorInertia)
         for kind in (LinkMass, LinkInertia):
             of_link = [kind(change=_MASS_STEP * link) for link in np.eye(robot.n_joints)]
-            columns = machine_columns(run, list(zip(robot.joints, of_link, strict=True)), "change", _MASS_STEP)
-            found += [Doubt(column=column, sigma=share) for column in columns]
-    for column in columns_of(run, [TorqueOffset], {}):
-        found.append(Doubt(column=column, sigma=calibration.offset * coulomb[column.joint]))
-    found += _late_doubts(run)
+            columns = compute_machine_sensitivities(
+                run, list(zip(robot.joints, of_link, strict=True)), "change", _MASS_STEP
+            )
+            found += [NuisanceParameter(column=column, sigma=share) for column in columns]
+    for column in compute_sensitivities(run, [TorqueOffset], {}):
+        found.append(NuisanceParameter(column=column, sigma=prior.offset * coulomb[column.joint]))
+    found += _list_latencies(run)
     if run.log.tool is not None:
-        found += each(calibration.tool, ToolFrame)
+        found += each(prior.tool, ToolFrame)
     return found
 
 
-def _late_doubts(run: Replay) -> list[Doubt]:
+def _list_latencies(run: Replay) -> list[NuisanceParameter]:
     """Changes of the predictions per second that signals are late.
 
     Late are the torque of a row, beside its position; friction, by the speed of an earlier instant, most at reversals;
@@ -250,18 +252,20 @@ def _late_doubts(run: Replay) -> list[Doubt]:
         (Lateness, "torque", -np.gradient(run.bristles.torque, log.dt, axis=0), limits.friction_lag),
     ]
     if log.shows_servo:
-        computed = -np.gradient(servo_feedback(run.read, run.robot), log.dt, axis=0)
+        computed = -np.gradient(predict_feedback(run.read, run.robot), log.dt, axis=0)
         known = servo.velocity_gain * drive.motor_angle(run.read.ddq)
         signals += [(Lateness, "servo", rate, limits.late_cycles * servo.control_dt) for rate in (computed, known)]
     found = []
     for effect, channel, rate, sigma in signals:
         rows = log.sampling(rate)
         parts: Parts = {(channel, j): rows[..., j] for j in range(run.robot.n_joints)}
-        found.append(Doubt(column=Column(effect=effect, parameter="latency", parts=parts), sigma=sigma))
+        found.append(
+            NuisanceParameter(column=Sensitivity(effect=effect, parameter="latency", parts=parts), sigma=sigma)
+        )
     return found
 
 
-def _base_doubts(run: Replay, sigma: float) -> list[Doubt]:
+def _list_base_parameters(run: Replay, sigma: float) -> list[NuisanceParameter]:
     """One column for each base parameter of bodies and rotors: the motor torque that it adds along a replay.
 
     Together they span all torques that other masses, centres of mass, inertias and rotors would give a rigid arm. Each
@@ -270,7 +274,7 @@ def _base_doubts(run: Replay, sigma: float) -> list[Doubt]:
     robot, log = run.robot, run.log
     motion = rigid_motion(robot, *(x.reshape(-1, robot.n_joints) for x in (log.q, log.dq, log.ddq)))
     own, taken = base_parameters(robot, _TERMS).own, rms(run.torque, (0, 1))
-    found: list[Doubt] = []
+    found: list[NuisanceParameter] = []
     columns = np.concatenate([part for term in _TERMS for part in term.columns(robot, motion)], axis=1)
     for k in own:
         torque = columns[:, k].reshape(log.q.shape)
@@ -278,6 +282,6 @@ def _base_doubts(run: Replay, sigma: float) -> list[Doubt]:
         if size > 0:
             rows = log.sampling(torque / size)
             parts: Parts = {("torque", j): rows[..., j] for j in range(robot.n_joints)}
-            column = Column(effect=LinkMass, parameter="change", choice=len(found), parts=parts)
-            found.append(Doubt(column=column, sigma=sigma))
+            column = Sensitivity(effect=LinkMass, parameter="change", choice=len(found), parts=parts)
+            found.append(NuisanceParameter(column=column, sigma=sigma))
     return found

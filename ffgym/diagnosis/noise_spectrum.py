@@ -31,7 +31,7 @@ _CORNERS = np.geomspace(0.5, 100.0, 60)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Colour:
+class NoiseSpectrum:
     """A part of noise that falls with the frequency, beside white noise; of N components."""
 
     fresh: Array
@@ -60,7 +60,7 @@ class Colour:
         return samples
 
 
-def colour_of(
+def estimate_noise_spectrum(
     signal: Sequence[Array],
     left: Sequence[Array],
     white: Sequence[Array],
@@ -70,7 +70,7 @@ def colour_of(
     *,
     level: Array | None = None,
     alike: bool = False,
-) -> Colour:
+) -> NoiseSpectrum:
     """Colour of the noise of signals, pooled over motions; (T_i, N) each, at all samples.
 
     Args:
@@ -85,9 +85,9 @@ def colour_of(
     """
     limits = settings().noise
     n = signal[0].shape[1]
-    none = Colour(fresh=np.zeros(n), stays=np.zeros(n), white=np.zeros(n))
+    none = NoiseSpectrum(fresh=np.zeros(n), stays=np.zeros(n), white=np.zeros(n))
     fast = [values - low_pass(values, dt) for values in signal]
-    above, inside, known = (_energies(rows, dt) for rows in (fast, left, white))
+    above, inside, known = (_compute_spectra(rows, dt) for rows in (fast, left, white))
     if above is None or inside is None or known is None:
         return none
     # middles of the groups [Hz]
@@ -100,29 +100,33 @@ def colour_of(
     if not high.any() or not low.any():
         return none
     # energy (N, H) of a signal by that of what a low-pass took from it, above its cut-off
-    heard = np.asarray(_quiet(above[:, high]) / (1 - taken(low_pass, frequency[high], dt)) ** 2, dtype=np.float64)
-    of_band = frequency[low], _quiet(inside[:, low]), _quiet(known[:, low])
+    heard = np.asarray(
+        _estimate_floor(above[:, high]) / (1 - taken(low_pass, frequency[high], dt)) ** 2, dtype=np.float64
+    )
+    of_band = frequency[low], _estimate_floor(inside[:, low]), _estimate_floor(known[:, low])
     found = np.zeros((3, n))
     if high.sum() < limits.fewest_groups or frequency[high][0] * dt > limits.flat_from:
         if level is not None:  # known better than from so few frequencies
             heard = np.maximum(heard, 2 * dt * level[:, None] ** 2)
-        is_steady = heard.mean(axis=1) < limits.steady * _quiet(known[:, high]).mean(axis=1)
+        is_steady = heard.mean(axis=1) < limits.steady * _estimate_floor(known[:, high]).mean(axis=1)
         for one in [np.arange(n)] if alike else list(np.arange(n)[:, None]):
             if is_steady[one].all():
-                fresh, stays = _going_on(frequency[high], heard[one], of_band[0], of_band[1][one], of_band[2][one], dt)
+                fresh, stays = _extend_into_band(
+                    frequency[high], heard[one], of_band[0], of_band[1][one], of_band[2][one], dt
+                )
                 found[0, one], found[1, one] = fresh, stays
     else:
         # energy in the quietest short stretches: a step or a blow lies between them, noise does not
         shortest = np.mean([white_noise(values, low_pass, dt) ** 2 for values in signal], axis=0)
         for j in np.flatnonzero(heard.mean(axis=1) < limits.steady * 2 * dt * shortest):
-            fresh_j, flat = _falling(frequency[high], heard[j], dt)
-            found[:, j] = fresh_j, _staying(of_band[0], of_band[1][j], of_band[2][j], fresh_j, flat, dt), flat
+            fresh_j, flat = _fit_falling(frequency[high], heard[j], dt)
+            found[:, j] = fresh_j, _fit_memory(of_band[0], of_band[1][j], of_band[2][j], fresh_j, flat, dt), flat
     rounding = limits.rounding_share * np.max([values.std(axis=0) for values in signal], axis=0)
     found[:, found[0] < rounding] = 0.0
-    return Colour(fresh=found[0], stays=found[1], white=found[2])
+    return NoiseSpectrum(fresh=found[0], stays=found[1], white=found[2])
 
 
-def _going_on(
+def _extend_into_band(
     frequency: Array, energy: Array, inside: Array, left: Array, known: Array, dt: float
 ) -> tuple[Array, float]:
     """Find what is fresh (J,) and the share that stays, where samples are too rare to see how noise falls.
@@ -148,7 +152,7 @@ def _going_on(
     return fresh[best], float(shares[best])
 
 
-def _falling(frequency: Array, energy: Array, dt: float) -> tuple[float, float]:
+def _fit_falling(frequency: Array, energy: Array, dt: float) -> tuple[float, float]:
     """Standard deviations of what falls, fresh in each sample, and of the white part beside it; 0 if nothing falls."""
     shapes = np.stack([np.full_like(frequency, 2 * dt), _shape(1.0, frequency, dt)], axis=1)
     largest = shapes.max(axis=0)
@@ -158,7 +162,7 @@ def _falling(frequency: Array, energy: Array, dt: float) -> tuple[float, float]:
     return float(np.sqrt(sizes[1])), float(np.sqrt(sizes[0]))
 
 
-def _staying(frequency: Array, left: Array, known: Array, fresh: float, flat: float, dt: float) -> float:
+def _fit_memory(frequency: Array, left: Array, known: Array, fresh: float, flat: float, dt: float) -> float:
     """Share of noise that stays, by what is left in the band beyond what the model leaves of itself."""
     limits = settings().noise
     if fresh == 0:
@@ -180,7 +184,7 @@ def _shape(stays: float, frequency: Array, dt: float) -> Array:
     return shape
 
 
-def _energies(rows: Sequence[Array], dt: float) -> Array | None:
+def _compute_spectra(rows: Sequence[Array], dt: float) -> Array | None:
     """One-sided energy per Hz (B, G, N) of all parts of motions, in groups of frequencies; None of too few parts."""
     limits = settings().noise
     width, spectra = round(limits.part / dt), []
@@ -204,7 +208,7 @@ def _energies(rows: Sequence[Array], dt: float) -> Array | None:
     return groups
 
 
-def _quiet(energy: Array) -> Array:
+def _estimate_floor(energy: Array) -> Array:
     """Energy of noise (N, F) at each frequency, by that of the quiet parts (B, F, N); chance makes some quiet."""
     limits = settings().noise
     by_chance = float(scipy.stats.chi2.ppf(limits.quiet_share, limits.degrees_of_freedom)) / limits.degrees_of_freedom

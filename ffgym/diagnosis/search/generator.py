@@ -8,13 +8,13 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from ffgym.core.types import Array
-from ffgym.diagnosis.column import columns_of, stiffness_columns
-from ffgym.diagnosis.fit.fit import Fit, Loudness, loudness, without_calibration
-from ffgym.diagnosis.measured import residual_of
-from ffgym.diagnosis.patterns.periodic import Amplitude, Spectrum, cycles_per_turn
-from ffgym.diagnosis.prepare import Memory, Prepared, candidates_for, repeats
+from ffgym.diagnosis.fit.fit import Fit, Loudness, loudness, subtract_nuisances
+from ffgym.diagnosis.patterns.periodic import Amplitude, Spectrum, compute_turn_spectrum
+from ffgym.diagnosis.prepare import DiagnosisCache, PreparedSearch, list_candidates, repeats
 from ffgym.diagnosis.residual import Channel, components
+from ffgym.diagnosis.residual_rows import assemble_residual
 from ffgym.diagnosis.search.candidates import Candidates
+from ffgym.diagnosis.sensitivity import compute_sensitivities, compute_stiffness_sensitivities
 from ffgym.diagnosis.settings import settings
 from ffgym.diagnosis.variant import Cycles
 from ffgym.effects import Effect
@@ -34,61 +34,64 @@ _APART, _SHAFT_APART = 0.2, 0.02
 changes with the speed lies beside it, by up to 0.16 in a log of small turns."""
 
 
-class Choice:
+class CandidateGenerator:
     """Effects to try beside those of a fit; what was made for one fit is kept for the next."""
 
-    def __init__(self, ready: Prepared, kinds: Sequence[type[Effect]], memory: Memory | None) -> None:
-        self._ready, self._kinds, self._memory = ready, kinds, memory
+    def __init__(self, ready: PreparedSearch, kinds: Sequence[type[Effect]], cache: DiagnosisCache | None) -> None:
+        self._ready, self._kinds, self._cache = ready, kinds, cache
         self._tried: dict[str, tuple[float, ...]] = {}
         self._sprung: set[int] = set()
         self._made: Candidates | None = None
 
     def __call__(self, fit: Fit) -> Candidates:
         """Candidates beside those of a fit: those that there were before it, new frequencies, and other springs."""
-        made = self._made or candidates_for(self._ready, self._kinds, self._memory)
-        setting = self._ready.setting
-        rest = without_calibration(setting, fit)
-        loud = loudness(setting, rest)
+        made = self._made or list_candidates(self._ready, self._kinds, self._cache)
+        problem = self._ready.problem
+        rest = subtract_nuisances(problem, fit)
+        loud = loudness(problem, rest)
         if JointStiffness in self._kinds:
             # other springs on elastic joints whose torque is far from what it should be
             elastic = [j for j in self._ready.run.springs.elastic.tolist() if j not in self._sprung]
             if far := [j for j in elastic if loud.get(("torque", j), 0.0) > settings().screening.spring_from]:
-                made = made.beside(stiffness_columns(self._ready.run, far))
+                made = made.beside(compute_stiffness_sensitivities(self._ready.run, far))
                 self._sprung.update(far)
-        if new := _not_among(self._cycles(fit, rest, loud), self._tried):
+        if new := _exclude_tried(self._cycles(fit, rest, loud), self._tried):
             periodic = [kind for kind in self._kinds if repeats(kind)]
-            made = made.beside(columns_of(self._ready.run, periodic, new))
+            made = made.beside(compute_sensitivities(self._ready.run, periodic, new))
             self._tried |= {joint: (*self._tried.get(joint, ()), *cycles) for joint, cycles in new.items()}
         self._made = made
         return made
 
     def _cycles(self, fit: Fit, rest: Mapping[Channel, Array], energies: Loudness) -> Cycles:
         """Frequencies per motor turn of each joint that what is left has, the strongest first."""
-        setting = self._ready.setting
-        share = self._ready.faultless.sensor_share
+        problem = self._ready.problem
+        share = self._ready.null.sensor_share
         loud = {
             key
             for key, energy in energies.items()
             if energy > settings().screening.periodic_from * share(key, self._ready.floor)
         }
-        residual = residual_of(setting.log, fit.run, rest, self._ready.floor)
+        residual = assemble_residual(problem.log, fit.run, rest, self._ready.floor)
         found: dict[str, list[float]] = {}
         for j, joint in enumerate(residual.robot.joints):
             peaks: list[tuple[float, float]] = []
             if ("torque", j) in loud:
                 for amplitude, count in _LOOKED_FOR:
-                    peaks += _peaks(cycles_per_turn(residual, "torque", joint, joint, amplitude=amplitude), count)
+                    peaks += _find_peaks(
+                        compute_turn_spectrum(residual, "torque", joint, joint, amplitude=amplitude), count
+                    )
                 peaks += [(0.0, frequency) for frequency in _SHAFT]
             behind = [(c, k) for c, k in loud if c == "tool" or (c, k) == ("link", j)]
             shown = [
-                _peaks(cycles_per_turn(residual, c, components(c, residual.robot)[k], joint), 1) for c, k in behind
+                _find_peaks(compute_turn_spectrum(residual, c, components(c, residual.robot)[k], joint), 1)
+                for c, k in behind
             ]
             peaks += sorted((peak for one in shown for peak in one), reverse=True)[:1]
             found[joint] = [frequency for _, frequency in sorted(peaks, reverse=True)]
         return found
 
 
-def _not_among(cycles: Cycles, tried: Cycles) -> dict[str, tuple[float, ...]]:
+def _exclude_tried(cycles: Cycles, tried: Cycles) -> dict[str, tuple[float, ...]]:
     """Frequencies that were not tried, nor one nearby, each once; joints without any are left out."""
     new: dict[str, tuple[float, ...]] = {}
     for joint, frequencies in cycles.items():
@@ -100,7 +103,7 @@ def _not_among(cycles: Cycles, tried: Cycles) -> dict[str, tuple[float, ...]]:
     return new
 
 
-def _peaks(spectrum: Spectrum | None, count: int) -> list[tuple[float, float]]:
+def _find_peaks(spectrum: Spectrum | None, count: int) -> list[tuple[float, float]]:
     """The highest peaks of a spectrum, as share and frequency; none where a motor turns too little for one."""
     if spectrum is None:
         return []

@@ -14,7 +14,7 @@ import scipy
 from ffgym.core.types import Array
 from ffgym.diagnosis.identification import LowPass
 from ffgym.diagnosis.log import Log
-from ffgym.diagnosis.replay import Replay, replay, servo_feedback
+from ffgym.diagnosis.replay import Replay, predict_feedback, replay
 from ffgym.diagnosis.replay.states import Bristles, along_speed
 from ffgym.diagnosis.sampling import without_trembling
 from ffgym.diagnosis.settings import settings
@@ -24,7 +24,7 @@ _TOGETHER = 1_000_000
 """Most fine steps of all motions together that are replayed at once; chosen: some 2 GB for six axes that bend."""
 
 
-def as_moved(log: Log, run: Replay, *, smooth: bool = False) -> list[Recording]:
+def replay_finely(log: Log, run: Replay, *, smooth: bool = False) -> list[Recording]:
     """One recording for each motion of a log, by its replay `run` on the nominal machine, with the columns it takes.
 
     A `smooth` motion has nothing above the usual band of what is compared: noise and vibration at the edge of a wide
@@ -34,7 +34,7 @@ def as_moved(log: Log, run: Replay, *, smooth: bool = False) -> list[Recording]:
     parts = max(1, int(np.ceil(log.dt / limits.friction_step - 1e-9)))
     n_motions = len(log.recordings)
     if n_motions > 1 and parts * len(log.q) * n_motions > _TOGETHER:
-        return [one for i in range(n_motions) for one in as_moved(log.motion(i), run, smooth=smooth)]
+        return [one for i in range(n_motions) for one in replay_finely(log.motion(i), run, smooth=smooth)]
     # steps in a sample that are short enough for links and springs, of which each has some of all `parts`
     few = min(
         n
@@ -42,17 +42,17 @@ def as_moved(log: Log, run: Replay, *, smooth: bool = False) -> list[Recording]:
         if parts % n == 0 and (n == parts or log.dt / n <= limits.link_step * (1 + 1e-09))
     )
     if few == parts or run.machine.resolver_effects:  # friction slips as motors truly move, which replays tell
-        fine, few = replay(_finer(log, parts, smooth), run.machine, exact=True), parts
+        fine, few = replay(_refine(log, parts, smooth), run.machine, exact=True), parts
     else:
-        finest, drive = _finer(log, parts, smooth), run.robot.drive
+        finest, drive = _refine(log, parts, smooth), run.robot.drive
         slip, speed = drive.motor_angle(finest.slip_dq), drive.motor_angle(finest.dq)
         friction, every = along_speed(run.robot.friction, slip, speed, finest.dt), parts // few
         bristles = Bristles(torque=friction.torque[::every], sign=friction.sign[::every])
-        fine = replay(_finer(log, few, smooth), run.machine, bristles=bristles, exact=True)
+        fine = replay(_refine(log, few, smooth), run.machine, bristles=bristles, exact=True)
     return [_record(log, run, fine, few, i) for i in range(n_motions)]
 
 
-def _finer(log: Log, every: int, smooth: bool) -> Log:
+def _refine(log: Log, every: int, smooth: bool) -> Log:
     """The log's motion without noise, `every` times as finely, with temperatures and set-points on the way."""
     dt, still, low_pass = log.dt, without_trembling(log.q, log.trembling), log.sampling.motion_filter
     q = np.empty_like(log.q)
@@ -68,7 +68,7 @@ def _finer(log: Log, every: int, smooth: bool) -> Log:
                 found = found + measured - low_pass(found, dt)
         q[:, i] = np.pad(found, ((0, len(log.q) - n), (0, 0)), mode="edge")
     t: Array = dt / every * np.arange((len(q) - 1) * every + 1, dtype=np.float64)
-    q, dq, ddq = _along(q, log, t)
+    q, dq, ddq = _differentiate(q, log, t)
     # recordings say how long each motion is
     clocks = []
     for recording, n in zip(log.recordings, log.lengths, strict=True):
@@ -88,13 +88,15 @@ def _finer(log: Log, every: int, smooth: bool) -> Log:
         torque=np.zeros_like(q),
         tool=None,
         link=None,
-        feedback=None if log.feedback is None else _between(log.feedback, log, t),
-        reference=None if reference is None else (_along(reference[0], log, t)[0], _between(reference[1], log, t)),
-        temperature=None if log.temperature is None else _between(log.temperature, log, t),
+        feedback=None if log.feedback is None else _interpolate(log.feedback, log, t),
+        reference=None
+        if reference is None
+        else (_differentiate(reference[0], log, t)[0], _interpolate(reference[1], log, t)),
+        temperature=None if log.temperature is None else _interpolate(log.temperature, log, t),
     )
 
 
-def _along(q: Array, log: Log, t: Array) -> tuple[Array, Array, Array]:
+def _differentiate(q: Array, log: Log, t: Array) -> tuple[Array, Array, Array]:
     """Angle, speed and acceleration at finer times `t` of a curve through samples (T, M, N); it ends at rest."""
     shape = (len(t), *q.shape[1:])
     angle, speed, change = np.empty(shape), np.zeros(shape), np.zeros(shape)
@@ -107,7 +109,7 @@ def _along(q: Array, log: Log, t: Array) -> tuple[Array, Array, Array]:
     return angle, speed, change
 
 
-def _between(values: Array, log: Log, t: Array) -> Array:
+def _interpolate(values: Array, log: Log, t: Array) -> Array:
     """Values (T, M, N) at finer times, straight between samples."""
     flat = values.reshape(len(values), -1)
     found = np.stack([np.interp(t, log.t, column) for column in flat.T], axis=1)
@@ -127,7 +129,7 @@ def _record(log: Log, run: Replay, fine: Replay, every: int, i: int) -> Recordin
     if log.reference is not None:
         families |= {"reference.position": log.reference[0][:n, i], "reference.velocity": log.reference[1][:n, i]}
         if log.feedback is not None:
-            families["feedback.effort"] = servo_feedback(fine.read, fine.robot)[rows, i]
+            families["feedback.effort"] = predict_feedback(fine.read, fine.robot)[rows, i]
     columns = {"timestamp": recording.t}
     columns |= {
         f"{family}.{joint}": x[:, j] for family, x in families.items() for j, joint in enumerate(log.robot.joints)

@@ -5,10 +5,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.calibration import Doubt, RowOffset
-from ffgym.diagnosis.column import Column
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
-from ffgym.diagnosis.fit.setting import HELD, Setting
+from ffgym.diagnosis.fit.problem import HELD, FitProblem
+from ffgym.diagnosis.nuisance import NuisanceParameter, RowOffset
+from ffgym.diagnosis.sensitivity import Sensitivity
 from ffgym.effects import EFFECTS
 
 
@@ -20,11 +20,12 @@ def test_the_instant_of_torque_in_a_row_is_held_where_a_cause_makes_all_torque_l
     kind = EFFECTS[effect]
     values = {p.name: np.array(p.high) for p in kind.parameters().values()}
     cause = Hypothesis(kind=kind, joint="j1", source=None, values=values)
-    column = Column(effect=RowOffset, parameter="latency", parts={})
+    column = Sensitivity(effect=RowOffset, parameter="latency", parts={})
     setting = SimpleNamespace(
-        doubts=(Doubt(column=column, sigma=5e-5),), log=SimpleNamespace(robot=SimpleNamespace(n_joints=n_joints))
+        nuisances=(NuisanceParameter(column=column, sigma=5e-5),),
+        log=SimpleNamespace(robot=SimpleNamespace(n_joints=n_joints)),
     )
-    priors = Setting.calibration_priors(setting, [cause])
+    priors = FitProblem.nuisance_priors(setting, [cause])
     assert bool(priors.low == -HELD and priors.high == HELD) == is_held
 
 
@@ -32,5 +33,5 @@ def test_the_instant_of_torque_in_a_row_is_held_where_a_cause_makes_all_torque_l
 def test_a_model_with_other_numbers_may_leave_a_hundredth_of_what_they_explain(energy, left):
     described = {} if energy is None else {("torque", 0): energy}
     setting = SimpleNamespace(described=described)
-    assert Setting.inexact(setting, ("torque", 0)) == pytest.approx(left)
-    assert Setting.inexact(setting, ("torque", 1)) == 0.0
+    assert FitProblem.inexact(setting, ("torque", 0)) == pytest.approx(left)
+    assert FitProblem.inexact(setting, ("torque", 1)) == 0.0

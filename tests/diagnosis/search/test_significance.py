@@ -5,11 +5,17 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.calibration import Doubt
-from ffgym.diagnosis.fit.fit import Removed
+from ffgym.diagnosis.fit.fit import ExplainedVariance
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
-from ffgym.diagnosis.search import worth as module
-from ffgym.diagnosis.search.worth import explains_most, is_known, is_sizeable, is_worth, removed_by
+from ffgym.diagnosis.nuisance import NuisanceParameter
+from ffgym.diagnosis.search import significance as module
+from ffgym.diagnosis.search.significance import (
+    compute_explained_by_newest,
+    explains_most,
+    is_significant,
+    is_sizeable,
+    is_within_prior,
+)
 from ffgym.diagnosis.settings import settings
 from ffgym.effects import EFFECTS
 
@@ -17,8 +23,8 @@ from ffgym.effects import EFFECTS
 @pytest.fixture(autouse=True)
 def plausible(monkeypatch):
     """No shape is at the end of its range, and no cause is a number of the model."""
-    monkeypatch.setattr(module, "stretched", lambda setting, fit: ())
-    monkeypatch.setattr(module, "is_known", lambda setting, newest: False)
+    monkeypatch.setattr(module, "find_shapes_at_limit", lambda setting, fit: ())
+    monkeypatch.setattr(module, "is_within_prior", lambda setting, newest: False)
 
 
 @pytest.mark.parametrize(
@@ -33,19 +39,21 @@ def plausible(monkeypatch):
     ],
 )
 def test_a_cause_of_the_whole_machine_has_as_many_witnesses_as_components(monkeypatch, joint, heard, share, enough):
-    gone = Removed(of_excess=share, of_all=share, excess=0.9, heard=heard, best=share)
-    monkeypatch.setattr(module, "removed_by", lambda *fits: gone)
-    assert is_worth(None, None, fitted(10.0, 10.0), fitted(5.0, 5.0, joint), chance=0.0) == enough
+    gone = ExplainedVariance(of_excess=share, of_all=share, excess=0.9, heard=heard, best=share)
+    monkeypatch.setattr(module, "compute_explained_by_newest", lambda *fits: gone)
+    assert is_significant(None, None, fitted(10.0, 10.0), fitted(5.0, 5.0, joint), chance=0.0) == enough
 
 
 @pytest.mark.parametrize(("held_out", "holds"), [(5.0, True), (8.0, True), (9.5, False), (11.0, False)])
 def test_a_cause_must_hold_on_rows_that_it_was_not_fitted_to(monkeypatch, held_out, holds):
     """It removes half of the energy in a fit to all rows."""
     monkeypatch.setattr(
-        module, "removed_by", lambda *fits: Removed(of_excess=0.9, of_all=0.5, excess=0.9, heard=1, best=0.9)
+        module,
+        "compute_explained_by_newest",
+        lambda *fits: ExplainedVariance(of_excess=0.9, of_all=0.5, excess=0.9, heard=1, best=0.9),
     )
-    assert is_worth(None, None, fitted(10.0, 10.0), fitted(held_out, 5.0), chance=0.0) == holds
-    assert not is_worth(None, None, fitted(10.0, 10.0), fitted(held_out, 5.0, is_unphysical=True), chance=0.0)
+    assert is_significant(None, None, fitted(10.0, 10.0), fitted(held_out, 5.0), chance=0.0) == holds
+    assert not is_significant(None, None, fitted(10.0, 10.0), fitted(held_out, 5.0, is_unphysical=True), chance=0.0)
 
 
 @pytest.mark.parametrize(
@@ -63,15 +71,15 @@ def test_a_cause_below_the_noise_floor_must_explain_most_of_what_is_there_or_hav
     monkeypatch, held_out, of_all, numbers, enough
 ):
     """The floor allows for what may be there: with quiet sensors, a tenth of it is."""
-    gone = Removed(of_excess=1.0, of_all=of_all, excess=0.0, heard=1, best=1.0)
-    monkeypatch.setattr(module, "removed_by", lambda *fits: gone)
-    monkeypatch.setattr(module, "touched", lambda setting, columns: {TORQUES[0]})
+    gone = ExplainedVariance(of_excess=1.0, of_all=of_all, excess=0.0, heard=1, best=1.0)
+    monkeypatch.setattr(module, "compute_explained_by_newest", lambda *fits: gone)
+    monkeypatch.setattr(module, "find_touched", lambda setting, columns: {TORQUES[0]})
     before, after = fitted(100.0, 100.0), fitted(100.0 - held_out, 100.0 - held_out, numbers=numbers)
     monkeypatch.setattr(module, "is_sizeable", lambda cause: True)
     setting = SimpleNamespace(certain=lambda component: 0.6)
-    assert is_worth(setting, None, before, after, chance=1.0) == enough
+    assert is_significant(setting, None, before, after, chance=1.0) == enough
     doubted = SimpleNamespace(certain=lambda component: 0.02)
-    assert not is_worth(doubted, None, before, after, chance=1.0)  # as where an arm swings when its log begins
+    assert not is_significant(doubted, None, before, after, chance=1.0)  # as where an arm swings when its log begins
 
 
 @pytest.mark.parametrize(
@@ -89,7 +97,7 @@ def test_a_thousandth_of_what_is_plausible_is_no_cause_below_the_floor(effect, v
 
 def fitted(total, left, joint="j1", is_unphysical=False, numbers=1):
     """Energy that is left on rows that were not used, and by a fit to all rows."""
-    newest = SimpleNamespace(joint=joint, free=lambda: [None] * numbers, is_unphysical=is_unphysical)
+    newest = SimpleNamespace(joint=joint, list_free=lambda: [None] * numbers, is_unphysical=is_unphysical)
     return SimpleNamespace(total=total, fit=SimpleNamespace(left=left, columns=({},)), hypothesis=newest)
 
 
@@ -100,22 +108,22 @@ def fitted(total, left, joint="j1", is_unphysical=False, numbers=1):
 def test_what_a_clean_log_may_have_is_no_cause_with_a_shape_at_the_end_of_its_range(monkeypatch, loud, whose, enough):
     """Noise of the readings of a motor that restarts looked like breakaway that is overcome within no way at all."""
     after = fitted(5.0, 5.0)
-    gone = Removed(of_excess=0.9, of_all=0.9, excess=0.9, heard=1, best=0.9)
-    monkeypatch.setattr(module, "removed_by", lambda *fits: gone)
-    monkeypatch.setattr(module, "without_calibration", lambda setting, fit: {})
+    gone = ExplainedVariance(of_excess=0.9, of_all=0.9, excess=0.9, heard=1, best=0.9)
+    monkeypatch.setattr(module, "compute_explained_by_newest", lambda *fits: gone)
+    monkeypatch.setattr(module, "subtract_nuisances", lambda setting, fit: {})
     monkeypatch.setattr(module, "loudness", lambda setting, rest: {TORQUES[0]: loud, TORQUES[1]: 9.0})
-    monkeypatch.setattr(module, "touched", lambda setting, columns: {TORQUES[0]})
+    monkeypatch.setattr(module, "find_touched", lambda setting, columns: {TORQUES[0]})
     bent = after.hypothesis if whose == "newest" else SimpleNamespace()
-    monkeypatch.setattr(module, "stretched", lambda setting, fit: ((bent, "slip"),))
-    assert is_worth(None, None, fitted(10.0, 10.0), after, chance=0.0) == enough
+    monkeypatch.setattr(module, "find_shapes_at_limit", lambda setting, fit: ((bent, "slip"),))
+    assert is_significant(None, None, fitted(10.0, 10.0), after, chance=0.0) == enough
 
 
 @pytest.mark.parametrize(("share", "best", "most"), [(0.6, 0.0, True), (0.3, 0.6, True), (0.3, 0.4, False)])
 def test_causes_that_explain_no_component_well_are_none(monkeypatch, share, best, most):
-    gone = Removed(of_excess=share, of_all=share, excess=0.9, heard=3, best=best)
-    for name in ("loudness", "without_calibration", "touched"):
+    gone = ExplainedVariance(of_excess=share, of_all=share, excess=0.9, heard=3, best=best)
+    for name in ("loudness", "subtract_nuisances", "find_touched"):
         monkeypatch.setattr(module, name, lambda *given: {})
-    monkeypatch.setattr(module, "removed", lambda *given: gone)
+    monkeypatch.setattr(module, "compute_explained", lambda *given: gone)
     fit = SimpleNamespace(columns=())
     assert explains_most(None, SimpleNamespace(fit=fit), SimpleNamespace(fit=fit)) == most
 
@@ -132,15 +140,15 @@ def removed_from(monkeypatch, first, loud, then, where, *, known=(), by_channel=
     setting = SimpleNamespace(inexact=lambda key: inexact)
     given = {False: where, True: {*where, *by_channel}}
     tables = iter([loud, then, first])
-    monkeypatch.setattr(module, "without_calibration", lambda setting, fit: {})
+    monkeypatch.setattr(module, "subtract_nuisances", lambda setting, fit: {})
     monkeypatch.setattr(
         module, "loudness", lambda setting, rest: dict(zip([*TORQUES, LINK], next(tables), strict=True))
     )
-    monkeypatch.setattr(module, "touched", lambda setting, columns, by_channel=False: given[by_channel])
-    new = SimpleNamespace(place=("cogging", "j1", None), free=lambda: [None])
+    monkeypatch.setattr(module, "find_touched", lambda setting, columns, by_channel=False: given[by_channel])
+    new = SimpleNamespace(place=("cogging", "j1", None), list_free=lambda: [None])
     before = SimpleNamespace(fit=SimpleNamespace(hypotheses=[SimpleNamespace(place=place) for place in known]))
     after = SimpleNamespace(fit=SimpleNamespace(columns=[{}]), hypothesis=new)
-    return removed_by(setting, before, after, SimpleNamespace(fit=None))
+    return compute_explained_by_newest(setting, before, after, SimpleNamespace(fit=None))
 
 
 def test_a_little_in_one_joint_is_what_ails_a_loud_one_until_it_is_much(monkeypatch):
@@ -203,7 +211,8 @@ def test_a_number_within_its_calibration_is_no_cause(effect, joint, sigmas, at, 
     """Of another joint, or another number, the calibration of this one says nothing."""
     column = SimpleNamespace(effect=EFFECTS["joint_stiffness"], joint="j1", parameter="change")
     setting = SimpleNamespace(
-        doubts=(Doubt(column=column, sigma=0.05, at=at),), log=SimpleNamespace(robot=SimpleNamespace(n_joints=2))
+        nuisances=(NuisanceParameter(column=column, sigma=0.05, at=at),),
+        log=SimpleNamespace(robot=SimpleNamespace(n_joints=2)),
     )
     newest = Hypothesis(kind=EFFECTS[effect], joint=joint, source=None, values={"change": np.array(0.05 * sigmas)})
-    assert is_known(setting, newest) == known
+    assert is_within_prior(setting, newest) == known

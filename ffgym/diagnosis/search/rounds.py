@@ -11,20 +11,20 @@ import numpy as np
 
 from ffgym.core.types import Array
 from ffgym.diagnosis.computing import FAILED
-from ffgym.diagnosis.evidence import half_folds, motion_folds
-from ffgym.diagnosis.fit.fit import Fit, evaluated
-from ffgym.diagnosis.fit.hypothesis import Hypothesis, machine_with
-from ffgym.diagnosis.fit.refine import fit, polished, refined
-from ffgym.diagnosis.fit.setting import Setting
+from ffgym.diagnosis.fit.fit import Fit, evaluate
+from ffgym.diagnosis.fit.hypothesis import Hypothesis, build_machine
+from ffgym.diagnosis.fit.problem import FitProblem
+from ffgym.diagnosis.fit.refine import fit, polish, refine
+from ffgym.diagnosis.normal_equations import make_half_folds, make_motion_folds
 from ffgym.diagnosis.result import Rival
 from ffgym.diagnosis.search.candidates import Candidates
 from ffgym.diagnosis.search.ranking import Ranking
 from ffgym.diagnosis.settings import settings
-from ffgym.diagnosis.solving import Priors, left_by_block
+from ffgym.diagnosis.solving import Priors, compute_block_rss
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Tried:
+class ScoredFit:
     """A candidate, fitted."""
 
     fit: Fit
@@ -43,23 +43,23 @@ class Tried:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Round:
+class SearchRound:
     """One look at what is left: candidates by score, and those that were fitted, best first."""
 
-    before: Tried
+    before: ScoredFit
     ranking: Ranking
-    tried: tuple[Tried, ...]
+    tried: tuple[ScoredFit, ...]
     adopted: bool
     alike: tuple[Rival, ...] = ()
     """Effects that are easily taken for what was adopted, by their scores."""
 
-    def of(self, hypotheses: Iterable[Hypothesis]) -> Tried | None:
+    def of(self, hypotheses: Iterable[Hypothesis]) -> ScoredFit | None:
         """The first that was tried of some hypotheses, whatever values they came to have; None if none was."""
         known = tuple(hypotheses)
         return next((tried for tried in self.tried if tried.hypothesis.is_among(known)), None)
 
 
-def found_in(rounds: Iterable[Round], hypothesis: Hypothesis) -> tuple[Round, Tried]:
+def find_adoption(rounds: Iterable[SearchRound], hypothesis: Hypothesis) -> tuple[SearchRound, ScoredFit]:
     """The round in which a cause was found, and how it was tried there; of a wave that moved far, one of its effect."""
     tried = [(one, other) for one in rounds if one.adopted for other in one.tried]
     of_effect = [pair for pair in tried if pair[1].hypothesis.place == hypothesis.place]
@@ -67,17 +67,17 @@ def found_in(rounds: Iterable[Round], hypothesis: Hypothesis) -> tuple[Round, Tr
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Found:
+class SearchResult:
     """What a search found."""
 
-    nominal: Tried
+    nominal: ScoredFit
     candidates: Candidates
     """Of the first round; those of later ones take much memory, and nothing is asked of them."""
-    final: Tried
+    final: ScoredFit
     """With all causes that are sure, or with all if none is; the nominal model if they explain too little."""
-    whole: Tried
+    whole: ScoredFit
     """With those causes too that cannot be told from a rival: what it leaves, neither of them explains."""
-    rounds: tuple[Round, ...]
+    rounds: tuple[SearchRound, ...]
     rivals: tuple[Rival, ...]
     unsure: tuple[Hypothesis, ...]
     """Further causes that cannot be told from a rival, beside others that are sure; not in the final model."""
@@ -85,29 +85,31 @@ class Found:
     """Energy of noise alone."""
 
     @property
-    def without_causes(self) -> "Found":
+    def without_causes(self) -> "SearchResult":
         """The same search with nothing found."""
         return replace(self, final=self.nominal, whole=self.nominal, rivals=(), unsure=())
 
 
-def judged_with(
-    setting: Setting, hypotheses: Sequence[Hypothesis], like: Fit | None = None, *, begun: bool = False
-) -> Tried:
+def fit_and_score(
+    problem: FitProblem, hypotheses: Sequence[Hypothesis], like: Fit | None = None, *, begun: bool = False
+) -> ScoredFit:
     """Fit, with tangents of others from a fit `like` it, then judge by blocks that were left out."""
     if not hypotheses:
-        return scored(setting, evaluated(setting, ()))
-    return scored(setting, fit(setting, hypotheses, begun=begun, like=like))
+        return score(problem, evaluate(problem, ()))
+    return score(problem, fit(problem, hypotheses, begun=begun, like=like))
 
 
-def scored(setting: Setting, found: Fit) -> Tried:
+def score(problem: FitProblem, found: Fit) -> ScoredFit:
     """A fit with what it leaves in blocks that were left out."""
-    return Tried(fit=found, left=left_out(setting, found, found.priors))
+    return ScoredFit(fit=found, left=compute_held_out_rss(problem, found, found.priors))
 
 
-def left_out(setting: Setting, found: Fit, priors: Priors) -> Array:
+def compute_held_out_rss(problem: FitProblem, found: Fit, priors: Priors) -> Array:
     """Energy that a fit leaves in blocks that were left out, both splits in mean, shape (B,)."""
-    halves, motions = half_folds(setting.blocks), motion_folds(setting.blocks)
-    left = [left_by_block(found.evidence, folds, found.fold_columns, priors) for folds in (halves, motions) if folds]
+    halves, motions = make_half_folds(problem.blocks), make_motion_folds(problem.blocks)
+    left = [
+        compute_block_rss(found.equations, folds, found.fold_columns, priors) for folds in (halves, motions) if folds
+    ]
     mean: Array = np.mean(left, axis=0)
     return mean
 
@@ -116,20 +118,20 @@ _THERE = 1e-6
 """Practical steps from its null value within which a size is there: bounds must lie apart."""
 
 
-def slimmed(setting: Setting, tried: Tried, like: Fit | None = None) -> Tried:
+def prune(problem: FitProblem, tried: ScoredFit, like: Fit | None = None) -> ScoredFit:
     """The newest hypothesis without sizes whose absence leaves less on rows that were left out."""
     while True:
         known = tried.hypothesis.kind.parameters()
-        sizes = list(dict.fromkeys(f.name for f in tried.hypothesis.free() if known[f.name].role == "size"))
+        sizes = list(dict.fromkeys(f.name for f in tried.hypothesis.list_free() if known[f.name].role == "size"))
         if len(sizes) < 2:
             break
-        left = {size: _left_without(setting, tried.fit, size) for size in sizes}
+        left = {size: _compute_rss_without(problem, tried.fit, size) for size in sizes}
         least = min(left, key=left.__getitem__)
         if left[least] >= tried.total:
             break
         *others, newest = tried.fit.hypotheses
         try:
-            fewer = scored(setting, refined(setting, evaluated(setting, (*others, newest.without(least)), like), like))
+            fewer = score(problem, refine(problem, evaluate(problem, (*others, newest.without(least)), like), like))
         except FAILED:
             break
         if fewer.total >= tried.total:
@@ -138,9 +140,9 @@ def slimmed(setting: Setting, tried: Tried, like: Fit | None = None) -> Tried:
     return tried
 
 
-def _left_without(setting: Setting, fit: Fit, size: str) -> float:
+def _compute_rss_without(problem: FitProblem, fit: Fit, size: str) -> float:
     """Energy on rows that were left out with one size at its null value, by slopes."""
-    free, known = fit.hypotheses[-1].free(), fit.hypotheses[-1].kind.parameters()
+    free, known = fit.hypotheses[-1].list_free(), fit.hypotheses[-1].kind.parameters()
     first = len(fit.priors.low) - len(free)
     low, high = fit.priors.low.copy(), fit.priors.high.copy()
     for i, number in enumerate(free):
@@ -148,44 +150,44 @@ def _left_without(setting: Setting, fit: Fit, size: str) -> float:
             null = (known[size].neutral - number.value) / number.step
             low[first + i], high[first + i] = null - _THERE, null + _THERE
     priors = Priors(precision=fit.priors.precision, low=low, high=high)
-    return float(np.sum(left_out(setting, fit, priors)))
+    return float(np.sum(compute_held_out_rss(problem, fit, priors)))
 
 
-def refitted(setting: Setting, adopted: Tried) -> Tried:
+def refit(problem: FitProblem, adopted: ScoredFit) -> ScoredFit:
     """The adopted cause, fitted with tangents of all, and more finely if there is anything left to explain."""
     if len(adopted.fit.hypotheses) > 1:
         try:
-            adopted = judged_with(setting, adopted.fit.hypotheses, begun=True)
+            adopted = fit_and_score(problem, adopted.fit.hypotheses, begun=True)
         except FAILED:
             return adopted  # with the tangents that it has
-    if adopted.fit.left < settings().search.finer_from * float(adopted.fit.evidence.rows.sum()):
+    if adopted.fit.left < settings().search.finer_from * float(adopted.fit.equations.rows.sum()):
         return adopted
-    finer = polished(setting, adopted.fit)
-    return adopted if finer is adopted.fit else scored(setting, finer)
+    finer = polish(problem, adopted.fit)
+    return adopted if finer is adopted.fit else score(problem, finer)
 
 
-def _without(setting: Setting, now: Tried, others: Sequence[Hypothesis]) -> Tried | None:
+def _fit_without(problem: FitProblem, now: ScoredFit, others: Sequence[Hypothesis]) -> ScoredFit | None:
     """The other causes alone; None if they do not make up for the one that is left out."""
     limits = settings().search
-    begun = evaluated(setting, others, now.fit)
-    if scored(setting, begun).total > now.total * (1 + limits.clearly_needed):
+    begun = evaluate(problem, others, now.fit)
+    if score(problem, begun).total > now.total * (1 + limits.clearly_needed):
         return None
-    fewer = scored(setting, refined(setting, begun, now.fit, roughly=True))
+    fewer = score(problem, refine(problem, begun, now.fit, roughly=True))
     if fewer.total > now.total * (1 + limits.needed):
         return None
-    return judged_with(setting, fewer.fit.hypotheses, now.fit, begun=True)
+    return fit_and_score(problem, fewer.fit.hypotheses, now.fit, begun=True)
 
 
-def without_needless(setting: Setting, now: Tried) -> Tried:
+def drop_needless(problem: FitProblem, now: ScoredFit) -> ScoredFit:
     """Drop causes that the others make up for; what slopes say is enough where they come nowhere near."""
     for i in range(len(now.fit.hypotheses) - 1):
         others = [h for k, h in enumerate(now.fit.hypotheses) if k != i]
-        if machine_with(setting.nominal, others) is None:
+        if build_machine(problem.nominal, others) is None:
             continue
         try:
-            fewer = _without(setting, now, others)
+            fewer = _fit_without(problem, now, others)
         except FAILED:
             continue  # a machine without it cannot be: it is needed
         if fewer is not None:
-            return without_needless(setting, fewer)
+            return drop_needless(problem, fewer)
     return now

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from ffgym.diagnosis import diagnose
-from ffgym.diagnosis.colour import colour_of
 from ffgym.diagnosis.identification import LowPass
+from ffgym.diagnosis.noise_spectrum import estimate_noise_spectrum
 from ffgym.effects import EFFECTS
 from ffgym.simulation.plant import Machine
 from tests.diagnosis.continuous_axis import recorded, red_noise, sines
@@ -27,7 +27,7 @@ def noise(stays, white=0.0, seed=1):
 def colour(signal, left=None):
     """Of signals, of which a model leaves all, and of itself what white noise is."""
     white = [np.full_like(part, 1e-3) * np.random.default_rng(3).normal(size=part.shape) for part in signal]
-    return colour_of(signal, left or signal, white, CUTOFF, LOW_PASS, DT)
+    return estimate_noise_spectrum(signal, left or signal, white, CUTOFF, LOW_PASS, DT)
 
 
 def test_white_noise_has_no_colour():
@@ -68,7 +68,7 @@ def rare(stays, seed=1):
     given = [np.stack([red_noise(1.0, stays, 500, rng) for _ in range(3)], axis=1) for _ in range(12)]
     above = np.mean([np.var(part - low_pass(part, RARE)) for part in given]) / (1 - 2 * 41.0 * RARE)
     white = [np.sqrt(above) * rng.normal(size=part.shape) for part in given]
-    return given, colour_of(given, given, white, 41.0, low_pass, RARE), low_pass
+    return given, estimate_noise_spectrum(given, given, white, 41.0, low_pass, RARE), low_pass
 
 
 def test_noise_of_rare_samples_goes_on_into_the_band():
@@ -85,7 +85,7 @@ def test_what_comes_and_goes_above_the_band_of_rare_samples_is_no_noise():
     pulses = [rng.normal(size=(500, 1)) for _ in range(12)]
     quiet = [1e-2 * rng.normal(size=part.shape) for part in pulses]
     left = [a + b for a, b in zip(pulses, quiet, strict=True)]
-    assert colour_of(left, left, quiet, 41.0, low_pass, RARE).is_white
+    assert estimate_noise_spectrum(left, left, quiet, 41.0, low_pass, RARE).is_white
 
 
 def test_white_noise_of_rare_samples_stays_as_loud_as_it_is():
