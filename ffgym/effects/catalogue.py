@@ -19,18 +19,18 @@ _LETTERS = "FTMGXK"
 """First letters of codes in their order: friction, transmission, motor, gravity and load, measurement, controller."""
 
 _NEEDED = ("name", "code", "title", "equation", "side", "signature", "way_in")
-"""Attributes of a class without which it is no effect that can be named."""
+"""Attributes that a class must have to be listed."""
 
 
 @final
-class Catalogue(Mapping[str, type[Effect]]):
-    """Effects by name, in the order of their codes; their modules are imported when it is first asked.
+class EffectCatalogue(Mapping[str, type[Effect]]):
+    """Effects by name, in the order of their codes; their modules are imported when the first effect is looked up.
 
     An effect of this room is a class with a code. An effect of another package is a class that its entry point names;
     other subclasses of Effect, such as the equations of a workcell, are no members.
 
     Raises:
-        FFGymError: when first asked, if an entry point names no effect, or one whose name or code is taken.
+        FFGymError: at the first look-up, if an entry point names no effect, or one whose name or code is taken.
     """
 
     def __getitem__(self, name: str) -> type[Effect]:
@@ -54,36 +54,36 @@ class Catalogue(Mapping[str, type[Effect]]):
             for other in found.values():
                 if kind.name == other.name or kind.code == other.code:
                     raise FFGymError(
-                        f"{_described(entry)} is effect {kind.name!r} with code {kind.code!r}, but there is effect "
+                        f"{_describe(entry)} is effect {kind.name!r} with code {kind.code!r}, but there is effect "
                         f"{other.name!r} with code {other.code!r} already. Give it a name and a code of its own."
                     )
             found[kind.name] = kind
         return dict(sorted(found.items(), key=lambda item: _rank(item[1].code)))
 
 
-EFFECTS: Mapping[str, type[Effect]] = Catalogue()
+EFFECTS: Mapping[str, type[Effect]] = EffectCatalogue()
 """Every effect by name."""
 
 
 def _foreign_effect(entry: EntryPoint) -> type[Effect]:
-    """The class that an entry point names."""
+    """Load the class that an entry point names, and check that it is an effect."""
     try:
         kind = entry.load()
     except Exception as error:  # whatever the package of somebody else raises
         raise FFGymError(
-            f"{_described(entry)} cannot be loaded: {type(error).__name__}: {error}. Mend the package, or uninstall it."
+            f"{_describe(entry)} cannot be loaded: {type(error).__name__}: {error}. Mend the package, or uninstall it."
         ) from error
     if not (isinstance(kind, type) and issubclass(kind, Effect)) or inspect.isabstract(kind):
         raise FFGymError(
-            f"{_described(entry)} = {entry.value} must be a class without abstract methods that inherits from one of "
+            f"{_describe(entry)} = {entry.value} must be a class without abstract methods that inherits from one of "
             "ffgym.effects.NativeEffect, ModelEffect, TorqueEffect, ResolverEffect, TrackerEffect or ClockEffect."
         )
     if missing := [name for name in _NEEDED if not getattr(kind, name, "")]:
-        raise FFGymError(f"{_described(entry)}: class {kind.__name__} lacks {missing}; see docs/extending.md.")
+        raise FFGymError(f"{_describe(entry)}: class {kind.__name__} lacks {missing}; see docs/extending.md.")
     return kind
 
 
-def _described(entry: EntryPoint) -> str:
+def _describe(entry: EntryPoint) -> str:
     package = f" of package {entry.dist.name}" if entry.dist else ""
     return f"Entry point {entry.name!r}{package} in group {GROUP!r}"
 

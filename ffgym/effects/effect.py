@@ -21,7 +21,7 @@ import scipy
 
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.types import Array
-from ffgym.effects.parameters import Parameter, declared
+from ffgym.effects.parameters import Parameter, declaration_in
 from ffgym.effects.state import ResolverError, State, Torques, no_memory
 from ffgym.recordings import FAMILIES, Recording
 from ffgym.robot import RobotDescription
@@ -30,45 +30,45 @@ Side = Literal["motor", "link", "tool", "controller"]
 
 
 class Effect(ABC):
-    """One physical effect. Parameters are arrays once built, and cannot be changed.
+    """Physical effect of a robot. Parameters are arrays once built, and cannot be changed.
 
     Raises:
         FFGymError: if a parameter has a wrong shape, is not finite, or is below or above what makes sense.
     """
 
     name: ClassVar[str]
-    """As in files and on command lines."""
+    """Name in files and on command lines."""
     code: ClassVar[str] = ""
     """Short name of the documentation, e.g. 'F6'; empty for one that only a workcell knows."""
     title: ClassVar[str]
     equation: ClassVar[str]
-    """What is added to which equation."""
+    """Equation, with the term that the effect adds to it."""
     side: ClassVar[Side]
-    """Where it acts."""
+    """Place where it acts."""
     signature: ClassVar[str]
-    """How it shows in measurements."""
+    """Signature in measurements."""
     way_in: ClassVar[str]
-    """How it enters the simulation, for the documentation."""
+    """Way into the simulation, for the documentation."""
     confusable_with: ClassVar[tuple[str, ...]] = ()
     """Codes of effects that look alike in most motions."""
     separating_motions: ClassVar[tuple[str, ...]] = ()
-    """Protocols (`ffgym record`) whose recordings tell it from those."""
+    """Protocols (`ffgym record`) whose recordings separate it from those."""
     needs_elasticity: ClassVar[bool] = False
-    """Whether it acts in or through the elasticity of the joint, so that a rigid joint cannot have it."""
+    """True if it acts through the elasticity of the joint, so that a rigid joint cannot have it."""
     varies_with: ClassVar[tuple[Literal["temperature", "running"], ...]] = ()
     """Fields of the state without whose change it looks like a simpler effect."""
     at_low_speed: ClassVar[bool] = False
-    """Whether it acts at low speed and after reversals alone, of which not every description knows anything."""
+    """True if it acts at low speed and after reversals alone, a range that not every description covers."""
     needs_friction: ClassVar[bool] = False
-    """Whether it acts on the friction of the motor."""
+    """True if it acts on the friction of the motor."""
     needs_tool: ClassVar[bool] = False
-    """Whether it acts at the tool, so that a robot without one cannot have it."""
+    """True if it acts at the tool, so that a robot without one cannot have it."""
     patterns: ClassVar[tuple[tuple[str, str], ...]] = ()
     """Patterns of a residual that its equation has the form of, the nearest first: kind and variable, as a diagnosis
     names them."""
     generalises: ClassVar[tuple[str, ...]] = ()
-    """Effects with fewer numbers that it comes near to for some of its own: it is no rival of theirs unless it explains
-    more, and of their family to somebody who asks for no more."""
+    """Simpler effects that it contains (nearly) for some values of its parameters: it is no rival of theirs unless it
+    explains more, and belongs to the same family."""
 
     def __post_init__(self) -> None:
         known_ones = self.parameters().values()
@@ -80,19 +80,19 @@ class Effect(ABC):
                 f"Parameters of effect {self.name} are for {sorted(lengths)} joints, must be for one number."
             )
         for known in known_ones:
-            array = known.checked(self.name, given[known.name], max(lengths, default=1))
+            array = known.validate(self.name, given[known.name], max(lengths, default=1))
             array.setflags(write=False)
             object.__setattr__(self, known.name, array)
 
     @classmethod
     def parameters(cls) -> Mapping[str, Parameter]:
         """Parameters by name, in the order of the class."""
-        found = {f.name: declared(f.metadata) for f in fields(cls)}  # type: ignore[arg-type]  # members are dataclasses
+        found = {f.name: declaration_in(f.metadata) for f in fields(cls)}  # type: ignore[arg-type]  # members are dataclasses
         return {name: replace(known, name=name) for name, known in found.items() if known is not None}
 
     @classmethod
     def on(cls, robot: RobotDescription, joint: str | None = None, **values: Any) -> Self:
-        """The effect on one joint of a robot, or with the same numbers on all; other joints are left alone.
+        """Build the effect on one joint of a robot, or with the same numbers on all; other joints keep null values.
 
         Raises:
             FFGymError: if the robot has no such joint, or a value is unknown or not valid.
@@ -104,7 +104,7 @@ class Effect(ABC):
             chosen = np.array([name == joint for name in robot.joints])
         for name, value in values.items():
             check_choice(f"parameter of {cls.name}", name, list(known))
-            given = known[name].checked(cls.name, value, robot.n_joints)
+            given = known[name].validate(cls.name, value, robot.n_joints)
             per_joint = known[name].per == "joint"
             full[name] = np.where(chosen, given, known[name].neutral) if per_joint else given
         if missing := [f.name for f in fields(cls) if f.default is MISSING and f.name not in full]:  # type: ignore[arg-type]
@@ -119,7 +119,7 @@ class Effect(ABC):
 
     @property
     def is_null(self) -> bool:
-        """Whether it vanishes: every parameter that has a null value is there."""
+        """True if it vanishes: every parameter is at its null value, if it has one."""
         with_null = [p for p in self.parameters().values() if p.null is not None]
         return all(bool(np.all(getattr(self, p.name) == p.null)) for p in with_null)
 
@@ -152,15 +152,15 @@ class Effect(ABC):
 
 
 class NativeEffect(Effect):
-    """An effect that other numbers of the description bring about."""
+    """Effect that is a change of numbers in the description."""
 
     @abstractmethod
     def in_description(self, robot: RobotDescription) -> RobotDescription:
-        """The robot with the effect."""
+        """Return the robot with the effect."""
 
 
 class ModelEffect(Effect):
-    """An effect that needs more in the MuJoCo model than a description makes."""
+    """Effect that needs more in the MuJoCo model than a description makes."""
 
     @abstractmethod
     def in_model(self, spec: mujoco.MjSpec, robot: RobotDescription) -> None:
@@ -168,39 +168,39 @@ class ModelEffect(Effect):
 
 
 class TorqueEffect(Effect):
-    """An effect that adds torques, computed at every physics step."""
+    """Effect that adds torques, computed at every physics step."""
 
     follows_motor: ClassVar[bool] = False
-    """Whether what it adds behind the gearbox depends on the motor alone, and not on how the joint bends."""
+    """True if its torque behind the gearbox depends on the motor alone, not on the deflection of the joint."""
 
     def initial_memory(self, state: State) -> Array:
-        """What is remembered at rest, shape (..., N, M); without memory M = 0."""
+        """Return the memory of a machine at rest, shape (..., N, M); without memory M = 0."""
         return no_memory(state)
 
     @abstractmethod
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
-        """Torques at `state`, and what to remember `dt` [s] later, shape (..., N, M).
+        """Return torques at `state`, and the memory `dt` [s] later, shape (..., N, M).
 
-        Only elementwise arithmetic, so that a result does not depend on how many robots are computed together.
+        Members use elementwise arithmetic alone, so that a result does not depend on the number of robots in a batch.
         """
 
     def lead_slope(self, state: State) -> Array | None:
-        r"""Slope :math:`\partial e / \partial \theta` of an effect by which the output leads the motor by e, (..., N).
+        r"""Return the slope :math:`\partial e / \partial \theta` of a lead e of the output over the motor, (..., N).
 
-        Link side over motor side [1]; None for all other effects.
+        Link side over motor side [1]; None for an effect without such a lead.
         """
         return None
 
     def torques_over(self, states: State, dt: float) -> Torques | None:
-        """The same at T samples `dt` [s] apart at once, (T, ..., N), for an effect whose memory takes few steps.
+        """Return the torques at T samples `dt` [s] apart at once, (T, ..., N), if the effect has a fast formula for it.
 
-        None for others, which must go from sample to sample.
+        None if it must go from sample to sample.
         """
         return None
 
 
 class FrictionEffect(TorqueEffect):
-    """An effect that adds to the friction of the motor and remembers nothing."""
+    """Effect that adds to the friction of the motor, without memory."""
 
     side = "motor"
     way_in = "torque at every physics step"
@@ -208,10 +208,10 @@ class FrictionEffect(TorqueEffect):
 
     @abstractmethod
     def friction(self, state: State) -> Array:
-        """Friction beyond that of the description, motor side [N m], (..., N); positive brakes a forward motion."""
+        """Return friction beyond that of the description, motor side [N m], (..., N); positive brakes forwards."""
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
-        """See base class."""
+        """Return minus the friction; nothing is remembered."""
         return Torques(motor=-self.friction(state)), memory
 
 
@@ -220,41 +220,41 @@ class ResolverEffect(Effect):
 
     @abstractmethod
     def error(self, motor_angle: Array, motor_speed: Array) -> ResolverError:
-        """What is read beyond motor angle [rad] and speed [rad/s], motor side, (..., N)."""
+        """Return the error of the measured motor angle [rad] and speed [rad/s], motor side, (..., N)."""
 
 
 class TrackerEffect(Effect):
-    """Something between the true tool position and its measurement."""
+    """Error of the measured tool position."""
 
     @abstractmethod
-    def measured(self, recording: Recording, robot: RobotDescription) -> Recording:
-        """The recording as it is seen; `tcp.*` columns change, nothing else."""
+    def measure(self, recording: Recording, robot: RobotDescription) -> Recording:
+        """Return the recording as the tracker sees it; `tcp.*` columns change, no others."""
 
 
 class ClockEffect(Effect):
-    """A sensor whose samples are written into rows of a later time."""
+    """Delay of a sensor: samples are written into rows of a later time."""
 
     families: ClassVar[tuple[str, ...]]
-    """Families of columns that it concerns."""
+    """Families of columns that are delayed."""
 
     latency: Array
 
-    def late(self, values: Array, dt: float) -> Array:
-        """What is written of `values` (T, ...), sampled every `dt` [s]; before the first, nothing had changed."""
+    def delay(self, values: Array, dt: float) -> Array:
+        """Delay `values` (T, ...), sampled every `dt` [s]; before the first sample they were constant."""
         t = np.arange(len(values)) * dt
         late: Array = scipy.interpolate.CubicSpline(t, values)(np.clip(t - self.latency, 0.0, t[-1]))
         return late
 
-    def in_step(self, values: Array, dt: float) -> Array:
-        """Undo `late`: values (T, ...) at the instants at which they were sampled, `dt` [s] apart; the last is held."""
+    def undo_delay(self, values: Array, dt: float) -> Array:
+        """Return values (T, ...) at the instants at which they were sampled, `dt` [s] apart; the last is held."""
         t = np.arange(len(values)) * dt
         sampled: Array = scipy.interpolate.CubicSpline(t, values)(np.clip(t + self.latency, 0.0, t[-1]))
         return sampled
 
-    def measured(self, recording: Recording, robot: RobotDescription) -> Recording:
-        """The recording as it is written; columns that it does not have stay away."""
+    def measure(self, recording: Recording, robot: RobotDescription) -> Recording:
+        """Return the recording as it is logged, with delayed columns; absent columns stay absent."""
         columns = {
-            column: self.late(recording[column], recording.dt)
+            column: self.delay(recording[column], recording.dt)
             for family in self.families
             for column in FAMILIES[family].columns(recording.header.joints)
             if column in recording.columns

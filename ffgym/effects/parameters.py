@@ -15,18 +15,18 @@ Per = Literal["joint", "pair", "machine", "vector"]
 
 
 Scale = Literal["", "top_speed"]
-"""What of a robot a shape is: nothing, or the largest speed of each motor [rad/s], by which others count."""
+"""Quantity of the robot that a shape equals: nothing, or the largest speed of each motor [rad/s], as a unit for
+sizes."""
 
 
 Role = Literal["size", "phase", "cycles", "span", "shape"]
-"""What a parameter is to a search: how large the effect is; the phase of something periodic, and how often it repeats;
-a shape in which the effect is linear (or nearly), so that two values span all; or anything else that gives it its
-shape."""
+"""Role of a parameter in a search: size of the effect; phase of a wave, and number of its periods; span, a shape in
+which the effect is (nearly) linear, so that two values span all; or any other shape."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Parameter:
-    """What is known of a parameter before any measurement."""
+    """Declaration of a parameter: meaning, unit, and knowledge before any measurement."""
 
     name: str = ""
     meaning: str
@@ -40,31 +40,32 @@ class Parameter:
     high: float
     """Upper end."""
     source: str
-    """Where the range comes from."""
+    """Source of the range."""
     per: Per = "joint"
-    """What there is one number for."""
+    """Entity that has one number each."""
     minimum: float = -np.inf
     """Smallest value that makes sense."""
     maximum: float = np.inf
     """Largest value that makes sense."""
     role: Role | None = None
-    """What it is to a search among effects; None is a size where there is a null value, else a shape."""
+    """Role in a search among effects; None stands for a size if there is a null value, else for a shape."""
     tries: tuple[float, ...] = ()
-    """Values of a shape at which a search begins; empty is the default value alone. Of cycles, where joints move too
-    little to show a period; empty are those that what is to be explained has per motor turn."""
+    """Values of a shape at which a search begins; if empty, it begins at the default value. For cycles they serve
+    joints that move too little to show a period; if empty, the search begins at the periods that residuals show."""
     default: float | None = None
     """Value if none is given; None if one must be."""
     scale: Scale = ""
-    """What of a robot it is where nobody gives it: it only says in what a size counts, and is not fitted."""
+    """Quantity of the robot that is the default value: such a parameter is only the unit of a size, and is not
+    fitted."""
     of: tuple[str, str] | None = None
-    """Part and number of the description that it is a share of, more or less of it; None is nothing."""
+    """Part and number of the description that it changes by a share; None if it changes no number."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "role", self.role or ("shape" if self.null is None else "size"))
 
     @property
     def is_looked_for(self) -> bool:
-        """Whether it is a frequency that what is to be explained must show."""
+        """True for a frequency that is looked for in residuals."""
         return self.role == "cycles" and not self.tries
 
     @property
@@ -96,7 +97,7 @@ class Parameter:
             raise FFGymError(f"{owner}.{self.name} must be numbers, got {value!r}.")
         return array.astype(np.float64)
 
-    def checked(self, owner: str, value: Any, n_joints: int) -> Array:
+    def validate(self, owner: str, value: Any, n_joints: int) -> Array:
         """Return `value` as an array of the right shape; one number stands for all joints.
 
         Raises:
@@ -113,14 +114,14 @@ class Parameter:
 
 
 def parameter(meaning: str, **known: Any) -> Any:
-    """Field of an effect's dataclass that is a parameter; keyword arguments are the fields of `Parameter`."""
+    """Declare a field of an effect's dataclass as a parameter; keyword arguments are the fields of `Parameter`."""
     found = Parameter(meaning=meaning, **known)
     if found.default is None:
         return field(metadata={_KEY: found})
-    return field(default=np.float64(found.default), metadata={_KEY: found})  # `checked` spreads it over the joints
+    return field(default=np.float64(found.default), metadata={_KEY: found})  # `validate` spreads it over the joints
 
 
-def declared(metadata: Any) -> Parameter | None:
-    """The parameter that a dataclass field declares, if any; its name is still empty."""
+def declaration_in(metadata: Any) -> Parameter | None:
+    """Return the parameter that a dataclass field declares, if any; its name is still empty."""
     found = metadata.get(_KEY)
     return found if isinstance(found, Parameter) else None

@@ -16,18 +16,18 @@ from ffgym.robot import RobotDescription
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Origin:
-    """Where the numbers of one effect come from, as its table in a file says it."""
+    """Origin of the numbers of one effect, as its table in a file states it."""
 
     label: str = ""
-    """What follows the effect's name after a colon, e.g. the joint; empty is nothing."""
+    """Text behind the effect's name and a colon, e.g. the joint; may be empty."""
     sources: Mapping[str, str] = field(default_factory=dict)
-    """By parameter."""
+    """Sources by parameter."""
     intervals: Mapping[str, Array] = field(default_factory=dict)
     """Lower and upper ends by parameter, shape (..., 2)."""
 
 
 def read_origins(tables: Mapping[str, Any]) -> tuple[Origin, ...]:
-    """Where the numbers of the effects come from that `read_effects` reads from the same tables."""
+    """Read the origins of the effects that `read_effects` reads from the same tables."""
     return tuple(
         Origin(
             label=name.partition(":")[2],
@@ -41,7 +41,7 @@ def read_origins(tables: Mapping[str, Any]) -> tuple[Origin, ...]:
 def read_effects(
     tables: Mapping[str, Any], robot: RobotDescription, known: Mapping[str, type[Effect]] = EFFECTS
 ) -> tuple[Effect, ...]:
-    """Effects of the tables [effects.<name>] of a file, e.g.
+    """Read effects from the tables [effects.<name>] of a file, e.g.
 
     .. code:: toml
 
@@ -51,9 +51,9 @@ def read_effects(
     One number stands for all joints. A name may be followed by a colon and anything, for a second effect of that name.
 
     Args:
-        tables: what stands below [effects].
+        tables: entries below [effects].
         robot: the robot that has them.
-        known: effects by name.
+        known: classes of effects by name.
 
     Raises:
         FFGymError: if an effect or parameter is unknown or missing, or a value has a wrong unit or shape.
@@ -79,7 +79,7 @@ def read_effects(
 
 
 def given_value(where: str, given: Any, unit: str, also: tuple[str, ...] = ()) -> Any:
-    """Value of a table of value, unit, and maybe source and what else it may `also` have."""
+    """Return the value of a table of value and unit, which may have a source and the entries `also`."""
     maybe = ("source", *also)
     if not isinstance(given, dict) or not {"value", "unit"} <= set(given) <= {"value", "unit", *maybe}:
         raise FFGymError(f"{where} = {given!r} must be a table of value, unit, and maybe {' and '.join(maybe)}.")
@@ -91,12 +91,12 @@ def given_value(where: str, given: Any, unit: str, also: tuple[str, ...] = ()) -
 
 
 def effects_toml(effects: Sequence[Effect], source: str, origins: Sequence[Origin] = ()) -> str:
-    """Text of the tables that `read_effects` reads back to the bit.
+    """Write effects as TOML tables, which `read_effects` reads back to the bit.
 
     Args:
-        effects: what to write.
-        source: where values come from of which nothing else is said.
-        origins: more about that, of the first effects.
+        effects: effects to write.
+        source: source of all values without one in `origins`.
+        origins: origins of the first effects.
     """
     used: set[str] = set()
     lines = []
@@ -112,7 +112,7 @@ def effects_toml(effects: Sequence[Effect], source: str, origins: Sequence[Origi
 
 
 def _title(name: str, label: str, used: set[str]) -> str:
-    """Name of a table that is not used yet, in quotes if it needs them."""
+    """Return a name of a table that is not used yet, in quotes if it needs them."""
     first = title = f"{name}:{label}" if label else name
     count = 1
     while title in used:

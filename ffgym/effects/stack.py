@@ -1,4 +1,4 @@
-"""Many machines' effects as one: parameters side by side, null where a machine does not have the effect."""
+"""Effects of many machines stacked into one: rows of parameters, null where a machine does not have the effect."""
 
 from collections.abc import Sequence
 from typing import TypeVar
@@ -10,12 +10,12 @@ from ffgym.effects.effect import Effect
 E = TypeVar("E", bound=Effect)
 
 
-def stacked(kind: type[E], members: Sequence[E | None], n_joints: int) -> E:
-    """One effect whose parameters have B rows, (B, N) for those per joint, so that its formulas serve B machines.
+def stack_effects(kind: type[E], members: Sequence[E | None], n_joints: int) -> E:
+    """Stack effects of one kind: parameters get B rows, (B, N) per joint, so that one formula serves B machines.
 
     Args:
         kind: class of all members.
-        members: the effect of each machine; None is none.
+        members: the effect of each machine; None for a machine without it.
         n_joints: number of joints N.
     """
     together = object.__new__(kind)
@@ -28,10 +28,10 @@ def stacked(kind: type[E], members: Sequence[E | None], n_joints: int) -> E:
 
 
 def by_kind(machines: Sequence[Sequence[E]]) -> list[tuple[type[E], list[E | None]]]:
-    """Effects of each machine, sorted into kinds; a machine's second effect of a kind goes into a second row.
+    """Sort effects of all machines into kinds; a second effect of one kind on a machine goes into a second row.
 
-    Link-side kinds come first, since the load that they change is what others depend on; then by name, so that sums do
-    not depend on the order in which effects were listed.
+    Link-side kinds come first, since they change the load that others depend on; then kinds come by name, so that sums
+    do not depend on the order in which effects were listed.
     """
     rows: dict[tuple[type[E], int], list[E | None]] = {}
     for i, effects in enumerate(machines):

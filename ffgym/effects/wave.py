@@ -1,4 +1,4 @@
-"""Waves over an angle: what effects share that repeat with the turn of a motor or joint."""
+"""Waves over an angle: common part of all effects that repeat with each turn of a motor or joint."""
 
 from typing import Any
 
@@ -18,7 +18,7 @@ class Wave(Effect):
     r""":math:`\varphi`"""
 
     def wave(self, angle: Array) -> Array:
-        """The wave at an angle [rad], (..., N)."""
+        """Wave of height 1 at an angle [rad], (..., N)."""
         wave: Array = np.sin(self.cycles * angle + self.phase)
         return wave
 
@@ -29,7 +29,7 @@ class Wave(Effect):
 
 
 def cycles_per_turn(low: float, high: float, default: float, source: str) -> Any:
-    """Parameter k: how often a wave repeats in a turn of the motor."""
+    """Declare parameter k, the number of periods in a turn of the motor."""
     return parameter(
         "k, per motor turn",
         role="cycles",
@@ -44,5 +44,5 @@ def cycles_per_turn(low: float, high: float, default: float, source: str) -> Any
 
 
 def phase(source: str = "any; where the motor's zero lies") -> Any:
-    """Parameter phi: where a wave begins."""
+    """Declare parameter phi, the phase of a wave."""
     return parameter("phi", unit="rad", null=None, low=0.0, high=2 * np.pi, default=0.0, role="phase", source=source)

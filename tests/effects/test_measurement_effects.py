@@ -62,7 +62,7 @@ def test_a_late_column_is_shifted_and_nothing_else_is(name, column, irb4600, exa
 def test_a_column_that_is_not_there_cannot_be_late(irb4600, exact):
     few = {c: values for c, values in exact.columns.items() if not c.startswith("link.")}
     recording = type(exact)(few, exact.header)
-    assert EFFECTS["link_clock"].on(irb4600, latency=3e-3).measured(recording, irb4600).equals(recording)
+    assert EFFECTS["link_clock"].on(irb4600, latency=3e-3).measure(recording, irb4600).equals(recording)
 
 
 def test_a_slow_clock_is_late_by_more_and_more(irb4600, exact):

@@ -26,7 +26,7 @@ def delay(values: Array, channel: str, effects: Sequence[Effect], log: Log) -> A
         if isinstance(effect, ClockEffect) and FAMILY.get(channel) in effect.families:
             values = values.copy()
             for i, n in enumerate(log.lengths):  # padding stays
-                values[:n, i] = effect.late(values[:n, i], log.dt)
+                values[:n, i] = effect.delay(values[:n, i], log.dt)
     return values
 
 
@@ -34,7 +34,7 @@ def undo_delay(values: Array, channel: str, effects: Sequence[Effect], dt: float
     """Measured values (T, ...) of a channel as they were sampled, beside positions of the same instants."""
     for effect in effects:
         if isinstance(effect, ClockEffect) and FAMILY.get(channel) in effect.families:
-            values = effect.in_step(values, dt)
+            values = effect.undo_delay(values, dt)
     return values
 
 
@@ -68,7 +68,7 @@ def predict_tracker(run: Replay, machine: Machine | None = None, every: int = 1)
         columns |= {f"link.position.{joint}": q[:n, i, j] for j, joint in enumerate(run.robot.joints)}
         exact = Recording(columns=columns, header=replace(recording.header, phases=()))
         for effect in effects:
-            exact = effect.measured(exact, run.robot)
+            exact = effect.measure(exact, run.robot)
         position[:n, i] = exact.vector("tcp.position")
     return position
 

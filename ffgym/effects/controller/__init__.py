@@ -1,1 +1,1 @@
-"""What the machine's controller does otherwise than documented."""
+"""Deviations of the machine's controller from its documentation."""

@@ -28,7 +28,7 @@ class ServoGains(NativeEffect):
     integral: Array = parameter("c", unit="1", low=-0.5, high=0.5, minimum=-1.0, source="as a, and integrals more so")
 
     def in_description(self, robot: RobotDescription) -> RobotDescription:
-        """See base class."""
+        """Return the robot with the gains that its servos really have."""
         servo = robot.servo
         tuned = replace(
             servo,

@@ -43,5 +43,5 @@ class Cogging(Wave, TorqueEffect):
     phase: Array = phase()
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
-        """See base class."""
+        """Return the cogging torque at the motor angle."""
         return Torques(motor=self.amplitude * self.wave(state.motor_angle)), memory

@@ -53,45 +53,48 @@ class TorqueDelay(TorqueEffect):
     )
 
     def initial_memory(self, state: State) -> Array:
-        """See base class; the latest command comes first, what the current loop gives last."""
+        """Return commands, the latest first, then the torque of the current loop; at rest all are one torque."""
         return np.repeat(state.motor_torque[..., None], LENGTH + 1, axis=-1)
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
-        """See base class."""
+        """Return the torque of the delayed current loop beyond the command."""
         given = memory[..., -1]
+        # dead time: commands move up by one, the one that is due is interpolated
         later = np.empty_like(memory)
         commands = later[..., :-1]
         commands[..., 0], commands[..., 1:] = state.motor_torque, memory[..., :-2]
-        due = _interpolated(commands, self.delay / dt)
+        due = _interpolate(commands, self.delay / dt)
+        # lag: exact step of first order towards the command that is due
         keep = np.exp(-np.divide(dt, self.lag, out=np.full_like(self.lag, np.inf), where=self.lag > 0))
         later[..., -1] = given = due + (given - due) * keep
         return Torques(motor=given - state.motor_torque), later
 
     def torques_over(self, states: State, dt: float) -> Torques:
-        """See base class; commands are straight between samples, which may be longer than the lag."""
+        """Filter all commands at once; they run straight between samples, which may be longer than the lag."""
         commands = np.broadcast_to(states.motor_torque, states.motor_angle.shape)
         given = np.empty_like(commands)
         for j in range(commands.shape[-1]):
             delay, lag = float(self.delay[j]), float(self.lag[j])
             keep = np.exp(-dt / lag) if lag > 0 else 0.0
+            # exact step of the lag for a command that runs straight between samples
             now = 1 - (1 - keep) * lag / dt
-            due = _earlier(commands[..., j], delay / dt)
+            due = _shift(commands[..., j], delay / dt)
             given[..., j] = scipy.signal.lfilter(
                 [now, 1 - keep - now], [1, -keep], due, axis=0, zi=(1 - now) * due[:1]
             )[0]
         return Torques(motor=given - commands)
 
 
-def _earlier(commands: Array, steps: float) -> Array:
-    """Commands (T, ...) `steps` samples ago; before the first of them, that one."""
+def _shift(commands: Array, steps: float) -> Array:
+    """Shift commands (T, ...) by `steps` samples; the first holds before its time."""
     whole, part = int(np.floor(steps)), steps - np.floor(steps)
     padded = np.concatenate([np.repeat(commands[:1], whole + 1, axis=0), commands])
     one, before = padded[1 : len(commands) + 1], padded[: len(commands)]
     return (1 - part) * one + part * before
 
 
-def _interpolated(commands: Array, steps: Array) -> Array:
-    """Command `steps` physics steps ago, shape (..., N), of `commands` (..., N, M), the latest first."""
+def _interpolate(commands: Array, steps: Array) -> Array:
+    """Return the command `steps` physics steps ago, (..., N), of `commands` (..., N, M), the latest first."""
     if steps.max(initial=0.0) > LENGTH - 2:
         raise FFGymError(
             f"A delay of {np.max(steps):.1f} physics steps is too long for effect torque_delay, which remembers "

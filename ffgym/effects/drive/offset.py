@@ -35,5 +35,5 @@ class TorqueOffset(TorqueEffect):
     )
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
-        """See base class."""
+        """Return the offset, whatever the motion."""
         return Torques(motor=self.offset + np.zeros_like(state.motor_angle)), memory

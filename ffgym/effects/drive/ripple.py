@@ -33,5 +33,5 @@ class TorqueRipple(Wave, TorqueEffect):
     phase: Array = phase()
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
-        """See base class."""
+        """Return the ripple of the torque that the servo commands."""
         return Torques(motor=self.share * state.motor_torque * self.wave(state.motor_angle)), memory

@@ -44,6 +44,6 @@ class Asymmetry(FrictionEffect):
     )
 
     def friction(self, state: State) -> Array:
-        """See base class."""
+        """Return the part of the friction that is even in the speed."""
         more = self.coulomb * state.coulomb * np.abs(state.friction_sign)
         return more + self.viscous * state.viscous * np.abs(state.motor_speed)

@@ -37,7 +37,7 @@ class CoulombLevel(NativeEffect):
     )
 
     def in_description(self, robot: RobotDescription) -> RobotDescription:
-        """See base class."""
+        """Return the robot with Coulomb and breakaway torque raised by the same amount."""
         friction = robot.friction
         more = self.change * friction.coulomb
         return replace(

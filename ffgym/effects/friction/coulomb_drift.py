@@ -48,6 +48,6 @@ class CoulombDrift(FrictionEffect):
     )
 
     def friction(self, state: State) -> Array:
-        """See base class."""
+        """Return the change of Coulomb friction since the machine was switched on."""
         more = -self.share * np.expm1(-state.running / self.duration)
         return more * state.coulomb * state.friction_sign

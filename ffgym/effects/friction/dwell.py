@@ -67,18 +67,18 @@ class DwellStiction(TorqueEffect):
     )
 
     def initial_memory(self, state: State) -> Array:
-        """See base class; a machine at rest has rested for long."""
+        """Return contacts that have aged to the end: a machine at rest has rested for long."""
         return np.ones((*state.motor_angle.shape, 1))
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
-        """See base class."""
+        """Return the breakaway torque of the contacts, and their age a step later."""
         end, left = self._ageing(state, dt)
         aged = memory[..., 0]
         later = end + (aged - end) * left
         return self._felt(state, aged), later[..., None]
 
     def torques_over(self, states: State, dt: float) -> Torques:
-        """See base class."""
+        """Age contacts from sample to sample, then compute all torques at once."""
         end, left = self._ageing(states, dt)
         aged = np.ones((len(left) + 1, *left.shape[1:]))
         for k in range(len(left)):
@@ -89,7 +89,7 @@ class DwellStiction(TorqueEffect):
         return Torques(motor=-self.share * state.static * aged * state.friction_sign)
 
     def _ageing(self, state: State, dt: float) -> tuple[Array, Array]:
-        """The age that contacts approach in a step, and the share of the way that is left after it."""
+        """Return the age that contacts approach in a step, and the share of the way that is left after it."""
         slipping = np.maximum(state.friction_sign * state.motor_speed, 0.0)
         rate = 1 / self.time + slipping / self.slip
         return 1 / (self.time * rate), np.exp(-rate * dt)

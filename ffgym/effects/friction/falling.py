@@ -65,7 +65,7 @@ class FallingFriction(FrictionEffect):
     )
 
     def friction(self, state: State) -> Array:
-        """See base class."""
+        """Return the further peak at low speed."""
         x = np.abs(state.motor_speed / (self.width * state.stribeck_velocity))
         peak = self.share * state.coulomb * np.exp(-(x**self.exponent))
         return peak * state.friction_sign

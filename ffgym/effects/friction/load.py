@@ -37,5 +37,5 @@ class LoadFriction(FrictionEffect):
     )
 
     def friction(self, state: State) -> Array:
-        """See base class."""
+        """Return the share of the transmitted torque that the gearbox loses."""
         return self.share * np.abs(state.load_at_motor) * state.friction_sign

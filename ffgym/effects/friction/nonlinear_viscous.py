@@ -52,6 +52,6 @@ class NonlinearViscous(FrictionEffect):
     )
 
     def friction(self, state: State) -> Array:
-        """See base class."""
+        """Return the square term of viscous friction."""
         v = state.motor_speed
         return self.share * state.viscous * v * np.abs(v) / self.speed

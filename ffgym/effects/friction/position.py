@@ -48,6 +48,6 @@ class PositionFriction(Wave, FrictionEffect):
     phase: Array = phase("any")
 
     def friction(self, state: State) -> Array:
-        """See base class."""
+        """Return the wave of Coulomb friction at the joint angle."""
         level = self.share * state.coulomb * self.wave(state.joint_angle)
         return level * state.friction_sign

@@ -46,7 +46,7 @@ class StribeckPeak(NativeEffect):
     )
 
     def in_description(self, robot: RobotDescription) -> RobotDescription:
-        """See base class."""
+        """Return the robot with another breakaway torque and Stribeck velocity."""
         friction = robot.friction
         return replace(
             robot,

@@ -37,7 +37,7 @@ class StribeckExponent(FrictionEffect):
     )
 
     def friction(self, state: State) -> Array:
-        """See base class."""
+        """Return the difference of both Stribeck curves."""
         x = np.abs(state.motor_speed / state.stribeck_velocity)
         peak = (state.static - state.coulomb) * (np.exp(-(x**self.exponent)) - np.exp(-(x**2)))
         return peak * state.friction_sign

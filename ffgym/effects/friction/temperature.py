@@ -76,7 +76,7 @@ class TemperatureFriction(FrictionEffect):
     )
 
     def friction(self, state: State) -> Array:
-        """See base class."""
+        """Return the change of friction at the present temperature."""
         warmer, v = state.temperature - self.reference, state.motor_speed
         viscous = self.viscous * state.viscous * np.expm1(-warmer / self.scale) * v
         peak = state.static * np.exp(-((v / state.stribeck_velocity) ** 2))

@@ -37,5 +37,5 @@ class ViscousLevel(NativeEffect):
     )
 
     def in_description(self, robot: RobotDescription) -> RobotDescription:
-        """See base class."""
+        """Return the robot with another viscous coefficient."""
         return replace(robot, friction=robot.friction.scaled(viscous=1 + self.change))

@@ -21,7 +21,7 @@ _NEAR_REST = 1e-3
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ViscousDrift(FrictionEffect):
-    r"""Warm-up where nobody measured a temperature: the description holds when the machine is switched on.
+    r"""Warm-up without measured temperature: the description holds when the machine is switched on.
 
     What is lost grows with the speed as the friction of a power-law fluid does, as greases are (shear thinning, p < 1),
     and is the share c at :math:`v_r` = 100 rad/s.
@@ -74,7 +74,7 @@ class ViscousDrift(FrictionEffect):
     )
 
     def friction(self, state: State) -> Array:
-        """See base class."""
+        """Return the change of viscous friction since the machine was switched on."""
         lost = self.share * np.expm1(-state.running / self.duration)
         faster = (state.motor_speed / _REFERENCE) ** 2 + _NEAR_REST**2
         thinned = faster ** (0.5 * (self.exponent - 1.0))

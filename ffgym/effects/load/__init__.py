@@ -1,1 +1,1 @@
-"""What the arm carries: masses, springs, cables."""
+"""Loads of the arm: masses, springs, cables."""

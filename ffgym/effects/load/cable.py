@@ -62,17 +62,17 @@ class CablePull(TorqueEffect):
     )
 
     def initial_memory(self, state: State) -> Array:
-        """See base class; strands are relaxed."""
+        """Return relaxed strands."""
         return np.zeros((*state.joint_angle.shape, 1))
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
-        """See base class; the last physics step moved the link by its present speed."""
+        """Return spring and strands; the last physics step moved the link by its present speed."""
         speed = state.link_speed
         slip = advance_slip(memory, speed, speed, dt, self.width[..., None])
         return self._pull(state, slip), slip
 
     def torques_over(self, states: State, dt: float) -> Torques:
-        """See base class."""
+        """Let strands slip along all samples, then compute all torques at once."""
         speed = np.broadcast_to(states.link_speed, states.motor_angle.shape)
         return self._pull(states, advance_slip_along(speed, dt, self.width[..., None]))
 

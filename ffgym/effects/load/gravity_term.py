@@ -51,7 +51,7 @@ class GravityTerm(TorqueEffect):
     )
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
-        """See base class."""
+        """Return the torque of masses and spring at the angle of the link."""
         q = state.link_angle
         return Torques(
             link=-(self.sine * np.sin(q) + self.cosine * np.cos(q) + self.stiffness * (q - self.neutral))

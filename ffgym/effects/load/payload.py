@@ -1,4 +1,4 @@
-"""G1: a load that nobody told the controller of."""
+"""G1: a load that the controller does not know."""
 
 from dataclasses import dataclass
 from typing import final
@@ -55,5 +55,5 @@ class Payload(NativeEffect):
     )
 
     def in_description(self, robot: RobotDescription) -> RobotDescription:
-        """See base class."""
+        """Return the robot with the payload added to its tool."""
         return with_payload(robot, float(self.mass), self.offset, float(self.radius))

@@ -36,6 +36,6 @@ class RotorInertia(NativeEffect):
     )
 
     def in_description(self, robot: RobotDescription) -> RobotDescription:
-        """See base class."""
+        """Return the robot with another rotor inertia."""
         drive = robot.drive
         return replace(robot, drive=replace(drive, rotor_inertia=drive.rotor_inertia * (1 + self.change)))

@@ -1,1 +1,1 @@
-"""What is between the truth and its measurement."""
+"""Errors of sensors: between the truth and its measurement."""

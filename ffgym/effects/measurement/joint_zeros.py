@@ -5,7 +5,7 @@ from typing import final
 
 from ffgym.core.types import Array
 from ffgym.effects.effect import TrackerEffect
-from ffgym.effects.measurement.tool_position import with_tool_at
+from ffgym.effects.measurement.tool_position import replace_tool_positions
 from ffgym.effects.parameters import parameter
 from ffgym.recordings import Recording
 from ffgym.robot import RigidArm, RobotDescription
@@ -38,8 +38,8 @@ class JointZeros(TrackerEffect):
         source="chosen: a millimetre in a metre, uncalibrated",
     )
 
-    def measured(self, recording: Recording, robot: RobotDescription) -> Recording:
-        """See base class."""
+    def measure(self, recording: Recording, robot: RobotDescription) -> Recording:
+        """Shift tool positions by the difference of both kinematic models."""
 
         def seen(position: Array) -> Array:
             geometry = robot.kinematics
@@ -48,4 +48,4 @@ class JointZeros(TrackerEffect):
             believed = RigidArm(robot).tcp_position(q)
             return position + RigidArm(replace(robot, kinematics=longer)).tcp_position(q + self.zero) - believed
 
-        return with_tool_at(recording, seen)
+        return replace_tool_positions(recording, seen)

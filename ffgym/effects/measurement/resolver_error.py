@@ -38,6 +38,6 @@ class ResolverRipple(Wave, ResolverEffect):
     phase: Array = phase()
 
     def error(self, motor_angle: Array, motor_speed: Array) -> ResolverError:
-        """See base class."""
+        """Return the wave at the motor angle, and its rate."""
         slope = self.slope(self.amplitude, motor_angle)
         return ResolverError(angle=self.amplitude * self.wave(motor_angle), speed=slope * motor_speed)

@@ -7,7 +7,7 @@ import numpy as np
 
 from ffgym.core.types import Array
 from ffgym.effects.effect import TrackerEffect
-from ffgym.effects.measurement.tool_position import with_tool_at
+from ffgym.effects.measurement.tool_position import replace_tool_positions
 from ffgym.effects.parameters import parameter
 from ffgym.recordings import Recording
 from ffgym.robot import RigidArm, RobotDescription
@@ -37,11 +37,11 @@ class ToolFrame(TrackerEffect):
         source="chosen: millimetres, as tool frames are taught by hand",
     )
 
-    def measured(self, recording: Recording, robot: RobotDescription) -> Recording:
-        """See base class."""
+    def measure(self, recording: Recording, robot: RobotDescription) -> Recording:
+        """Shift tool positions by the offset, turned with the flange."""
 
         def seen(position: Array) -> Array:
             _, rotation = RigidArm(robot).tcp_pose(recording.joint_array("link.position"))
             return position + np.einsum("tij,j->ti", rotation, self.offset)
 
-        return with_tool_at(recording, seen)
+        return replace_tool_positions(recording, seen)

@@ -1,4 +1,4 @@
-"""What tracker effects share: tool positions of a recording, and the recording with others."""
+"""Tool positions of a recording, replaced by those that a tracker sees; common part of tracker effects."""
 
 from collections.abc import Callable
 
@@ -6,8 +6,8 @@ from ffgym.core.types import Array
 from ffgym.recordings import Recording
 
 
-def with_tool_at(recording: Recording, seen: Callable[[Array], Array]) -> Recording:
-    """The recording with `seen` of its tool positions [m] (T, 3) in their place; as it is, if it has none."""
+def replace_tool_positions(recording: Recording, seen: Callable[[Array], Array]) -> Recording:
+    """Replace tool positions [m] (T, 3) by `seen` of them; a recording without any stays as it is."""
     if not recording.has("tcp.position"):
         return recording
     position = seen(recording.vector("tcp.position"))

@@ -8,7 +8,7 @@ import scipy
 
 from ffgym.core.types import Array
 from ffgym.effects.effect import TrackerEffect
-from ffgym.effects.measurement.tool_position import with_tool_at
+from ffgym.effects.measurement.tool_position import replace_tool_positions
 from ffgym.effects.parameters import parameter
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
@@ -36,8 +36,8 @@ class TrackerClock(TrackerEffect):
         "r", unit="1", low=-1e-4, high=1e-4, per="machine", source="tolerance of quartz clocks, up to 100 ppm"
     )
 
-    def measured(self, recording: Recording, robot: RobotDescription) -> Recording:
-        """See base class."""
+    def measure(self, recording: Recording, robot: RobotDescription) -> Recording:
+        """Take tool positions at the instants at which they were really measured."""
         t = recording.t
         wanted = np.clip(t - self.latency - self.drift * t, t[0], t[-1])
-        return with_tool_at(recording, lambda position: scipy.interpolate.CubicSpline(t, position)(wanted))
+        return replace_tool_positions(recording, lambda position: scipy.interpolate.CubicSpline(t, position)(wanted))

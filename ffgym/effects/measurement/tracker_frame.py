@@ -7,7 +7,7 @@ import scipy
 
 from ffgym.core.types import Array
 from ffgym.effects.effect import TrackerEffect
-from ffgym.effects.measurement.tool_position import with_tool_at
+from ffgym.effects.measurement.tool_position import replace_tool_positions
 from ffgym.effects.parameters import parameter
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
@@ -38,7 +38,7 @@ class TrackerFrame(TrackerEffect):
         "s", unit="1", low=-1e-4, high=1e-4, minimum=-0.5, per="machine", source="chosen: some K of thermal expansion"
     )
 
-    def measured(self, recording: Recording, robot: RobotDescription) -> Recording:
-        """See base class."""
+    def measure(self, recording: Recording, robot: RobotDescription) -> Recording:
+        """Transform tool positions into the frame of the tracker."""
         turn = scipy.spatial.transform.Rotation.from_rotvec(self.turn.copy()).as_matrix()
-        return with_tool_at(recording, lambda position: (1 + self.scale) * position @ turn.T + self.shift)
+        return replace_tool_positions(recording, lambda position: (1 + self.scale) * position @ turn.T + self.shift)

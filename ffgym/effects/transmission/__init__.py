@@ -1,1 +1,1 @@
-"""What lies between motor and link."""
+"""Transmission between motor and link."""

@@ -37,7 +37,7 @@ class Backlash(TorqueEffect):
     )
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
-        """See base class."""
+        """Return the torque that takes spring and damper away within the gap."""
         bent = state.deflection
         gap = np.minimum(np.maximum(bent, -self.half_gap), self.half_gap)
         free = np.abs(bent) < self.half_gap

@@ -53,7 +53,7 @@ class BaseFlexibility(ModelEffect):
     )
 
     def in_model(self, spec: mujoco.MjSpec, robot: RobotDescription) -> None:
-        """See base class."""
+        """Give the base one spring-damper hinge per compliant axis."""
         base = spec.body("base")
         if np.any(self.compliance):
             base.mass = max(robot.base_mass, 1.0)  # what moves must weigh something

@@ -66,21 +66,22 @@ class FlexibleLoad(TorqueEffect):
     )
 
     def initial_memory(self, state: State) -> Array:
-        """See base class: place and speed relative to the link, both 0, and the link's speed at the last step."""
+        """Return position and speed relative to the link, both 0, and the speed of the link at the last step."""
         speed = state.link_speed
         return np.stack([np.zeros_like(speed), np.zeros_like(speed), speed], axis=-1)
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
-        """See base class; the last step brought the link from the speed remembered to the present one."""
+        """Return the pull of the load; the last step brought the link from the remembered speed to the present one."""
         omega, speed = 2 * np.pi * self.frequency, state.link_speed
-        pulled = (speed - memory[..., 2]) / dt / omega**2  # by how much it lags in the end, at this acceleration
-        place, rate = _swung(memory[..., 0] + pulled, memory[..., 1], omega, self.damping, dt)
+        # exact step of a driven oscillator: a free one about the place at which it would lag in the end
+        pulled = (speed - memory[..., 2]) / dt / omega**2
+        place, rate = _swing(memory[..., 0] + pulled, memory[..., 1], omega, self.damping, dt)
         place = place - pulled
         torque = self.inertia * (omega**2 * place + 2 * self.damping * omega * rate)
         return Torques(link=torque), np.stack([place, rate, speed], axis=-1)
 
     def torques_over(self, states: State, dt: float) -> Torques:
-        """See base class."""
+        """Filter accelerations of the links, joint by joint."""
         speed = np.broadcast_to(states.link_speed, states.motor_angle.shape)
         acceleration = np.diff(speed, axis=0, prepend=speed[:1]) / dt
         torque = np.zeros_like(acceleration)
@@ -90,18 +91,19 @@ class FlexibleLoad(TorqueEffect):
         return Torques(link=torque)
 
     def _filter(self, j: int, dt: float) -> tuple[Array, Array]:
-        """Torque of joint j per acceleration of its link, as a discrete filter of second order."""
+        """Return the discrete filter of second order from acceleration of link j to torque of its joint."""
         omega, damping = 2 * np.pi * self.frequency[j], self.damping[j]
-        step = np.stack(_swung(np.array([1.0, 0.0]), np.array([0.0, 1.0]), omega, damping, dt))  # place and rate
+        step = np.stack(_swing(np.array([1.0, 0.0]), np.array([0.0, 1.0]), omega, damping, dt))  # place and rate
         pulled = (step[:, 0] - [1.0, 0.0]) / omega**2
         seen = self.inertia[j] * np.array([omega**2, 2 * damping * omega])
+        # transfer function of the state-space model, from trace and determinant of its matrix
         trace, determinant = np.trace(step), np.linalg.det(step)
         numerator = np.array([seen @ pulled, seen @ step @ pulled - trace * (seen @ pulled)])
         return numerator, np.array([1.0, -trace, determinant])
 
 
-def _swung(place: Array, rate: Array, omega: Array, damping: Array, dt: float) -> tuple[Array, Array]:
-    """Place and rate of a free oscillator `dt` [s] later."""
+def _swing(place: Array, rate: Array, omega: Array, damping: Array, dt: float) -> tuple[Array, Array]:
+    """Return place and rate of a free oscillator `dt` [s] later."""
     decay, swing = damping * omega, omega * np.sqrt(1 - damping**2)
     left, cosine, sine = np.exp(-decay * dt), np.cos(swing * dt), np.sin(swing * dt) / swing
     return (

@@ -39,6 +39,6 @@ class Hardening(TorqueEffect):
     )
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
-        """See base class."""
+        """Return the torque beyond that of a linear spring."""
         bent = state.deflection
         return Torques(spring=-state.joint_stiffness * self.growth * (bent * bent * bent)), memory

@@ -12,7 +12,7 @@ from ffgym.effects.state import State, Torques
 from ffgym.robot.friction import advance_slip, advance_slip_along
 
 SHARES = np.array([0.25, 0.5, 0.75, 1.0])
-"""Of the yield deflection, at which the elements slip. Chosen: four round the corner of the loop off."""
+"""Shares of the yield deflection at which the elements slip. Chosen: four round the corner of the loop off."""
 
 
 @final
@@ -59,17 +59,17 @@ class TorsionalHysteresis(TorqueEffect):
     )
 
     def initial_memory(self, state: State) -> Array:
-        """See base class; elements are relaxed."""
+        """Return relaxed elements."""
         return np.zeros((*state.deflection.shape, len(SHARES)))
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
-        """See base class; the last physics step moved the spring by its present rate."""
+        """Return the torque of the elements; the last physics step moved the spring by its present rate."""
         rate = state.deflection_rate
         slip = advance_slip(memory, rate, rate, dt, self.width[..., None] * SHARES)
         return self._lost(state, slip), slip
 
     def torques_over(self, states: State, dt: float) -> Torques:
-        """See base class."""
+        """Let elements slip along all samples, then compute all torques at once."""
         rate = np.broadcast_to(states.deflection_rate, states.motor_angle.shape)
         return self._lost(states, advance_slip_along(rate, dt, self.width[..., None] * SHARES))
 

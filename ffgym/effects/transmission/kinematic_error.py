@@ -47,11 +47,11 @@ class KinematicError(Wave, TorqueEffect):
     phase: Array = phase()
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
-        """See base class."""
+        """Return the torque that winds the spring, and the one that acts back on the motor."""
         error, slope = self.amplitude * self.wave(state.motor_angle), self.lead_slope(state)
         spring = state.joint_stiffness * error + state.joint_damping * slope * state.motor_speed
         return Torques(spring=spring, motor=-(state.load + spring) * slope), memory
 
     def lead_slope(self, state: State) -> Array:
-        """See base class."""
+        """Return the slope of the wave at the motor angle."""
         return self.slope(self.amplitude, state.motor_angle)

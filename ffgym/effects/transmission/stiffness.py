@@ -38,7 +38,7 @@ class JointStiffness(NativeEffect):
     )
 
     def in_description(self, robot: RobotDescription) -> RobotDescription:
-        """See base class."""
+        """Return the robot with other springs and dampers in its joints."""
         drive, factor = robot.drive, 1 + self.change
         stiffer = replace(
             drive,

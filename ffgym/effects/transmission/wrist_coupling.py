@@ -49,7 +49,7 @@ class WristCoupling(TorqueEffect):
             )
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
-        """See base class."""
+        """Return the losses that each motor bears for the others."""
         loss = state.coulomb * state.friction_sign + state.viscous * state.motor_speed
         total = np.zeros_like(loss)
         for j in range(loss.shape[-1]):  # one by one, so that a row's bits depend on nothing else

@@ -12,7 +12,7 @@ from mujoco import batch
 
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.effects import ResolverEffect, ResolverError, State, TorqueEffect, Torques
-from ffgym.effects.stack import by_kind, stacked
+from ffgym.effects.stack import by_kind, stack_effects
 from ffgym.effects.together import plus, relaxed, step
 from ffgym.simulation.plant.engine_state import Addresses
 from ffgym.simulation.plant.machine import Machine
@@ -49,11 +49,12 @@ class Forces:
         self._controls, self._applied = engine.bind("ctrl"), engine.bind("qfrc_applied")
         self._numbers = stack_numbers(machines)
         self._torque = [
-            (stacked(kind, members, n), np.array([m is not None for m in members]))
+            (stack_effects(kind, members, n), np.array([m is not None for m in members]))
             for kind, members in by_kind([machine.torque_effects for machine in machines])
         ]
         self._resolver = [
-            stacked(kind, members, n) for kind, members in by_kind([machine.resolver_effects for machine in machines])
+            stack_effects(kind, members, n)
+            for kind, members in by_kind([machine.resolver_effects for machine in machines])
         ]
         self._keys: list[tuple[type[TorqueEffect], int]] = []  # each kind, and how many of it came before
         for effect, _ in self._torque:

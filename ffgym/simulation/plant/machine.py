@@ -105,7 +105,7 @@ class Machine:
         """An exact recording as perfect sensors in their places, and on their clocks, would see it."""
         for effect in self.effects:
             if isinstance(effect, TrackerEffect | ClockEffect):
-                recording = effect.measured(recording, self.physical)
+                recording = effect.measure(recording, self.physical)
         return recording
 
     def at(self, running_since: float) -> Self:
