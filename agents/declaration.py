@@ -10,7 +10,7 @@ from ffgym.agents.trials import SimulatedTrial, Trial
 from ffgym.control import FeedForwardLaw, LawStyle, Policy
 from ffgym.control.style import STYLES
 from ffgym.core.errors import FFGymError
-from ffgym.core.provenance import installed
+from ffgym.core.provenance import is_installed
 from ffgym.paths import Reference
 from ffgym.robot import RigidArm, RobotDescription
 from ffgym.simulation.plant import Machine
@@ -96,7 +96,7 @@ class AgentEntry:
     @property
     def is_available(self) -> bool:
         """True if the package that learning needs is installed."""
-        return self.package is None or installed(self.package)
+        return self.package is None or is_installed(self.package)
 
 
 DECLARED: dict[str, AgentEntry] = {}

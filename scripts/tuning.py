@@ -20,7 +20,7 @@ from ffgym.cli.learning_options import PolicyOptions
 from ffgym.cli.train_policy import need_training
 from ffgym.core.errors import FFGymError, check_number, check_whole
 from ffgym.core.files import read_text, write_json
-from ffgym.core.provenance import installed
+from ffgym.core.provenance import is_installed
 from ffgym.core.typed_json import from_json
 
 FAILED = 10.0
@@ -152,7 +152,7 @@ def checked(config: Tune) -> tuple[Path, Training]:
         FFGymError: if a package is missing, or an option makes no sense.
     """
     need_training()
-    if not installed("optuna"):
+    if not is_installed("optuna"):
         raise FFGymError("scripts.tune needs optuna; pip install 'ffgym[tune]'.")
     check_whole("trials", config.trials, low=1)
     check_whole("plants", config.plants, low=1, high=10_000)

@@ -8,7 +8,7 @@ from importlib import metadata, resources
 import pytest
 
 import ffgym
-from ffgym.core.provenance import installed, versions
+from ffgym.core.provenance import is_installed, versions
 
 CORE = {"numpy", "scipy", "gymnasium", "mujoco", "threadpoolctl", "lazy-loader"}
 EXTRAS = {
@@ -138,5 +138,5 @@ def test_versions_name_everything_that_can_change_a_number():
 
 
 def test_installed_tells_without_importing():
-    assert installed("numpy")
-    assert not installed("no-such-distribution-at-all")
+    assert is_installed("numpy")
+    assert not is_installed("no-such-distribution-at-all")

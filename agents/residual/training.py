@@ -30,7 +30,7 @@ from ffgym.agents.residual.sb3 import export_actor, make_algorithm
 from ffgym.core.claims import claimed
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import made_folder, read_bytes, read_text, write_bytes, write_json
-from ffgym.core.provenance import installed, versions
+from ffgym.core.provenance import is_installed, versions
 
 Points = tuple[tuple[int, float], ...]
 """Points of a learning curve: steps, mean reward per step since the point before."""
@@ -190,7 +190,7 @@ def library_versions() -> dict[str, str]:
 
 def _learn(model: BaseAlgorithm, training: Training, segment: int, curve: RewardCurve, logs: Path) -> None:
     """Train through one segment."""
-    logger = configure(str(logs), ["tensorboard"]) if installed("tensorboard") else Logger(None, [])
+    logger = configure(str(logs), ["tensorboard"]) if is_installed("tensorboard") else Logger(None, [])
     model.set_logger(logger)
     steps = min(training.integer("segment_steps"), training.total - segment * training.integer("segment_steps"))
     cause: ValueError | None = None

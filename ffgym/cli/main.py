@@ -7,7 +7,7 @@ from importlib import import_module
 from typing import Any, NamedTuple
 
 from ffgym.core.errors import FFGymError
-from ffgym.core.provenance import installed
+from ffgym.core.provenance import is_installed
 from ffgym.core.version import __version__
 
 DESCRIPTION = "Feed-forward friction compensation on industrial robots: simulate, measure, identify, learn, compare."
@@ -113,7 +113,7 @@ def run_command(command: type[Any], prog: str, arguments: Sequence[str] | None =
 def _guarded(run: Callable[[], int]) -> int:
     """Exit code of `run`, with its errors as one line."""
     try:
-        missing = [name for name in ("tyro", "rich") if not installed(name)]
+        missing = [name for name in ("tyro", "rich") if not is_installed(name)]
         if missing:
             raise FFGymError(f"The command line needs {' and '.join(missing)}; pip install 'ffgym[cli]'.")
         code = run()

@@ -9,7 +9,7 @@ from typing import Any
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import check_writable, write_json
-from ffgym.core.provenance import installed, versions
+from ffgym.core.provenance import is_installed, versions
 
 
 def need_extra(who: str, *packages: str, extra: str = "cli,report") -> None:
@@ -18,7 +18,7 @@ def need_extra(who: str, *packages: str, extra: str = "cli,report") -> None:
     Raises:
         FFGymError: if one is not.
     """
-    missing = [name for name in packages if not installed(name)]
+    missing = [name for name in packages if not is_installed(name)]
     if missing:
         raise FFGymError(f"{who} needs {', '.join(missing)}; pip install 'ffgym[{extra}]'.")
 

@@ -1,6 +1,6 @@
 """Laws of a controller: rigid feed-forward, friction laws, servo, set-points, the layout of observations.
 
-Laws that learn or are solved along a reference stand in `ffgym.agents`, references in `ffgym.paths`.
+Laws that learn or are solved along a reference are in `ffgym.agents`, references in `ffgym.paths`.
 """
 
 import lazy_loader

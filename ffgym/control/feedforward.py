@@ -14,7 +14,7 @@ from ffgym.robot import RigidArm
 
 
 class FeedForwardLaw(ABC):
-    """Maps a reference to added motor torque u_lff, thesis (4.4)."""
+    """Map from a reference to added motor torque u_lff, thesis (4.4)."""
 
     @property
     @abstractmethod
@@ -23,28 +23,28 @@ class FeedForwardLaw(ABC):
 
     @abstractmethod
     def torque(self, reference: Reference) -> Array:
-        """Added torque at every sample, motor side [N m], shape (T, N)."""
+        """Return the added torque at every sample, motor side [N m], shape (T, N)."""
 
     def torques_along(self, references: Sequence[Reference]) -> list[Array]:
-        """What `torque` gives for each of several references."""
+        """Return the torque along each of several references."""
         return [self.torque(reference) for reference in references]
 
 
 @final
 @dataclass(frozen=True)
 class NoCompensation(FeedForwardLaw):
-    """The existing controller alone."""
+    """No added torque: the existing controller alone."""
 
     name: ClassVar[str] = "none"
 
     def torque(self, reference: Reference) -> Array:
-        """Zero torque [N m], shape (T, N)."""
+        """Return zero torque [N m], shape (T, N)."""
         return np.zeros_like(reference.q)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Window:
-    """The reference as a controller sees it at one instant: P + 1 samples, sample 0 is now; shape (..., P + 1, N)."""
+    """Part of the reference that a controller sees at one instant: P + 1 samples from now on, shape (..., P + 1, N)."""
 
     q: Array
     """Joint position, link side [rad]."""
@@ -57,7 +57,7 @@ class Window:
 
     @classmethod
     def along(cls, reference: Reference, preview: int) -> "Window":
-        """Windows at every sample but the last, shape (T - 1, P + 1, N); beyond its end the last sample stays."""
+        """Cut windows at every sample but the last, shape (T - 1, P + 1, N); beyond the end the last sample holds."""
         last = len(reference.t) - 1
         rows = np.minimum(np.arange(last)[:, None] + np.arange(preview + 1), last)
         return cls(
@@ -72,15 +72,15 @@ class Window:
 
 
 class CausalLaw(FeedForwardLaw):
-    """A law that runs sample by sample: from what it remembers and the next samples of the reference.
+    """Law that runs sample by sample, from its memory and the next samples of the reference.
 
-    A torque computed at t[k] is reached at t[k + 1], so that it is the one for sample 1 of the window. What is
-    remembered is an array (..., M), passed in and returned, so that one law serves any number of robots. All arithmetic
-    is elementwise over the leading axes: a robot's torque does not depend on the others.
+    A torque computed at t[k] is reached at t[k + 1], so that it belongs to sample 1 of the window. The memory is an
+    array (..., M), passed in and returned, so that one law serves any number of robots. All arithmetic is elementwise
+    over the leading axes: a robot's torque does not depend on the others.
     """
 
     preview: int = 1
-    """Samples P of the reference that it must see ahead, 1 or more."""
+    """Number P of samples of the reference that it must see ahead, 1 or more."""
 
     @property
     @abstractmethod
@@ -89,14 +89,14 @@ class CausalLaw(FeedForwardLaw):
 
     @abstractmethod
     def step(self, memory: Array, window: Window) -> tuple[Array, Array]:
-        """Torque [N m] for sample 1 of the window, motor side, shape (..., N), and what to remember, (..., M)."""
+        """Return torque [N m] at sample 1 of the window, motor side, shape (..., N), and the new memory, (..., M)."""
 
     def initial_memory(self, window: Window) -> Array:
-        """What is remembered when a motion begins with `window`, shape (..., M); nothing, unless overridden."""
+        """Return the memory when a motion begins with `window`, shape (..., M); by default it is empty, M = 0."""
         return np.zeros((*window.q.shape[:-2], 0))
 
     def own_error(self, memory: Array) -> tuple[Array, Array]:
-        """Error that the law itself asks for at sample 1 of the next window, whose `memory` (..., M) this is.
+        """Return the error that the law itself asks for at sample 1 of the next window, from its `memory` (..., M).
 
         Returns:
             Position error [rad] and speed error [rad/s] of the motors, reference - position, shape (..., N) each; zero
@@ -106,7 +106,7 @@ class CausalLaw(FeedForwardLaw):
         return still, still
 
     def torque(self, reference: Reference) -> Array:
-        """Torque along a whole reference, motor side [N m], shape (T, N); zero at sample 0, before which none is set.
+        """Return torque along a whole reference, motor side [N m], shape (T, N); zero at sample 0, which is set before.
 
         Raises:
             FFGymError: if the reference is for a robot with another number of joints.
@@ -115,7 +115,7 @@ class CausalLaw(FeedForwardLaw):
         windows = Window.along(reference, self.preview)
         memory = self.initial_memory(windows[0])
         torque = np.zeros_like(reference.q)
-        if memory.shape[-1] == 0:  # nothing links one sample to the next
+        if memory.shape[-1] == 0:  # without memory all samples are computed at once
             torque[1:] = self.step(np.zeros((len(torque) - 1, 0)), windows)[0]
             return torque
         for k in range(len(torque) - 1):
@@ -123,12 +123,13 @@ class CausalLaw(FeedForwardLaw):
         return torque
 
     def torques_along(self, references: Sequence[Reference]) -> list[Array]:
-        """See base class; references go side by side through `step`, bit for bit what each gets alone."""
+        """Step along several references side by side; each gets the bits that it would get alone."""
         dts = {reference.robot.servo.control_dt for reference in references}
         if type(self).torque is not CausalLaw.torque or len(dts) > 1 or len(references) < 2:
             return super().torques_along(references)  # a law that computes a whole reference at once is fast enough
         for reference in references:
             self.check_joints(reference)
+        # longest first, so that references which still run are always the first rows
         longest_first = sorted(range(len(references)), key=lambda i: -len(references[i].t))
         windows = [Window.along(references[i], self.preview) for i in longest_first]
         lengths = np.array([len(window.q) for window in windows])
@@ -153,7 +154,7 @@ class CausalLaw(FeedForwardLaw):
 
 
 def _side_by_side(windows: Sequence[Window], k: int) -> Window:
-    """Windows at sample `k` of several motions, shape (B, P + 1, N)."""
+    """Stack windows at sample `k` of several motions, shape (B, P + 1, N)."""
     return Window(
         q=np.stack([window.q[k] for window in windows]),
         motor_dq=np.stack([window.motor_dq[k] for window in windows]),
@@ -163,7 +164,7 @@ def _side_by_side(windows: Sequence[Window], k: int) -> Window:
 
 
 def rigid_feedforward(arm: RigidArm, reference: Reference) -> Array:
-    r"""Feed-forward torque u_ff, motor side [N m], shape (T, N).
+    r"""Compute the rigid feed-forward torque u_ff, motor side [N m], shape (T, N).
 
     .. math:: u_{ff} = G^{-T} (M(q) \ddot q + C(q, \dot q) \dot q) + J_m \ddot\theta
 

@@ -1,4 +1,4 @@
-"""LuGre friction as feed-forward: the torque that the friction model gives at the speed of the reference."""
+"""LuGre friction as feed-forward: torque of the friction model at the speed of the reference."""
 
 from abc import abstractmethod
 from dataclasses import dataclass
@@ -35,27 +35,27 @@ class StaticLuGre(CausalLaw):
 
     @property
     def n_joints(self) -> int:
-        """See base class."""
+        """Number of motors N."""
         return self.friction.n_joints
 
     def torque(self, reference: Reference) -> Array:
-        """Friction at the reference speed, motor side [N m], shape (T, N)."""
+        """Return friction at the reference speed, motor side [N m], shape (T, N)."""
         self.check_joints(reference)
         return self.at_speed(reference.motor_dq)
 
     def step(self, memory: Array, window: Window) -> tuple[Array, Array]:
-        """See base class; nothing is remembered."""
+        """Return friction at the speed of sample 1; it has no memory."""
         return self.at_speed(window.motor_dq[..., 1, :]), memory
 
     def at_speed(self, motor_dq: Array) -> Array:
-        """Friction [N m] at motor speed `motor_dq` [rad/s]; same shape."""
+        """Return friction [N m] at motor speed `motor_dq` [rad/s]; same shape."""
         level = self.friction.stribeck_level(motor_dq)
         return level * np.tanh(self.steepness * motor_dq) + self.friction.viscous * motor_dq
 
 
 @dataclass(frozen=True, eq=False)
 class DynamicLuGre(CausalLaw):
-    """LuGre friction whose bristles are bent by the reference speed; members differ in how they integrate it.
+    """LuGre friction whose bristles are bent by the reference speed; members differ in the method of integration.
 
     For a known speed the bristle equation is linear in z, so that one control step is z_next = keep * z + gain.
     """
@@ -68,34 +68,34 @@ class DynamicLuGre(CausalLaw):
 
     @abstractmethod
     def advance(self, dq: Array, next_dq: Array, dt: float) -> tuple[Array, Array]:
-        """Factors (keep, gain) of a step of `dt` [s]; the speed runs straight from `dq` to `next_dq` [rad/s]."""
+        """Return factors (keep, gain) of a step of `dt` [s]; the speed runs straight from `dq` to `next_dq` [rad/s]."""
 
     @property
     def n_joints(self) -> int:
-        """See base class."""
+        """Number of motors N."""
         return self.friction.n_joints
 
     def initial_memory(self, window: Window) -> Array:
-        """Bristle deflection z [rad] at the start, shape (..., N): relaxed."""
+        """Return the bristle deflection z [rad] at the start, shape (..., N): relaxed."""
         return np.zeros_like(window.motor_dq[..., 0, :])
 
     def step(self, memory: Array, window: Window) -> tuple[Array, Array]:
-        """See base class; remembered is the bristle deflection z [rad]."""
+        """Slide by one sample; the memory is the bristle deflection z [rad]."""
         return self.slide(memory, window.motor_dq[..., 0, :], window.motor_dq[..., 1, :], window.dt)
 
     def slide(self, z: Array, dq: Array, next_dq: Array, dt: float) -> tuple[Array, Array]:
-        """Torque [N m] and bristle deflection [rad] at the end of a step from motor speed `dq` to `next_dq` [rad/s]."""
+        """Return torque [N m] and deflection [rad] at the end of a step from motor speed `dq` to `next_dq` [rad/s]."""
         keep, gain = self.advance(dq, next_dq, dt)
         next_z = keep * z + gain
         return self.friction.torque(next_z, next_dq), next_z
 
     def torque(self, reference: Reference) -> Array:
-        """Friction along the reference, motor side [N m], shape (T, N)."""
+        """Return friction along the reference, motor side [N m], shape (T, N)."""
         self.check_joints(reference)
         return self.along(reference.motor_dq, reference.robot.servo.control_dt)
 
     def along(self, motor_dq: Array, dt: float) -> Array:
-        """Friction [N m] along motor speeds sampled every `dt` [s], both shape (T, N).
+        """Return friction [N m] along motor speeds sampled every `dt` [s], both shape (T, N).
 
         Raises:
             FFGymError: if the integration diverges, as plain Euler does at 4 ms (thesis 4.2).
@@ -126,11 +126,11 @@ class DynamicLuGreEuler(DynamicLuGre):
         check_whole("n_substeps", self.n_substeps, low=1)
 
     def advance(self, dq: Array, next_dq: Array, dt: float) -> tuple[Array, Array]:
-        """See base class."""
+        """Chain Euler steps over all sub-steps."""
         h = dt / self.n_substeps
-        speed = _between(dq, next_dq, np.arange(self.n_substeps) / self.n_substeps)
+        speed = _interpolate(dq, next_dq, np.arange(self.n_substeps) / self.n_substeps)
         keep = 1 - h * self.friction.bristle_stiffness * np.abs(speed) / self.friction.stribeck_level(speed)
-        return _chained(keep, h * speed)
+        return _chain(keep, h * speed)
 
 
 @final
@@ -147,13 +147,13 @@ class DynamicLuGreExact(DynamicLuGre):
 
     @property
     def shares(self) -> Array:
-        """Where in a step the middles of the sub-steps are, shape (S,)."""
+        """Middles of the sub-steps as shares of a step, shape (S,)."""
         return (np.arange(self.n_substeps) + 0.5) / self.n_substeps
 
     def advance(self, dq: Array, next_dq: Array, dt: float) -> tuple[Array, Array]:
-        """See base class."""
-        speed = _between(dq, next_dq, self.shares)
-        return _chained(*self.friction.exact_bristle_factors(speed, dt / self.n_substeps))
+        """Chain exact steps over all sub-steps."""
+        speed = _interpolate(dq, next_dq, self.shares)
+        return _chain(*self.friction.exact_bristle_factors(speed, dt / self.n_substeps))
 
 
 def _check_friction(friction: LuGreParameters) -> None:
@@ -161,13 +161,13 @@ def _check_friction(friction: LuGreParameters) -> None:
         raise FFGymError(f"friction must be LuGreParameters, e.g. robot.friction, got {friction!r}.")
 
 
-def _between(start: Array, end: Array, fractions: Array) -> Array:
-    """Values on the straight line from `start` to `end` (..., N) at `fractions` (S,), shape (S, ..., N)."""
+def _interpolate(start: Array, end: Array, fractions: Array) -> Array:
+    """Interpolate from `start` to `end` (..., N) at `fractions` (S,), shape (S, ..., N)."""
     return start + (end - start) * fractions.reshape(-1, *[1] * start.ndim)
 
 
-def _chained(keep: Array, gain: Array) -> tuple[Array, Array]:
-    """Factors of all sub-steps (S, ..., N) as one step (..., N); in a loop, so that no shape changes the rounding."""
+def _chain(keep: Array, gain: Array) -> tuple[Array, Array]:
+    """Combine factors of sub-steps (S, ..., N) to one step (..., N), in a loop: no shape changes the rounding."""
     total_keep, total_gain = np.ones_like(keep[0]), np.zeros_like(gain[0])
     with np.errstate(over="ignore", invalid="ignore"):
         for factor, offset in zip(keep, gain, strict=True):
@@ -176,7 +176,7 @@ def _chained(keep: Array, gain: Array) -> tuple[Array, Array]:
 
 
 def _check_bounded(z: Array, friction: LuGreParameters) -> None:
-    """In the LuGre model |z| never exceeds f_s / sigma_0; far beyond it the integration has diverged."""
+    """Check that the integration has not diverged: in the LuGre model |z| never exceeds f_s / sigma_0."""
     limit = 10 * friction.static / friction.bristle_stiffness
     bad = np.argwhere(~(np.abs(z) <= limit))
     if bad.size:

@@ -1,4 +1,4 @@
-"""What an agent sees: layout, physical scales, and how the motor angle is measured."""
+"""Observation of an agent: layout and physical scales of its entries."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -11,15 +11,15 @@ from ffgym.core.types import Array
 from ffgym.robot import RobotDescription
 
 BOUND = 100.0
-"""Observations are clipped to +-BOUND; scaled as they are, that is beyond everything a robot in order does."""
+"""Limit to which scaled observations are clipped; a robot in order stays far below it."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Entry:
-    """One quantity of an observation."""
+class ObservationEntry:
+    """Quantity of an observation, one number per joint."""
 
     slice: slice
-    """Where it stands: N numbers, one per joint."""
+    """Slice of the observation with its N numbers."""
     unit: str
     side: Literal["motor", "link"]
     scale: Array
@@ -27,8 +27,8 @@ class Entry:
     meaning: str
 
 
-class ObservationLayout(Mapping[str, Entry]):
-    """Entries of an observation by name; `read` gives physical values, so that nobody counts indices.
+class ObservationLayout(Mapping[str, ObservationEntry]):
+    """Entries of an observation by name; `read` gives physical values without counting of indices.
 
     Sample 0 of the reference is now; `reference_velocity` is sample 0, `reference_velocity_1` the one after it, and so
     on up to `preview`. An action sets the torque that is reached at sample 1.
@@ -38,17 +38,17 @@ class ObservationLayout(Mapping[str, Entry]):
         self.preview = check_whole("preview", preview, low=0, high=1000)
         self.n_joints = n = robot.n_joints
         scales = Scales.of(robot)
-        motor_position = scales.position * robot.drive.gear_ratio  # its sign too: joint positions are what is read
+        motor_position = scales.position * robot.drive.gear_ratio  # with its sign, as joint positions are read
         length = " or ".join(dict.fromkeys(robot.kinematics.units))
         reference = np.concatenate([motor_position, scales.velocity, scales.acceleration])
         self._scale = np.concatenate(
             [scales.error, scales.error_rate, np.ones(n), np.tile(reference, self.preview + 1)]  # actions as they are
         )
-        self._entries: dict[str, Entry] = {}
+        self._entries: dict[str, ObservationEntry] = {}
 
         def add(name: str, unit: str, scale: Array, meaning: str, side: Literal["motor", "link"] = "motor") -> None:
             start = len(self._entries) * n
-            self._entries[name] = Entry(
+            self._entries[name] = ObservationEntry(
                 slice=slice(start, start + n), unit=unit, side=side, scale=scale, meaning=meaning
             )
 
@@ -67,7 +67,7 @@ class ObservationLayout(Mapping[str, Entry]):
             add(ahead("reference_velocity", k), "rad/s", scales.velocity, f"motor speed of the reference, {when}")
             add(ahead("reference_acceleration", k), "rad/s^2", scales.acceleration, f"motor acceleration of it, {when}")
 
-    def __getitem__(self, name: str) -> Entry:
+    def __getitem__(self, name: str) -> ObservationEntry:
         return self._entries[check_choice("observation entry", name, list(self._entries))]
 
     def __contains__(self, name: object) -> bool:
@@ -85,7 +85,7 @@ class ObservationLayout(Mapping[str, Entry]):
         return len(self._entries) * self.n_joints
 
     def encode(self, error: Array, error_rate: Array, action: Array, reference: Array) -> Array:
-        """Observations (B, D).
+        """Encode observations (B, D): scaled and clipped.
 
         Args:
             error: measured position error, motor side [rad], shape (B, N).
@@ -100,19 +100,19 @@ class ObservationLayout(Mapping[str, Entry]):
         return np.minimum(out, BOUND, out=out)
 
     def read(self, observation: Array, name: str, ahead_by: int = 0) -> Array:
-        """Physical values (..., N) of an entry in observations (..., D), `ahead_by` samples ahead."""
+        """Read physical values (..., N) of an entry from observations (..., D), `ahead_by` samples ahead."""
         entry = self[ahead(name, ahead_by)]
         return np.asarray(observation, dtype=np.float64)[..., entry.slice] * entry.scale
 
 
 def ahead(name: str, samples: int) -> str:
-    """Name of a reference entry some samples ahead."""
+    """Return the name of a reference entry some samples ahead."""
     return name if samples == 0 else f"{name}_{samples}"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Scales:
-    """Physical size of what is observed, per joint, fixed: what breakaway torque f_s does in each quantity."""
+    """Fixed scales of observed quantities, per joint: each is the size that goes with the breakaway torque f_s."""
 
     error: Array
     """Error at which the proportional part gives f_s: f_s / K_p, motor side [rad]."""
@@ -127,7 +127,7 @@ class Scales:
 
     @classmethod
     def of(cls, robot: RobotDescription) -> "Scales":
-        """Scales of a robot."""
+        """Compute the scales of a robot."""
         breakaway = robot.friction.static
         divisors = {
             "error": ("servo.position_gain", robot.servo.position_gain),

@@ -1,4 +1,4 @@
-"""What an agent is, and what chooses the environment that it acts in."""
+"""Protocols of agents, and of policies that make an agent for an environment."""
 
 from typing import Any, Protocol, runtime_checkable
 
@@ -9,7 +9,7 @@ from ffgym.robot import RobotDescription
 
 @runtime_checkable
 class Agent(Protocol):
-    """Anything with the `predict` of stable-baselines3."""
+    """Agent with the `predict` of stable-baselines3."""
 
     def predict(
         self,
@@ -18,16 +18,16 @@ class Agent(Protocol):
         episode_start: Any = None,
         deterministic: bool = False,
     ) -> tuple[Array, Any]:
-        """Actions (B, N) for observations (B, D), and the state to pass in next time."""
+        """Return actions (B, N) for observations (B, D), and the state to pass in next time."""
 
 
 @runtime_checkable
 class Policy(Protocol):
-    """What makes an agent for an environment, from nothing but what a controller knows."""
+    """Maker of an agent for an environment, from the knowledge of a controller alone."""
 
     @property
     def preview(self) -> int:
-        """Samples of the reference that it must see ahead, as the environment's keyword argument."""
+        """Number of samples of the reference that it must see ahead, as the environment's keyword argument."""
 
     @property
     def action_scale(self) -> float:
@@ -37,6 +37,6 @@ class Policy(Protocol):
         """Return the agent.
 
         Args:
-            robot: what the controller of the machine knows of it.
-            layout: of the observations.
+            robot: the machine as its controller knows it.
+            layout: layout of the observations.
         """

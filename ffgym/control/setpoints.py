@@ -1,8 +1,8 @@
-"""What the drive makes of samples that arrive every control step: set-points at every physics step.
+"""Set-points at every physics step, which the drive makes of samples that arrive every control step.
 
 Positions and speeds are joined by cubic Hermite pieces, torques by straight lines, as the fine interpolator of a drive
 does. A torque that is computed for sample k + 1 is thus reached at t[k + 1]. (Chosen; the thesis sends samples at 4 ms
-and logs at 0.5 ms, and does not say what its drive does in between.)
+and logs at 0.5 ms, and does not describe the interpolation in its drive.)
 """
 
 from dataclasses import dataclass
@@ -35,18 +35,18 @@ class Setpoints:
     def between(
         self, robots: IntArray, start: int, stop: int, fractions: Array, out: tuple[Array, Array, Array] | None = None
     ) -> tuple[Array, Array, Array]:
-        """Position, velocity and torque within control steps `start` to `stop` - 1.
+        """Interpolate position, velocity and torque within control steps `start` to `stop` - 1.
 
         Args:
-            robots: which robots, shape (B',).
+            robots: indices of the robots, shape (B',).
             start: first control step; step k runs from sample k to sample k + 1.
             stop: control step after the last.
             fractions: points within each step, 0 at its start and 1 at its end, shape (S,).
             out: arrays to write into, of the shape that is returned.
 
         Returns:
-            Three arrays of shape (B', stop - start, S, N). Only elementwise arithmetic, so that a result does not
-            depend on how many robots or steps are computed together.
+            Three arrays of shape (B', stop - start, S, N). All arithmetic is elementwise, so that a result does not
+            depend on the number of robots or steps that are computed together.
         """
         if out is None:
             shape = (len(robots), stop - start, len(fractions), self.position.shape[2])
@@ -57,7 +57,7 @@ class Setpoints:
         return out
 
     def at_rows(self, rows_per_step: int) -> tuple[Array, Array, Array]:
-        """Position, velocity, torque at `rows_per_step` points of each step and at the last sample, (B, R, N) each."""
+        """Interpolate all three at `rows_per_step` points of each step and at the last sample, (B, R, N) each."""
         robots, steps, n = self.position.shape
         fractions = np.arange(rows_per_step) / rows_per_step
         parts = self.between(np.arange(robots), 0, steps - 1, fractions)
@@ -77,6 +77,7 @@ def interpolate_motion(position: Array, velocity: Array, dt: float, fractions: A
     p0, p1 = _ends(position)
     v0, v1 = _ends(velocity)
     rise = p1 - p0
+    # coefficients of the cubic in the share of the step, from values and slopes at both ends
     square, cube = 3 * rise - dt * (2 * v0 + v1), dt * (v0 + v1) - 2 * rise
     _horner(out[0], fractions, (cube, square, dt * v0, p0))
     _horner(out[1], fractions, (3 / dt * cube, 2 / dt * square, v0))
@@ -89,7 +90,7 @@ def interpolate_torque(torque: Array, fractions: Array, out: Array) -> None:
 
 
 def torque_at_rows(torque: Array, rows_per_step: int) -> Array:
-    """A torque (T, N) sampled every control step, at `rows_per_step` points of each step and at the last sample."""
+    """Interpolate a torque (T, N) at `rows_per_step` points of each control step and at the last sample."""
     fractions = np.arange(rows_per_step) / rows_per_step
     between = np.empty((1, len(torque) - 1, rows_per_step, torque.shape[1]))
     interpolate_torque(torque[None], fractions, between)
@@ -99,7 +100,7 @@ def torque_at_rows(torque: Array, rows_per_step: int) -> Array:
 def _horner(out: Array, x: Array, coefficients: tuple[Array, ...]) -> None:
     """Write the polynomial in `x` (S,) with coefficients (B, T, N), highest power first, into `out` (B, T, S, N).
 
-    Points stand in the last axis on the way, which is far faster than N joints in it.
+    Points are the last axis on the way, which is far faster than N joints in that place.
     """
     value = coefficients[0][..., None] * x
     for coefficient in coefficients[1:-1]:
@@ -109,7 +110,7 @@ def _horner(out: Array, x: Array, coefficients: tuple[Array, ...]) -> None:
 
 
 def _ends(samples: Array) -> tuple[Array, Array]:
-    """Values at the start and the end of each step."""
+    """Return values at the start and the end of each step."""
     return samples[:, :-1], samples[:, 1:]
 
 
@@ -118,18 +119,18 @@ class ServoTorque:
     """Feedback torque and its integral part, motor side [N m], any shape (..., N)."""
 
     u_fb: Array
-    """All of the feedback, thesis' u_c."""
+    """Whole feedback torque, u_c of the thesis."""
     u_i: Array
-    """Its integral part."""
+    """Integral part of the feedback torque."""
 
     @property
     def u_p(self) -> Array:
-        """What is left without the integral part, u_p = u_fb - u_i: the learning signal of chapter 5."""
+        """Feedback torque without its integral part, u_p = u_fb - u_i: the learning signal of chapter 5."""
         return self.u_fb - self.u_i
 
 
 def servo_torque(servo: Servo, error: Array, error_rate: Array, integral: Array) -> ServoTorque:
-    r"""Feedback torque before the drive's limit, motor side.
+    r"""Compute the feedback torque before the drive's limit, motor side.
 
     .. math:: u_c = K_p e + K_v \dot e + u_I, \quad u_I = K_i \int e \, dt
 

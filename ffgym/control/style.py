@@ -8,7 +8,7 @@ class LawStyle:
     """Look of one law."""
 
     label: str
-    """Words for readers."""
+    """Name for readers."""
     colour: str
     marker: str
     line: str = "-"

@@ -1,6 +1,6 @@
 """Errors and their checks, files that appear whole or not at all, provenance, executors, typed JSON, array types.
 
-Nothing here knows of robots; a helper that one room needs stands in that room.
+Robots do not occur here; a helper of one room is in that room.
 """
 
 import lazy_loader

@@ -1,4 +1,4 @@
-"""A folder for one process at a time."""
+"""Lock of a folder, for one process at a time."""
 
 import os
 import shutil
@@ -17,7 +17,7 @@ except ImportError:  # Windows
 
 @contextmanager
 def claimed(folder: str | os.PathLike[str]) -> Iterator[Path]:
-    """Hold a folder, so that two processes do not fill it at once; half-written files of killed ones go.
+    """Hold a folder, so that two processes do not fill it at once; half-written files of killed processes are removed.
 
     The claim is a lock of the operating system on the folder itself, which ends with the process however that ends.
     Windows and some network drives have none; there the folder is merely yielded.
@@ -39,7 +39,7 @@ def claimed(folder: str | os.PathLike[str]) -> Iterator[Path]:
 
 
 def remove_remains(folder: Path) -> None:
-    """Remove what processes that were killed left of files and folders that they were writing."""
+    """Remove half-written files and folders of processes that were killed."""
     for remains in folder.glob(TEMPORARY.format("*")):
         if remains.is_dir():
             shutil.rmtree(remains, ignore_errors=True)
@@ -48,7 +48,7 @@ def remove_remains(folder: Path) -> None:
 
 
 def _lock(folder: Path) -> int | None:
-    """Descriptor that holds the lock; None where there are no such locks."""
+    """Return the descriptor that holds the lock; None on systems without such locks."""
     if fcntl is None:
         return None
     try:

@@ -1,4 +1,4 @@
-"""One exception for everything a caller can get wrong, and the checks that raise it."""
+"""One exception for all mistakes of a caller, and the checks that raise it."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -15,7 +15,7 @@ class FFGymError(ValueError):
 
 @contextmanager
 def errors_at(where: str) -> Iterator[None]:
-    """Let the errors of a block begin with a place, unless it is empty or they do already."""
+    """Prefix errors of a block with a place, unless it is empty or they have it already."""
     try:
         yield
     except FFGymError as error:
@@ -26,7 +26,7 @@ def check_shape(name: str, value: Any, shape: Sequence[int | None]) -> Array:
     """Return `value` as a finite float64 array of `shape`, where None stands for any length."""
     try:
         if np.asarray(value).dtype.kind in "USc":
-            raise TypeError("text and complex numbers are none")
+            raise TypeError("text and complex numbers are not numbers")
         array = np.asarray(value, dtype=np.float64)
     except (TypeError, ValueError, OverflowError) as error:
         raise FFGymError(f"{name} must be numbers, got {value!r}.") from error
@@ -67,7 +67,7 @@ def check_number(
     suffix = f" {unit}" if unit else ""
     try:
         if isinstance(value, str | bool):
-            raise TypeError("text and truth values are none")
+            raise TypeError("text and truth values are not numbers")
         number = float(value)
     except (TypeError, ValueError, OverflowError) as error:
         raise FFGymError(f"{name} must be a number{f' in {unit}' if unit else ''}, got {value!r}.") from error

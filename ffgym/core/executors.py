@@ -1,4 +1,4 @@
-"""Many independent pieces of work: on all cores of this machine, or on a Ray cluster; results are the same."""
+"""Executors of many independent tasks: all cores of this machine, or a Ray cluster; results are the same."""
 
 import multiprocessing
 import os
@@ -20,45 +20,49 @@ Result = TypeVar("Result")
 
 EXECUTORS = ("local", "ray")
 _KNOCK = 5.0
-"""How long the head of a cluster may take to answer [s]; chosen."""
+"""Time in which the head of a cluster must answer [s]; chosen."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Executor:
-    """Where pieces of work run."""
+    """Place where tasks run."""
 
     kind: Literal["local", "ray"] = "local"
-    """On this machine, or on a Ray cluster."""
+    """This machine, or a Ray cluster."""
     jobs: int = 0
-    """Processes on this machine, or pieces that a cluster gets at once; 0 is one per core (of the cluster)."""
+    """Number of processes on this machine, or of tasks that a cluster gets at once; 0 is one per core (of the
+    cluster)."""
     address: str | None = None
-    """Of a running Ray cluster, e.g. 'auto' or 'ray://head:10001'; None begins a local one."""
+    """Address of a running Ray cluster, e.g. 'auto' or 'ray://head:10001'; None starts a local one."""
 
     def __post_init__(self) -> None:
         check_choice("executor", self.kind, EXECUTORS)
         check_whole("jobs", self.jobs, low=0, high=100_000)
         if self.address is not None and self.kind != "ray":
             raise FFGymError(
-                f"address = {self.address!r} is of a Ray cluster; choose the executor 'ray', or leave it out."
+                f"address = {self.address!r} is the address of a Ray cluster; choose the executor 'ray', or "
+                "leave it out."
             )
 
     def run(
         self, function: Callable[[Argument], Result], arguments: Sequence[Argument]
     ) -> Iterator[tuple[int, Result]]:
-        """Results as they come, each with the place of its argument.
+        """Yield results as they come, each with the index of its argument.
 
         Args:
-            function: of a module, so that other processes find it; what it returns depends on its argument alone.
-            arguments: what pickle can carry.
+            function: function of a module, so that other processes find it; its result depends on its argument alone.
+            arguments: values that pickle can carry.
 
         Raises:
             FFGymError: if Ray is asked for and not there, or a process dies; and whatever the function raises.
         """
-        run = _on_ray if self.kind == "ray" else _here
+        run = _run_on_ray if self.kind == "ray" else _run_here
         yield from run(function, arguments, self)
 
 
-def _here(function: Callable[[Any], Any], arguments: Sequence[Any], executor: Executor) -> Iterator[tuple[int, Any]]:
+def _run_here(
+    function: Callable[[Any], Any], arguments: Sequence[Any], executor: Executor
+) -> Iterator[tuple[int, Any]]:
     jobs = min(executor.jobs or os.cpu_count() or 1, len(arguments))
     if jobs <= 1:
         yield from ((i, function(argument)) for i, argument in enumerate(arguments))
@@ -77,27 +81,28 @@ def _here(function: Callable[[Any], Any], arguments: Sequence[Any], executor: Ex
             "are kept; run the command again, with fewer jobs if memory is short."
         ) from error
     finally:
+        # processes that still work have no reader any more
         workers = [child for child in multiprocessing.active_children() if child in context.begun]
         pool.shutdown(wait=False, cancel_futures=True)
-        for worker in workers:  # what they still work on, nobody waits for
+        for worker in workers:
             worker.terminate()
 
 
 class _Workers(SpawnContext):
-    """Begins processes, to which what the engine's threads hold is not copied, and knows which it began."""
+    """Context that starts fresh processes, without locks of the engine's threads, and lists those that it started."""
 
     def __init__(self) -> None:
         super().__init__()
         self.begun: list[SpawnProcess] = []
 
     def Process(self, *args: Any, **kwargs: Any) -> SpawnProcess:  # type: ignore[override]
-        """See base class."""
+        """Start a process, and list it."""
         self.begun.append(SpawnProcess(*args, **kwargs))
         return self.begun[-1]
 
 
 def _begin_worker() -> None:
-    """Leave an interruption to the process that hands out the work, and end when that is gone."""
+    """Leave interruptions to the process that hands out tasks, and end when that process is gone."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
     assert parent is not None  # this is a worker
@@ -109,14 +114,16 @@ def _begin_worker() -> None:
     threading.Thread(target=follow, daemon=True).start()
 
 
-def _on_ray(function: Callable[[Any], Any], arguments: Sequence[Any], executor: Executor) -> Iterator[tuple[int, Any]]:
+def _run_on_ray(
+    function: Callable[[Any], Any], arguments: Sequence[Any], executor: Executor
+) -> Iterator[tuple[int, Any]]:
     try:
         import ray
     except ImportError as error:
         raise FFGymError("The executor 'ray' needs Ray; pip install 'ffgym[cluster]'.") from error
     began = not ray.is_initialized()
     if began:
-        _join(ray, executor)
+        _connect(ray, executor)
     try:
         remote = ray.remote(num_cpus=1)(_call)
         limit = executor.jobs or int(ray.cluster_resources().get("CPU", 1))
@@ -137,8 +144,8 @@ def _call(function: Callable[[Any], Any], argument: Any) -> Any:
     return function(argument)
 
 
-def _join(ray: Any, executor: Executor) -> None:
-    """Connect to the cluster, or begin a local one."""
+def _connect(ray: Any, executor: Executor) -> None:
+    """Connect to the cluster, or start a local one."""
     own = {} if executor.address else {"num_cpus": executor.jobs or None, "include_dashboard": False}
     try:
         # knock at host:port first, as Ray itself waits for minutes; words such as 'auto' it looks up itself
@@ -154,11 +161,11 @@ def _join(ray: Any, executor: Executor) -> None:
 
 
 def _result(ray: Any, reference: Any) -> Any:
-    """Result of a piece of work, or the error that it ended with."""
+    """Return the result of a task, or raise the error that it ended with."""
     try:
         return ray.get(reference)
     except ray.exceptions.RayTaskError as error:
-        if isinstance(error.cause, Exception):  # what the function raised, as on this machine
+        if isinstance(error.cause, Exception):  # the function's own error, as on this machine
             raise error.cause from error
         raise
     except ray.exceptions.RayError as error:

@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all."""
+"""Files and folders that appear whole or not at all, and readers that explain their errors."""
 
 import io
 import json
@@ -16,11 +16,11 @@ from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
 
 TEMPORARY = ".ffgym-{}.tmp"
-"""Name of what is written beside its place, until it is moved there."""
+"""Name of a file while it is written, beside its place."""
 
 
 def check_writable(path: str | os.PathLike[str]) -> None:
-    """Check before long work that `path` can be written after it."""
+    """Check that `path` can be written; for use before long work."""
     target = Path(path)
     folder = target.absolute().parent
     try:
@@ -57,7 +57,7 @@ def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
 
 
 def read_bytes(path: str | os.PathLike[str]) -> bytes:
-    """Bytes of a file that is there and not empty."""
+    """Read the bytes of a file, which must exist and not be empty."""
     place = Path(path)
     try:
         data = place.read_bytes()
@@ -73,7 +73,7 @@ def read_bytes(path: str | os.PathLike[str]) -> bytes:
 
 
 def read_text(path: str | os.PathLike[str]) -> str:
-    """Text of a UTF-8 file, without byte order mark."""
+    """Read a UTF-8 file, without byte order mark."""
     try:
         return Path(path).read_text(encoding="utf-8-sig")
     except OSError as error:
@@ -92,7 +92,7 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
 
 
 def check_vacant(path: str | os.PathLike[str]) -> None:
-    """Check before long work that `new_folder` can make `path` after it: nothing or an empty folder is there."""
+    """Check that `new_folder` can make `path`: it is free or an empty folder; for use before long work."""
     target = Path(os.path.realpath(path))
     if target.exists() and not (target.is_dir() and not any(target.iterdir())):
         raise FFGymError(f"{path}: exists already, and nothing is overwritten; choose another place, or remove it.")
@@ -125,7 +125,7 @@ def new_folder(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 @contextmanager
 def made_folder(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Yield a folder, made if there is none; if the block ends with an error, what was made and is empty goes again."""
+    """Yield a folder, made if it is absent; after an error, folders that were made and are empty are removed."""
     target = Path(path)
     missing: list[Path] = []
     try:
@@ -143,7 +143,7 @@ def made_folder(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 
 def csv_rows(values: Array) -> str:
-    """Lines of a CSV file for the rows of `values` (R, C); numbers have the fewest digits that give back every bit."""
+    """Format rows of `values` (R, C) as lines of CSV; numbers have the fewest digits that give back every bit."""
     return "".join(",".join(map(repr, row.tolist())) + "\n" for row in values)
 
 
@@ -157,14 +157,14 @@ def write_json(path: str | os.PathLike[str], value: Any) -> None:
 
 
 def encode_arrays(arrays: Mapping[str, Any]) -> bytes:
-    """Bytes of an NPZ file with these arrays; equal arrays in the same order give equal bytes."""
+    """Encode arrays as the bytes of an NPZ file; equal arrays in the same order give equal bytes."""
     buffer = io.BytesIO()
     np.savez(buffer, allow_pickle=False, **dict(arrays))
     return buffer.getvalue()
 
 
 def decode_arrays(data: bytes) -> dict[str, Any]:
-    """Arrays in the bytes of an NPZ file that is whole, and holds nothing else and no name twice."""
+    """Decode the bytes of an NPZ file, which must be whole, and hold arrays alone and no name twice."""
     try:
         with np.load(io.BytesIO(data), allow_pickle=False) as file:
             names = list(file.files)

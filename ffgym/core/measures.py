@@ -1,4 +1,4 @@
-"""Measures of numbers that every room takes alike."""
+"""Measures of numbers, the same in every room."""
 
 from typing import overload
 
@@ -12,7 +12,7 @@ def rms(values: Array, axis: None = None) -> float: ...
 @overload
 def rms(values: Array, axis: int | tuple[int, ...]) -> Array: ...
 def rms(values: Array, axis: int | tuple[int, ...] | None = None) -> float | Array:
-    """Root mean square of `values`, of all or along some axes."""
+    """Compute the root mean square of `values`, of all or along some axes."""
     size = np.sqrt(np.mean(values**2, axis=axis))
     return float(size) if axis is None else np.asarray(size)
 

@@ -1,4 +1,4 @@
-"""Families whose members are found, not listed: those of a room, and those of other packages by entry points."""
+"""Discovery of the members of a family: in modules of a room, and by entry points of other packages."""
 
 import pkgutil
 from functools import cache
@@ -10,10 +10,10 @@ from ffgym.core.errors import FFGymError
 
 @cache
 def load_families(group: str, own: str = "") -> None:
-    """Import everything that declares members of a family, once: those of a room, then those of other packages.
+    """Import all modules that declare members of a family, once: those of a room, then those of other packages.
 
     Args:
-        group: of the entry points, e.g. 'ffgym.agents'.
+        group: group of the entry points, e.g. 'ffgym.agents'.
         own: module of the room that declares members, or package all of whose modules do; absent is `families` in the
             room that the group is called after.
 

@@ -1,6 +1,6 @@
 """Names under which `gymnasium.make` and `gymnasium.make_vec` find the environments; `import ffgym` registers them.
 
-Nothing heavy is imported here: Gymnasium loads an environment's module when it is made.
+Heavy modules are not imported here: Gymnasium loads an environment's module when it is made.
 """
 
 import gymnasium as gym
@@ -12,7 +12,8 @@ ENVIRONMENTS = {
     "ffgym/FollowPath-v0": "ffgym.envs.follow_path:FollowPath",
     "ffgym/WorkcellCircles-v0": "ffgym.envs.circle_path:WorkcellCircles",
 }
-"""Id and where it is; the class of the single environment ends in Env, that of the vector environment in VectorEnv."""
+"""Module and name by id; the class of the single environment ends in Env, that of the vector environment in
+VectorEnv."""
 
 
 def register() -> None:

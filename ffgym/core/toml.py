@@ -11,7 +11,7 @@ from ffgym.core.errors import FFGymError
 
 
 def parse_toml(text: str, what: str) -> dict[str, Any]:
-    """Tables of a text, which the error calls `what` if it is not TOML."""
+    """Parse TOML; an error calls the text `what`."""
     try:
         return tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
@@ -19,7 +19,7 @@ def parse_toml(text: str, what: str) -> dict[str, Any]:
 
 
 def toml_value(value: Any) -> str:
-    """Text, truth value, number, date, array or list of these as TOML; a mapping becomes an inline table."""
+    """Write a text, truth value, number, date, array or list of these as TOML; a mapping becomes an inline table."""
     if isinstance(value, str):  # JSON's text is TOML's, but for a control character that JSON leaves as it is
         return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
     if isinstance(value, bool):
@@ -34,16 +34,16 @@ def toml_value(value: Any) -> str:
 
 
 def toml_key(key: str) -> str:
-    """Key as it is, or in quotes where it needs them."""
+    """Write a key, in quotes if it needs them."""
     return key if key.replace("_", "").replace("-", "").isalnum() and key.isascii() else toml_value(key)
 
 
 def toml_table(path: str, entries: Mapping[str, Any]) -> list[str]:
-    """Lines of the table [path]; entries that are None are left out."""
+    """Write the table [path] as lines; entries that are None are left out."""
     rows = [f"{toml_key(key)} = {toml_value(value)}" for key, value in entries.items() if value is not None]
     return [f"[{path}]", *rows]
 
 
 def single(values: Sequence[str]) -> str | Sequence[str]:
-    """The only one of some names, or all where there are several, as descriptions give units and origins."""
+    """Return the only name, or all if there are several, as descriptions give units and origins."""
     return values[0] if len(values) == 1 else values

@@ -1,4 +1,4 @@
-"""Dataclasses as JSON and back, by the types of their fields: what is read is complete and of the right kinds."""
+"""Dataclasses as JSON and back, by the types of their fields; reading checks that all fields are there."""
 
 from dataclasses import fields, is_dataclass
 from functools import cache
@@ -11,7 +11,7 @@ from ffgym.core.errors import FFGymError
 
 
 def to_json(value: Any) -> Any:
-    """The value as JSON has it: dataclasses as objects, tuples as lists, numbers that are not finite as null."""
+    """Convert a value to JSON: dataclasses to objects, tuples to lists, numbers that are not finite to null."""
     if is_dataclass(value) and not isinstance(value, type):
         return {f.name: to_json(getattr(value, f.name)) for f in fields(value)}
     if isinstance(value, np.generic | np.ndarray):
@@ -28,12 +28,12 @@ def to_json(value: Any) -> Any:
 
 
 def from_json(kind: Any, value: Any, where: str) -> Any:
-    """The value that `to_json` made JSON of.
+    """Convert JSON back to the value that `to_json` got.
 
     Args:
-        kind: its type, as fields declare it.
+        kind: type of the value, as fields declare it.
         value: parsed JSON.
-        where: its name, for messages.
+        where: name of the value, for messages.
     """
     origin, arguments = get_origin(kind), get_args(kind)
     if kind is Any:
@@ -68,7 +68,7 @@ def _object(kind: Any, value: Any, where: str) -> Any:
 
 @cache
 def _types(kind: Any) -> dict[str, Any]:
-    """Types of a dataclass' fields by name."""
+    """Return the types of a dataclass' fields by name."""
     types = get_type_hints(kind)
     return {f.name: types[f.name] for f in fields(kind)}
 

@@ -1,6 +1,6 @@
-"""Numbers that others published, as data.
+"""Published numbers of other authors, as data.
 
-What is made of them stands in `ffgym.report` and `scripts.thesis`.
+Comparisons with them are in `ffgym.report` and `scripts.thesis`.
 """
 
 import lazy_loader

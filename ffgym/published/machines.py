@@ -18,18 +18,18 @@ class EmpsModel:
     """
 
     mass: float
-    """Carriage, screw and motor as the carriage feels them M [kg]."""
+    """Mass M of carriage, screw and motor, referred to the carriage [kg]."""
     viscous: tuple[float, float]
-    """Forwards and backwards F_v [N s/m]."""
+    """Viscous coefficients F_v forwards and backwards [N s/m]."""
     coulomb: tuple[float, float]
-    """Forwards and backwards F_c, each without sign [N]."""
+    """Coulomb friction F_c forwards and backwards, each without sign [N]."""
 
 
 EMPS_SYMMETRIC = EmpsModel(mass=95.1089, viscous=(203.5034,) * 2, coulomb=(20.3935 - 3.1648, 20.3935 + 3.1648))
 """Published: Simulation_EMPS.m; its constant offset [N] is Coulomb friction that differs in both directions."""
 
 EMPS_ASYMMETRIC = EmpsModel(mass=95.1540, viscous=(166.7061, 240.4236), coulomb=(20.1440, 20.6277))
-"""What Script_IDIM_LS_Asym_Fric.m computes from DATA_EMPS.mat: the script is published, and its steps, repeated with
+"""Result of Script_IDIM_LS_Asym_Fric.m on DATA_EMPS.mat: the script is published, and its steps, repeated with
 SciPy, give the four published numbers of the symmetric model to every printed digit and these for the asymmetric one.
 The table in the authors' description was not at hand."""
 
@@ -61,7 +61,7 @@ class AsymmetricFriction:
     """f_b [s/rad], shape (N,)."""
 
     def torque(self, dq: Array) -> Array:
-        """Friction torque, link side [N m], at joint speed `dq` [rad/s]; same shape (..., N)."""
+        """Return friction torque, link side [N m], at joint speed `dq` [rad/s]; same shape (..., N)."""
         steps = self.slow_step * np.tanh(self.slow_steepness * dq) + self.step * np.tanh(self.steepness * dq)
         return self.offset + self.viscous * dq + steps
 
@@ -74,4 +74,4 @@ KR300_FRICTION = AsymmetricFriction(
     step=np.array([318.643872, 420.696049, 291.520378, 43.875213, 13.83128, 82.430339]),
     steepness=np.array([1146.094958, 47299.332216, 10086.058412, 3784.175097, 4043.446829, 3965.751457]),
 )
-"""What the authors identified, data/data_ref.mat of the same repository, to 1e-6."""
+"""Parameters that the authors identified, data/data_ref.mat of the same repository, to 1e-6."""

@@ -18,12 +18,12 @@ def _tables() -> dict[str, Any]:
 
 
 def published_mm(method: str, statistic: str, speed: float, radius: float, position: str) -> float | None:
-    """Published path error in the plane [mm], or None where nothing was published (100 mm/s has figures only).
+    """Return the published path error in the plane [mm], or None where the thesis has no number (figures only).
 
     Args:
         method: one of METHODS.
         statistic: 'rms' or 'max'.
-        speed: TCP speed [m/s].
+        speed: TCP speed [m/s]; at 0.1 m/s the thesis has figures only.
         radius: circle radius [m].
         position: 'p1' to 'p4'.
     """
@@ -37,7 +37,7 @@ class FrictionRecord:
     """One row of Table 6.1: motor speed A sin(2 pi f t), thesis (6.13)."""
 
     number: int
-    """Data record."""
+    """Number of the data record."""
     amplitude: float
     """A, motor side [rad/s]."""
     frequency: float
@@ -53,4 +53,4 @@ FRICTION_RECORDS = tuple(
 here it has A = 10, as the pattern and figure 6.5e say, which shows 10 sin(2 pi 0.25 t) among the validation records."""
 
 ESTIMATION_RECORDS = (2, 4, 7, 9, 12, 14)
-"""Set D of the thesis, from which the parameters were estimated; the other records validate."""
+"""Records of set D of the thesis, which the parameters were estimated from; the other records validate."""

@@ -1,7 +1,7 @@
-"""A stand-in for a real robot: machines with a hidden truth, in equations of their own.
+"""Workcells that stand in for real robots: machines with hidden parameters and equations of their own.
 
-Only `ffgym.envs`, `scripts` and `tests` import it, so that methods know of it what they measure; effects that a
-diagnosis knows stand in `ffgym.effects`.
+Only `ffgym.envs`, `scripts` and `tests` import this package, so that methods know a workcell by its measurements alone.
+The effects that a diagnosis knows are in `ffgym.effects`.
 """
 
 import lazy_loader

@@ -1,4 +1,4 @@
-"""A workcell: a machine whose truth is shut away, the model its controller has of it, and its sensors."""
+"""Workcell: a machine whose true parameters are hidden, the model that its controller has of it, and its sensors."""
 
 from dataclasses import dataclass, field, replace
 from typing import NoReturn, Self, final
@@ -16,32 +16,32 @@ _HIDDEN = ("friction.effort.", "link.position.", "link.velocity.")
 @final
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class SealedMachine(Machine):
-    """A machine that tells nobody what it is: neither printed nor in what it records."""
+    """Machine whose parameters are hidden, in its text as well as in its recordings."""
 
     label: str
-    """What to call it."""
+    """Name in messages and printed text."""
 
     def __repr__(self) -> str:
         return f"SealedMachine({self.label!r})"
 
     @property
     def truth(self) -> None:
-        """See base class."""
+        """None: the true robot is hidden."""
         return None
 
     def with_robot(self, robot: RobotDescription) -> NoReturn:
-        """A workcell has no other numbers.
+        """Refuse to change numbers of a workcell.
 
         Raises:
             FFGymError: always.
         """
         raise FFGymError(
-            f"Workcell {self.label!r} is what it is, and nothing of it is drawn: leave out the randomization, or take "
-            f"another workcell, by its seed."
+            f"Workcell {self.label!r} has fixed parameters, which cannot be drawn anew: leave out the randomization, "
+            f"or take another workcell, by its seed."
         )
 
     def seen(self, recording: Recording) -> Recording:
-        """See base class; what only a simulation knows is left out."""
+        """Return the recording as sensors see it, without columns that no sensor of the workcell measures."""
         seen = super().seen(recording)
         columns = {name: values for name, values in seen.columns.items() if not name.startswith(_HIDDEN)}
         return Recording(columns=columns, header=seen.header)
@@ -50,18 +50,18 @@ class SealedMachine(Machine):
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Workcell(Rig):
-    """What stands for a real robot in a hall, with its sensors; motions in, recordings out."""
+    """Stand-in for a real robot in a hall, with its sensors: motions go in, recordings come out."""
 
     name: str
     title: str
-    """What it is for."""
+    """Purpose, in a few words."""
     arm: RigidArm = field(repr=False)
-    """What its controller, and everyone else, knows of it: the nominal arm with the friction of its commissioning."""
+    """Nominal arm, with the friction of its commissioning: the knowledge of its controller and of all methods."""
     machine: SealedMachine = field(repr=False)
-    """What it is."""
+    """Machine with its hidden effects."""
     sensors: tuple[Sensor, ...] = field(repr=False)
-    """What measures."""
+    """Sensors that make the recordings."""
 
     def at(self, running_since: float) -> Self:
-        """The same day, when it has run for so long [s]."""
+        """Return the workcell on the same day, when it has run for so long [s]."""
         return replace(self, machine=self.machine.at(running_since))

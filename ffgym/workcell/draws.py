@@ -1,4 +1,4 @@
-"""Workcells by seed: robots of one kind that differ as machines of one series and of all ages do."""
+"""Draw workcells by seed: robots of one kind, which differ as machines of one series and of all ages do."""
 
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
@@ -21,7 +21,7 @@ from ffgym.workcell.equations import (
     SlipElements,
     SlowStribeck,
     SmoothHysteresis,
-    TorqueRipple,
+    TwoHarmonicRipple,
 )
 from ffgym.workcell.reading import workcell
 
@@ -33,8 +33,8 @@ NUMBERS = PlantDistribution(
     rotor_inertia=LogUniform(0.85, 1.18),
     payload=Uniform(0.0, 10.0),
 )
-"""Numbers of the robot, about those its controller has; chosen: friction as it differs within a series, and half of the
-uncertainty that docs/robots states of the rest."""
+"""Distribution of the robot's numbers about those of its controller; chosen: friction as it differs within a series,
+and half of the uncertainty that docs/robots states of the rest."""
 
 PRESENT = 0.6
 """Chosen: probability that a machine has an effect."""
@@ -43,13 +43,14 @@ Draw = Callable[[np.random.Generator, RobotDescription], Effect]
 
 
 def draw(seed: int) -> Workcell:
-    """A workcell by its seed: numbers of its robot, effects, payload and temperature are drawn, in this order.
+    """Draw a workcell by its seed: first numbers of its robot with the payload, then effects, then temperatures.
 
     Raises:
         FFGymError: if the seed is no whole number from 0 on.
     """
     seed = check_whole("seed", seed, low=0)
     rng = np.random.default_rng(seed)
+    # every draw is made, so that one effect does not shift the draws of the next
     like = workcell("thesis")
     robot = NUMBERS.draw(like.robot, rng)
     drawn = [(rng.random(), one(rng, robot)) for one in EFFECT_DRAWS.values()]
@@ -69,7 +70,7 @@ def draw(seed: int) -> Workcell:
 
 
 def _shares(rng: np.random.Generator, robot: RobotDescription, low: float, high: float) -> Array:
-    """Torques [N m], uniform in shares of each joint's Coulomb friction, shape (N,)."""
+    """Draw torques [N m], uniform in shares of each joint's Coulomb friction, shape (N,)."""
     return robot.friction.coulomb * rng.uniform(low, high, size=robot.n_joints)
 
 
@@ -108,7 +109,7 @@ EFFECT_DRAWS: Mapping[str, Draw] = MappingProxyType(
             cycles=float(rng.integers(1, 4)),
             phase=rng.uniform(-np.pi, np.pi, size=robot.n_joints),
         ),
-        TorqueRipple.name: lambda rng, robot: TorqueRipple.on(
+        TwoHarmonicRipple.name: lambda rng, robot: TwoHarmonicRipple.on(
             robot,
             cycles=float(rng.choice([1, 2, 3, 6])),
             share=rng.uniform(0.003, 0.03, size=robot.n_joints),
@@ -127,5 +128,5 @@ EFFECT_DRAWS: Mapping[str, Draw] = MappingProxyType(
         ),
     }
 )
-"""How each effect is drawn, in the order of its arguments; sizes are within the ranges of the literature that
+"""Distributions of each effect, drawn in the order of its arguments; sizes are within the ranges of the literature that
 `ffgym.effects` gives."""

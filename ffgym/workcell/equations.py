@@ -1,4 +1,4 @@
-"""Physics of the workcell in equations of its own: a diagnosis meets effects that its library only resembles."""
+"""Physics of the workcell, in equations of its own: they resemble those of the library that a diagnosis knows."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -42,13 +42,13 @@ class SlowStribeck(FrictionEffect):
     )
 
     def friction(self, state: State) -> Array:
-        """See base class."""
+        """Return the part of the friction that fades with speed."""
         fading = self.level * np.exp(-np.abs(state.motor_speed) / self.speed)
         return fading * state.friction_sign
 
 
 _YIELDS = np.array([0.25, 0.5, 1.0])
-"""Where elements break loose, in units of the last one; chosen: evenly spread in the logarithm."""
+"""Displacements at which elements break loose, in units of the last one; chosen: even in the logarithm."""
 
 
 @final
@@ -84,11 +84,11 @@ class SlipElements(TorqueEffect):
     )
 
     def initial_memory(self, state: State) -> Array:
-        """Elements at rest carry nothing; shape (..., N, 3)."""
+        """Return elements that carry no load, shape (..., N, 3)."""
         return np.zeros((*state.motor_angle.shape, len(_YIELDS)))
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
-        """See base class."""
+        """Return the torque of the elements, and their displacements a step later."""
         total = memory[..., 0] + memory[..., 1] + memory[..., 2]
         widths = self.travel[..., None] * _YIELDS
         after = advance_slip(memory, state.motor_speed, state.motor_speed, dt, widths)
@@ -129,7 +129,7 @@ class OneWayFriction(FrictionEffect):
     )
 
     def friction(self, state: State) -> Array:
-        """See base class."""
+        """Return friction that is even in the speed."""
         growth = np.sqrt(1 + np.abs(state.motor_speed) / self.speed)
         return self.level * state.friction_sign**2 * growth
 
@@ -160,7 +160,7 @@ class GearLosses(FrictionEffect):
     )
 
     def friction(self, state: State) -> Array:
-        """See base class."""
+        """Return losses by load, sign of the speed and direction of power."""
         mean, half = (self.driving + self.driven) / 2, (self.driving - self.driven) / 2
         load, sign = state.load_at_motor, state.friction_sign
         return mean * np.abs(load) * sign + half * load * np.abs(sign)
@@ -216,7 +216,7 @@ class ColdOil(FrictionEffect):
     )
 
     def friction(self, state: State) -> Array:
-        """See base class."""
+        """Return viscous friction beyond that at the reference temperature."""
         exponent = self.vogel * (1 / (state.temperature - _POLE) - 1 / (self.reference - _POLE))
         return self.viscous * np.expm1(exponent) * state.motor_speed
 
@@ -256,11 +256,11 @@ class SmoothHysteresis(TorqueEffect):
     exponent: Array = parameter("p", unit="1", low=1.0, high=3.0, source="chosen", null=None, minimum=1.0)
 
     def initial_memory(self, state: State) -> Array:
-        """Relaxed at rest, shape (..., N, 1)."""
+        """Return a relaxed spring, shape (..., N, 1)."""
         return np.zeros((*state.motor_angle.shape, 1))
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
-        """See base class."""
+        """Return the hysteresis torque of the spring; the state z advances by a step of Euler's method."""
         z, rate = memory[..., 0], state.deflection_rate
         loading = (1 + np.sign(z * rate)) / 2
         moved = z + rate * dt / self.yielding * (1 - np.abs(z) ** self.exponent * loading)
@@ -269,7 +269,7 @@ class SmoothHysteresis(TorqueEffect):
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class TorqueRipple(TorqueEffect):
+class TwoHarmonicRipple(TorqueEffect):
     r"""Ripple in proportion to the motor's torque, with half its size at twice its frequency.
 
     .. math:: \tau = r \, \tau_m \, (\sin(k \theta + \varphi) + \tfrac{1}{2} \sin 2 (k \theta + \varphi))
@@ -287,7 +287,7 @@ class TorqueRipple(TorqueEffect):
     phase: Array = parameter("phase at motor angle 0", unit="rad", low=-np.pi, high=np.pi, source="chosen", null=None)
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
-        """See base class."""
+        """Return the ripple of the motor torque at the motor angle."""
         angle = self.cycles * state.motor_angle + self.phase
         return Torques(motor=self.share * state.motor_torque * (np.sin(angle) + np.sin(2 * angle) / 2)), memory
 
@@ -322,7 +322,7 @@ class GearError(TorqueEffect):
     phase: Array = parameter("phase at motor angle 0", unit="rad", low=-np.pi, high=np.pi, source="chosen", null=None)
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
-        """See base class."""
+        """Return the torque that winds the spring, and the one that acts back on the motor."""
         angle, k = state.motor_angle, self.cycles
         error = self.amplitude * (np.sin(k * angle + self.phase) + np.sin(3 * k * angle + self.phase) / 3)
         slope = self.amplitude * k * (np.cos(k * angle + self.phase) + np.cos(3 * k * angle + self.phase))
@@ -351,7 +351,7 @@ class ResolverEccentricity(ResolverEffect):
     phase: Array = parameter("phase at motor angle 0", unit="rad", low=-np.pi, high=np.pi, source="chosen", null=None)
 
     def error(self, motor_angle: Array, motor_speed: Array) -> ResolverError:
-        """See base class."""
+        """Return the wave of both harmonics at the motor angle, and its rate."""
         first, second = motor_angle + self.phase, 2 * motor_angle - self.phase
         angle = self.amplitude * (np.sin(first) + np.sin(second) / 2)
         return ResolverError(angle=angle, speed=self.amplitude * (np.cos(first) + np.cos(second)) * motor_speed)
@@ -365,7 +365,7 @@ _EQUATIONS: tuple[type[Effect], ...] = (
     ColdOil,
     GearError,
     SmoothHysteresis,
-    TorqueRipple,
+    TwoHarmonicRipple,
     ResolverEccentricity,
 )
 

@@ -2,8 +2,8 @@
 
     [workcell]                       controller, and maybe `like`, another workcell that this one changes
     [machine], [friction.*], ...     see ffgym.simulation.plant.machine_file; equations of the workcell count as effects
-    [payload.mass]                   a point mass at the TCP that nobody told the controller of
-    [sensors.*]                      how well it is measured
+    [payload.mass]                   a point mass at the TCP that the controller does not know
+    [sensors.*]                      noise and resolution of each sensor
 
 Every number has its value, unit and source; the source begins with sourced, derived, chosen or calibrated.
 """
@@ -37,49 +37,45 @@ _UNITS = {
     "sensors.thermometer_noise": "K",
     "sensors.thermometer_resolution": "K",
 }
-"""Numbers that are not of the machine alone."""
+"""Units of the numbers beside those of the machine."""
 
 Tree = dict[str, Any]
 
 INSTANCES = ("thesis", "cold", "worn", "heavy_tool")
-"""Workcells that ship with the package, each a file in `data`."""
+"""Names of the workcells that ship with the package, each a file in `data`."""
 
 
 @cache
 def workcell(name: str) -> Workcell:
-    """A workcell by its name.
+    """Load a workcell by its name.
 
     Raises:
-        FFGymError: if there is none of that name.
+        FFGymError: if no workcell has that name.
     """
     return build(check_choice("workcell", name, INSTANCES), read_tree(name))
 
 
-def file_text(name: str) -> str:
-    """Text of a workcell file of the package."""
-    return (resources.files("ffgym.workcell") / "data" / f"{name}.toml").read_text(encoding="utf-8")
-
-
 def read_tree(name: str) -> Tree:
-    """Tables of a workcell file of the package, with those of the file that it is like."""
-    tree = tomllib.loads(file_text(name))
+    """Read tables of a workcell file of the package, merged into those of the file that it is like."""
+    text = (resources.files("ffgym.workcell") / "data" / f"{name}.toml").read_text(encoding="utf-8")
+    tree = tomllib.loads(text)
     like = tree["workcell"].pop("like", None)
-    return tree if like is None else merged(read_tree(like), tree)
+    return tree if like is None else merge_tables(read_tree(like), tree)
 
 
-def merged(base: Tree, change: Tree) -> Tree:
-    """Tables of `base` with those of `change` in their place; a number with its unit and source is one thing."""
+def merge_tables(base: Tree, change: Tree) -> Tree:
+    """Merge tables of `change` into those of `base`; a number with its unit and source is replaced as a whole."""
     out = dict(base)
     for key, value in change.items():
         both = isinstance(value, dict) and isinstance(out.get(key), dict) and "value" not in value
-        out[key] = merged(out[key], value) if both else value
+        out[key] = merge_tables(out[key], value) if both else value
     return out
 
 
 def build(name: str, tree: Mapping[str, Any], arm: RigidArm | None = None) -> Workcell:
-    """Workcell of parsed tables.
+    """Build a workcell from parsed tables.
 
-    Its controller knows `arm`, None is the robot that the tables name.
+    Its controller knows `arm`, by default the robot that the tables name.
     """
     own = ("workcell", "payload", "sensors")
     tables = {key: value for key, value in tree.items() if key not in own}
@@ -107,7 +103,7 @@ def build(name: str, tree: Mapping[str, Any], arm: RigidArm | None = None) -> Wo
 
 
 def _number(where: str, table: Any) -> Any:
-    """Value of an entry, a number or an array."""
+    """Return the value of an entry, a number or an array."""
     check_choice("entry", where, list(_UNITS))
     value: Array = np.asarray(given_value(where, table, _UNITS[where]), dtype=np.float64)
     if "source" not in table:

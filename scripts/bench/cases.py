@@ -16,7 +16,7 @@ from ffgym.agents.catalogue import CATALOGUE, make_law
 from ffgym.agents.declaration import AgentSetting
 from ffgym.control import CausalLaw
 from ffgym.core.errors import FFGymError
-from ffgym.core.provenance import installed
+from ffgym.core.provenance import is_installed
 from ffgym.core.types import Array
 from ffgym.effects import EFFECTS, Effect
 from ffgym.robot import RigidArm, RobotDescription, load_robot
@@ -236,7 +236,7 @@ PPO_SETTINGS: dict[str, Any] = {"n_steps": 64, "batch_size": 256, "n_epochs": 4}
 
 def training_ratios(repeats: int) -> Iterator[Ratio]:
     """Steps per second of `learn`, on one thread of torch; none if stable-baselines3 is not installed."""
-    if not (installed("stable-baselines3") and installed("torch")):
+    if not (is_installed("stable-baselines3") and is_installed("torch")):
         print("training: left out, needs stable-baselines3; pip install 'ffgym[rl]'")
         return
     import torch

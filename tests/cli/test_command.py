@@ -87,13 +87,13 @@ def test_a_demo_that_cannot_run_is_one_line_and_exit_code_1(arguments, message, 
 
 
 def test_a_missing_extra_is_named(monkeypatch, capsys):
-    monkeypatch.setattr("ffgym.cli.outputs.installed", lambda name: name != "jinja2")
+    monkeypatch.setattr("ffgym.cli.outputs.is_installed", lambda name: name != "jinja2")
     assert main(["demo"]) == 1
     assert "needs jinja2; pip install 'ffgym[cli,report]'" in capsys.readouterr().err
 
 
 def test_a_missing_tyro_is_named(monkeypatch, capsys):
-    monkeypatch.setattr("ffgym.cli.main.installed", lambda name: name != "tyro")
+    monkeypatch.setattr("ffgym.cli.main.is_installed", lambda name: name != "tyro")
     assert main(["export"]) == 1
     (line,) = capsys.readouterr().err.splitlines()
     assert line == "ffgym: error: The command line needs tyro; pip install 'ffgym[cli]'."

@@ -117,7 +117,7 @@ def test_a_video_that_cannot_be_made_is_one_line_and_exit_code_1(arguments, mess
 
 
 def test_a_missing_package_is_named(monkeypatch, capsys, tmp_path):
-    monkeypatch.setattr("ffgym.cli.outputs.installed", lambda name: name != "imageio-ffmpeg")
+    monkeypatch.setattr("ffgym.cli.outputs.is_installed", lambda name: name != "imageio-ffmpeg")
     assert main(["play", "--out", str(tmp_path / "a.mp4")]) == 1
     assert "needs imageio-ffmpeg; pip install 'ffgym[video]'" in capsys.readouterr().err
 

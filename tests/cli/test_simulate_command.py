@@ -189,7 +189,7 @@ def test_a_wrong_program_is_named_with_its_place(here, capsys):
 
 
 def test_a_missing_extra_is_named_only_where_a_page_is_wanted(here, monkeypatch, capsys):
-    monkeypatch.setattr("ffgym.cli.outputs.installed", lambda name: name != "jinja2")
+    monkeypatch.setattr("ffgym.cli.outputs.is_installed", lambda name: name != "jinja2")
     assert run("irb4600_60_205", "circles", "--report", "r.html") == 1
     assert "The report needs jinja2" in only_error(capsys)
 

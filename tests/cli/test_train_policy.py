@@ -79,6 +79,6 @@ def test_what_cannot_be_trained_is_refused_and_nothing_is_left(options, message,
 
 
 def test_what_is_missing_is_named_with_the_way_to_get_it(monkeypatch, capsys, tmp_path):
-    monkeypatch.setattr("ffgym.cli.outputs.installed", lambda name: name != "sb3-contrib")
+    monkeypatch.setattr("ffgym.cli.outputs.is_installed", lambda name: name != "sb3-contrib")
     assert main(["train", "policy", "--out", str(tmp_path / "new")]) == 1
     assert "needs sb3-contrib; pip install 'ffgym[rl]'" in capsys.readouterr().err

@@ -11,7 +11,7 @@ import pytest
 
 from ffgym.core.errors import FFGymError, check_whole
 from ffgym.core.executors import Executor
-from ffgym.core.provenance import installed
+from ffgym.core.provenance import is_installed
 from tests.processes import INTERRUPTIBLE, is_alive, waited
 
 
@@ -145,7 +145,7 @@ def test_an_unknown_executor_is_refused():
         Executor(kind="slurm")
 
 
-needs_ray = pytest.mark.skipif(not installed("ray"), reason="Ray is not installed")
+needs_ray = pytest.mark.skipif(not is_installed("ray"), reason="Ray is not installed")
 
 
 @pytest.fixture(scope="module")

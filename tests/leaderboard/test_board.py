@@ -14,7 +14,7 @@ from ffgym.control import NoCompensation
 from ffgym.core.claims import claimed
 from ffgym.core.errors import FFGymError
 from ffgym.core.executors import Executor
-from ffgym.core.provenance import installed
+from ffgym.core.provenance import is_installed
 from ffgym.leaderboard.board import Board, simulated_seconds
 from ffgym.leaderboard.entrants import Entrant, Ready, Registry, one_by_one
 from ffgym.leaderboard.evaluation import jobs
@@ -176,7 +176,7 @@ def timeless(path):
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not installed("ray"), reason="Ray is not installed")
+@pytest.mark.skipif(not is_installed("ray"), reason="Ray is not installed")
 @pytest.mark.filterwarnings("ignore")
 def test_a_ray_cluster_gives_the_same_rows(tmp_path):
     for executor in (Executor(jobs=1), Executor(kind="ray", jobs=2)):

@@ -97,7 +97,7 @@ def test_the_training_rate_is_measured_where_the_learner_is_installed():
 
 
 def test_training_is_left_out_where_the_learner_is_missing(monkeypatch, capsys):
-    monkeypatch.setattr("scripts.bench.cases.installed", lambda package: False)
+    monkeypatch.setattr("scripts.bench.cases.is_installed", lambda package: False)
     assert main(Config(parts=("training",))) == []
     assert "training: left out" in capsys.readouterr().out
 

@@ -210,7 +210,7 @@ def test_the_bound_is_searched_for_and_no_option(capsys):
 
 
 def test_what_is_missing_is_named_with_the_way_to_get_it(monkeypatch, tmp_path):
-    monkeypatch.setattr(tuning, "installed", lambda name: name != "optuna")
+    monkeypatch.setattr(tuning, "is_installed", lambda name: name != "optuna")
     with pytest.raises(FFGymError, match=r"needs optuna; pip install 'ffgym\[tune\]'"):
         main(Tune(out=tmp_path / "new"))
     code = "import scripts.tune, sys; print([name for name in ('torch', 'optuna') if name in sys.modules])"

@@ -12,7 +12,7 @@ from ffgym.robot import ModelOptions, load_robot
 from ffgym.simulation import Run, simulate
 from ffgym.simulation.plant import Plant
 from ffgym.workcell import INSTANCES, draw, workcell
-from ffgym.workcell.reading import build, merged, read_tree
+from ffgym.workcell.reading import build, merge_tables, read_tree
 
 COARSE = ModelOptions(looks=False, physics_dt=0.0005)
 SEEDS = range(5)
@@ -94,7 +94,7 @@ def test_a_machine_warms_up_over_the_day_and_turns_more_easily():
 
 def test_a_file_that_is_like_another_changes_what_it_names():
     base = {"a": {"x": {"value": 1, "unit": "m"}, "y": {"value": 2, "unit": "m"}}}
-    assert merged(base, {"a": {"x": {"value": 3, "unit": "m"}}}) == {
+    assert merge_tables(base, {"a": {"x": {"value": 3, "unit": "m"}}}) == {
         "a": {"x": {"value": 3, "unit": "m"}, "y": {"value": 2, "unit": "m"}}
     }
 

@@ -38,7 +38,7 @@ def test_a_law_that_learns_counts_its_trials_and_one_that_does_not_has_none(one_
 
 def test_members_whose_packages_are_missing_are_left_out_and_named(compared, monkeypatch):
     assert all(entry.is_available for entry in CATALOGUE.values())
-    monkeypatch.setattr("ffgym.agents.declaration.installed", lambda package: package != "torch")
+    monkeypatch.setattr("ffgym.agents.declaration.is_installed", lambda package: package != "torch")
     assert [name for name, entry in CATALOGUE.items() if not entry.is_available] == ["mlp_fel"]
     [table] = AGENTS.numbers(compared({"none": 1.0, "lugre_dynamic": 0.5}))
     assert "circles at p1, which they learned on, are among those that are scored" in table.note

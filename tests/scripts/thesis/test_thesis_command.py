@@ -63,7 +63,7 @@ def test_what_cannot_be_done_is_one_line_and_nothing_is_simulated(arguments, mes
 
 
 def test_a_missing_extra_of_the_reproduction_is_named(monkeypatch, capsys):
-    monkeypatch.setattr("ffgym.cli.outputs.installed", lambda name: name != "matplotlib")
+    monkeypatch.setattr("ffgym.cli.outputs.is_installed", lambda name: name != "matplotlib")
     assert main([]) == 1
     assert "needs matplotlib; pip install 'ffgym[cli,report]'" in capsys.readouterr().err
 

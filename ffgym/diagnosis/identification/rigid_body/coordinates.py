@@ -23,7 +23,7 @@ import numpy as np
 import scipy
 
 from ffgym.core.errors import FFGymError
-from ffgym.core.provenance import installed
+from ffgym.core.provenance import is_installed
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.diagnosis.identification.rigid_body.bodies import pseudo_inertia
 from ffgym.diagnosis.identification.rigid_body.terms import BODIES, Term, per_parameter
@@ -125,7 +125,7 @@ class Coordinates:
     @cached_property
     def _problem(self) -> tuple[Any, Any, Any, Any]:
         """Problem, unknowns, and the two parameters that data fill in: built once, since that takes longest."""
-        if not installed("cvxpy"):
+        if not is_installed("cvxpy"):
             raise FFGymError(
                 "Least squares leave bodies that cannot exist, and those that can are found with cvxpy; "
                 "pip install 'ffgym[identify]'."

@@ -116,7 +116,7 @@ def test_where_not_the_answer_is_allowed_and_none_nearby_is_better(size):
 
 
 def test_without_the_solver_there_is_one_error_that_says_what_to_install(monkeypatch):
-    monkeypatch.setattr(coordinates_module, "installed", lambda _: False)
+    monkeypatch.setattr(coordinates_module, "is_installed", lambda _: False)
     own = coordinates(two_link())
     normal, right, _ = data(own, seed=1, size=3.0)
     with pytest.raises(FFGymError, match=r"ffgym\[identify\]"):
