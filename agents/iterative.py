@@ -50,6 +50,7 @@ from ffgym.control import FeedForwardLaw, LawStyle, NoCompensation
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
 from ffgym.core.measures import rms_length
 from ffgym.core.types import Array, IntArray
+from ffgym.logs.preparation import motor_effort
 from ffgym.paths import Reference
 from ffgym.recordings import Recording
 from ffgym.robot import RigidArm
@@ -242,8 +243,10 @@ class IterativeLearning:
         wanted = practice.torque + step.correction(error)
         # torque that the drive has left beside its own control; more would never come, and pile up
         peak = self.arm.robot.drive.peak_torque
-        own = recording.joint_array("feedforward.effort") + recording.joint_array("feedback.effort")
-        control = at_samples(own, recording, reference)
+        feedforward, feedback = (
+            motor_effort(reference.robot, recording, family) for family in ("feedforward.effort", "feedback.effort")
+        )
+        control = at_samples(feedforward + feedback, recording, reference)
         following = np.clip(wanted, -peak - control, peak - control)
         motion_error = rms_length(error)
         is_best = not (motion_error >= practice.motion_error).any()

@@ -9,10 +9,11 @@ import numpy as np
 from ffgym.control.setpoints import torque_at_rows
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.types import Array, BoolArray, IntArray
+from ffgym.logs.preparation import motor_effort, read_motor_side
 from ffgym.paths import SPEEDS, Reference
 from ffgym.recordings import Recording
 from ffgym.recordings.metrics import motor_error
-from ffgym.robot import ModelOptions, RigidArm, Servo
+from ffgym.robot import ModelOptions, RigidArm, RobotDescription
 from ffgym.simulation import RECORD_DT, Rig, Run, Sensor, SimulatedRig
 from ffgym.simulation.sensors import sensors_of
 from ffgym.studies import circle_references, sine_references
@@ -127,7 +128,8 @@ class Lesson:
             FFGymError: if the signal is unknown, or the recording lacks a column or belongs to another reference.
         """
         rows_per_step = round(reference.robot.servo.control_dt / recording.dt)
-        motor_dq = recording.joint_array("reference.velocity")
+        robot = reference.robot
+        motor_dq = read_motor_side(robot, recording, "reference.velocity")
         motor_ddq = torque_at_rows(reference.motor_ddq, rows_per_step)  # a straight line between samples
         if motor_ddq.shape != motor_dq.shape:
             raise FFGymError(
@@ -140,8 +142,8 @@ class Lesson:
             t=recording.t,
             motor_dq=motor_dq,
             motor_ddq=motor_ddq,
-            signal=learning_signal(recording, reference.robot.servo, signal),
-            added=recording.joint_array("compensation.effort"),
+            signal=learning_signal(recording, robot, signal),
+            added=motor_effort(robot, recording, "compensation.effort"),
             error=motor_error(recording),
             moving=~recording.mask(kind="standstill") & ~ended,
         )
@@ -155,7 +157,7 @@ def pick_evenly(moving: BoolArray, count: int) -> IntArray:
     return np.asarray(rows[np.linspace(0, len(rows) - 1, count).round().astype(np.int64)])
 
 
-def learning_signal(recording: Recording, servo: Servo, signal: Signal = "u_p") -> Array:
+def learning_signal(recording: Recording, robot: RobotDescription, signal: Signal = "u_p") -> Array:
     """Compute the missing torque as the feedback shows it, motor side [N m], shape (T, N).
 
     Raises:
@@ -163,9 +165,9 @@ def learning_signal(recording: Recording, servo: Servo, signal: Signal = "u_p") 
     """
     check_choice("learning signal", signal, SIGNALS)
     if signal == "e_p":
-        return servo.position_gain * motor_error(recording)
-    feedback = recording.joint_array("feedback.effort")
-    return feedback if signal == "u_c" else feedback - recording.joint_array("feedback.integral")
+        return robot.servo.position_gain * motor_error(recording)
+    feedback = motor_effort(robot, recording, "feedback.effort")
+    return feedback if signal == "u_c" else feedback - motor_effort(robot, recording, "feedback.integral")
 
 
 def thesis_motions(arm: RigidArm) -> list[Reference]:

@@ -13,12 +13,13 @@ from ffgym.cli.outputs import check_outputs, given_options, print_places, proven
 from ffgym.cli.progress import progress_bar
 from ffgym.core.errors import FFGymError, check_number, check_whole
 from ffgym.core.files import write_text
-from ffgym.diagnosis.identification import LowPass, friction_torque, identify_friction, validate
+from ffgym.diagnosis.identification import friction_torque, identify_friction, validate
 from ffgym.diagnosis.identification.friction import friction_quantities
 from ffgym.diagnosis.identification.parameter_file import parameter_text
 from ffgym.diagnosis.identification.rigid_body import Filtering, RigidBodyOptions, identify_rigid_body, starting_robot
 from ffgym.envs.machines import load_described_robot
 from ffgym.logs import read_logs as read_motions
+from ffgym.logs.preparation import LowPass
 from ffgym.logs.quality import check_quality, conditioned_alike
 from ffgym.recordings import Recording
 from ffgym.recordings.io import read_folder

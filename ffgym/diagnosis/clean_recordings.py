@@ -17,10 +17,11 @@ from ffgym.core.types import Array
 from ffgym.diagnosis.clean_replay import replay_finely
 from ffgym.diagnosis.computing import FAILED
 from ffgym.diagnosis.log import Log
-from ffgym.diagnosis.log_columns import build_reference, read_motor_side, widen_limits
+from ffgym.diagnosis.log_columns import build_reference, widen_limits
 from ffgym.diagnosis.replay import Replay, predict_feedback
 from ffgym.diagnosis.residual_rows import find_valid_rows
 from ffgym.diagnosis.settings import settings
+from ffgym.logs.preparation import read_motor_side
 from ffgym.recordings import Recording
 from ffgym.robot import ModelOptions, RobotDescription
 from ffgym.simulation import Run, simulate

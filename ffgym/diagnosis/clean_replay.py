@@ -12,12 +12,12 @@ import numpy as np
 import scipy
 
 from ffgym.core.types import Array
-from ffgym.diagnosis.identification import LowPass
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.replay import Replay, predict_feedback, replay
 from ffgym.diagnosis.replay.states import Bristles, along_speed
 from ffgym.diagnosis.sampling import without_trembling
 from ffgym.diagnosis.settings import settings
+from ffgym.logs.preparation import LowPass
 from ffgym.recordings import Recording
 
 _TOGETHER = 1_000_000

@@ -16,13 +16,13 @@ from ffgym.core.errors import FFGymError
 from ffgym.core.measures import rms
 from ffgym.core.types import Array
 from ffgym.diagnosis.computing import FAILED
-from ffgym.diagnosis.identification.signals import acting_torque
 from ffgym.diagnosis.log import assemble_log
 from ffgym.diagnosis.log_columns import build_reference, widen_limits
 from ffgym.diagnosis.replay import predict, replay
 from ffgym.diagnosis.residual import UNITS, components
 from ffgym.diagnosis.residual_rows import compute_residuals, filter_measured, find_counting_rows
 from ffgym.diagnosis.sampling import Sampling
+from ffgym.logs.preparation import acting_torque, motor_torque
 from ffgym.paths import Reference
 from ffgym.recordings import Recording
 from ffgym.recordings.metrics import motor_error
@@ -155,8 +155,7 @@ def _run_again(nominal: Machine, recording: Recording) -> Run:
             )
         return Run(reference=reference)
     added = _interpolate(reference.t, recording, recording.joint_array("compensation.effort"))
-    if recording.header.torque_semantics == "link_side":
-        added = nominal.robot.drive.motor_torque(added)
+    added = motor_torque(nominal.robot.drive, recording.header, added)
     return Run(reference=reference, law=RecordedLaw(added=added))
 
 

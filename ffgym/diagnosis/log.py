@@ -9,11 +9,17 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array, BoolArray
-from ffgym.diagnosis.identification import LowPass
-from ffgym.diagnosis.identification.signals import acting_torque, check_fits, joint_motion
 from ffgym.diagnosis.log_columns import pad, read_feedback, read_set_points, read_temperatures, read_tool
-from ffgym.diagnosis.sampling import Sampling, derivatives, white_noise, without_trembling
+from ffgym.diagnosis.sampling import Sampling, white_noise, without_trembling
 from ffgym.diagnosis.settings import settings
+from ffgym.logs.preparation import (
+    LowPass,
+    acting_torque,
+    check_fits,
+    derivatives,
+    joint_position,
+    read_joint_side,
+)
 from ffgym.recordings import Recording
 from ffgym.recordings.stretch import started
 from ffgym.robot import RobotDescription
@@ -140,7 +146,7 @@ def assemble_log(
     for i, recording in enumerate(recordings):
         known[ends : max(ends, len(recording) - ends), i] = True
         known[: len(recording), i] &= recording.valid.any(axis=1)
-    positions = [joint_motion(robot, recording, low_pass)[0] for recording in recordings]
+    positions = [joint_position(robot, recording, low_pass) for recording in recordings]
     rates = [derivatives(q, recording.dt) for q, recording in zip(positions, recordings, strict=True)]
 
     def beside(of: Sequence[Array], hold: bool = True) -> Array:
@@ -186,8 +192,7 @@ def _trembling(robot: RobotDescription, recordings: Sequence[Recording], low_pas
     limits = settings().sampling
     noise = []
     for recording in recordings:
-        raw = recording.joint_array("motor.position")
-        angle = raw if recording.header.position_side == "link" else robot.drive.joint_angle(raw)
+        angle = read_joint_side(robot, recording)
         noise.append(_passed(low_pass, recording.dt) * white_noise(angle, low_pass, recording.dt))
     width = limits.trembling * np.median(noise, axis=0)
     steps = np.round(limits.trembling_per_octave * np.log2(np.maximum(width, np.finfo(np.float64).tiny)))

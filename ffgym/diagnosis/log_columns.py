@@ -8,8 +8,8 @@ import scipy
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
-from ffgym.diagnosis.identification.signals import motor_effort
 from ffgym.diagnosis.settings import settings
+from ffgym.logs.preparation import motor_effort, motor_torque, read_joint_side, read_motor_side
 from ffgym.paths import Reference
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
@@ -22,12 +22,6 @@ def pad(arrays: Sequence[Array], n: int, hold: bool) -> Array:
         width = ((0, n - len(array)), *((0, 0) for _ in array.shape[1:]))
         found.append(np.pad(array, width, mode="edge") if hold else np.pad(array, width))
     return np.stack(found, axis=1)
-
-
-def read_motor_side(robot: RobotDescription, recording: Recording, family: str = "motor.position") -> Array:
-    """Angles [rad] or speeds of a recording, motor side, (T, N)."""
-    values = recording.joint_array(family)
-    return robot.drive.motor_angle(values) if recording.header.position_side == "link" else values
 
 
 def read_tool(recording: Recording) -> Array:
@@ -64,8 +58,7 @@ def read_feedback(robot: RobotDescription, recordings: Sequence[Recording], n: i
         torque = recording.joint_array(of)
         if of == "feedforward.effort" and recording.has("compensation.effort"):
             torque = torque + recording.joint_array("compensation.effort")
-        if recording.header.torque_semantics == "link_side":
-            torque = robot.drive.motor_torque(torque)
+        torque = motor_torque(robot.drive, recording.header, torque)
         found.append(torque if of == "feedback.effort" else motor_effort(robot, recording) - torque)
     return pad(found, n, hold=True)
 
@@ -99,7 +92,7 @@ def build_reference(robot: RobotDescription, recording: Recording) -> Reference:
             f"Recording {recording.header.segment!r} has no reference.position, so it cannot be run again."
         )
     dt = robot.servo.control_dt
-    q = _set_points(robot, recording)
+    q = read_joint_side(robot, recording, "reference.position")
     since = recording.t - recording.t[0]
     t = dt * np.arange(int(np.floor(since[-1] / dt + 1e-6)) + 1, dtype=np.float64)
     curve = scipy.interpolate.CubicSpline(since, q)
@@ -150,7 +143,7 @@ def _reach(robot: RobotDescription, recordings: Sequence[Recording]) -> tuple[Ar
     low, high, fast = np.full(robot.n_joints, np.inf), np.full(robot.n_joints, -np.inf), np.zeros(robot.n_joints)
     for recording in recordings:
         if recording.has("reference.position"):
-            q = _set_points(robot, recording)
+            q = read_joint_side(robot, recording, "reference.position")
             known = np.isfinite(q).all(axis=1)
             if np.count_nonzero(known) < _FEWEST:
                 continue
@@ -158,9 +151,3 @@ def _reach(robot: RobotDescription, recordings: Sequence[Recording]) -> tuple[Ar
             low, high = np.minimum(low, q.min(axis=0)), np.maximum(high, q.max(axis=0))
             fast = np.maximum(fast, np.abs(curve(curve.x, 1)).max(axis=0))
     return low, high, fast
-
-
-def _set_points(robot: RobotDescription, recording: Recording) -> Array:
-    """Behind the gearbox if joints were rigid, (T, N)."""
-    position = recording.joint_array("reference.position")
-    return position if recording.header.position_side == "link" else robot.drive.joint_angle(position)

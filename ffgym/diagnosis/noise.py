@@ -13,13 +13,13 @@ import numpy as np
 from ffgym.core.measures import rms
 from ffgym.core.types import Array
 from ffgym.diagnosis.log import Log, assemble_log
-from ffgym.diagnosis.log_columns import read_motor_side
 from ffgym.diagnosis.noise_spectrum import NoiseSpectrum, estimate_noise_spectrum
 from ffgym.diagnosis.replay import Replay, predict, predict_feedback, predict_tracker, replay
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.residual_rows import compute_residuals, filter_measured, find_valid_rows
 from ffgym.diagnosis.sampling import white_noise
 from ffgym.diagnosis.settings import settings
+from ffgym.logs.preparation import read_motor_side
 from ffgym.recordings import Recording
 
 _ROUNDING = 1e-12

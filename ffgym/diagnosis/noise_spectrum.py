@@ -18,9 +18,9 @@ import numpy as np
 import scipy
 
 from ffgym.core.types import Array
-from ffgym.diagnosis.identification import LowPass
-from ffgym.diagnosis.sampling import taken, white_noise
+from ffgym.diagnosis.sampling import white_noise
 from ffgym.diagnosis.settings import settings
+from ffgym.logs.preparation import LowPass
 
 _ABOVE, _BELOW = 1.2, 0.48
 """Frequencies that are looked at above the band of motions: from this multiple of the low-pass on, which is not sharp,
@@ -101,7 +101,7 @@ def estimate_noise_spectrum(
         return none
     # energy (N, H) of a signal by that of what a low-pass took from it, above its cut-off
     heard = np.asarray(
-        _estimate_floor(above[:, high]) / (1 - taken(low_pass, frequency[high], dt)) ** 2, dtype=np.float64
+        _estimate_floor(above[:, high]) / (1 - low_pass.gain(frequency[high], dt)) ** 2, dtype=np.float64
     )
     of_band = frequency[low], _estimate_floor(inside[:, low]), _estimate_floor(known[:, low])
     found = np.zeros((3, n))

@@ -7,7 +7,6 @@ from importlib import resources
 import numpy as np
 
 from ffgym.core.errors import FFGymError
-from ffgym.diagnosis.identification import LowPass
 from ffgym.diagnosis.identification.rigid_body import (
     Filtering,
     RigidBodyFit,
@@ -18,6 +17,7 @@ from ffgym.diagnosis.identification.rigid_body import (
 from ffgym.diagnosis.nuisance import ParameterPrior
 from ffgym.diagnosis.sampling import Sampling
 from ffgym.diagnosis.settings import settings
+from ffgym.logs.preparation import LowPass
 from ffgym.recordings import Recording
 from ffgym.recordings.npz import decode
 from ffgym.robot import RobotDescription, RobotDraft

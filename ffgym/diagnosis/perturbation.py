@@ -21,10 +21,10 @@ from ffgym.diagnosis.replay.channels import delay
 from ffgym.diagnosis.replay.rows import have_same_links, have_same_numbers
 from ffgym.diagnosis.replay.states import along_speed
 from ffgym.diagnosis.residual import Channel
-from ffgym.diagnosis.sampling import derivatives_of_motions
 from ffgym.effects import Effect, NativeEffect, TorqueEffect
 from ffgym.effects.along import torques_along
 from ffgym.effects.together import plus
+from ffgym.logs.preparation import derivatives_of_motions
 from ffgym.robot import RobotDescription
 from ffgym.robot.friction import LuGreParameters
 from ffgym.simulation.plant import Machine

@@ -1,4 +1,4 @@
-"""Samples as they are compared: derivatives, white noise above the band, and one low-pass for every signal."""
+"""Samples as they are compared: white noise above the band, and one low-pass for every signal."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,39 +8,8 @@ import numpy as np
 import scipy
 
 from ffgym.core.types import Array, BoolArray, IntArray
-from ffgym.diagnosis.identification import LowPass
 from ffgym.diagnosis.settings import settings
-
-
-def derivatives(angle: Array, dt: float) -> tuple[Array, Array]:
-    """First and second derivative of samples (T, ...) along time, T > 2.
-
-    Those of the sine series through the samples, less their chord: a motion that rests at both ends goes on smoothly
-    beyond them. Differences of neighbours lose 1 - (sin x / x)^2 of an acceleration, x = 2 pi f dt: a third of it at a
-    tenth of the sample rate twice over, which would be seen as a wrong inertia. What is above the band of the motion is
-    not damped here; low-pass before.
-    """
-    n = len(angle) - 1
-    chord = (angle[-1] - angle[0]) / n
-    k = np.arange(n + 1).reshape(-1, *(1,) * (angle.ndim - 1))
-    inner = (angle - angle[0] - chord * k)[1:-1]
-    frequency = np.pi * k[1:-1] / (n * dt)
-    series = scipy.fft.dst(inner, type=1, axis=0) / n
-    rate = np.zeros_like(angle)
-    rate[1:-1] = frequency * series
-    change = np.zeros_like(angle)
-    change[1:-1] = scipy.fft.dst(-(frequency**2) * series, type=1, axis=0) / 2
-    first: Array = scipy.fft.dct(rate, type=1, axis=0) / 2 + chord / dt
-    return first, change
-
-
-def derivatives_of_motions(angle: Array, lengths: Sequence[int], dt: float) -> tuple[Array, Array]:
-    """Those of motions side by side (T, M, ...), each of its own length; 0 in what is padded."""
-    first, second = np.zeros_like(angle), np.zeros_like(angle)
-    for i, n in enumerate(lengths):
-        first[:n, i], second[:n, i] = derivatives(angle[:n, i], dt)
-    return first, second
-
+from ffgym.logs.preparation import LowPass
 
 _FREQUENCIES = 500
 """Frequencies that a share of the band is summed over; chosen: a low-pass is smooth."""
@@ -56,7 +25,7 @@ def white_noise(values: Array, low_pass: LowPass, dt: float) -> Array:
     slow = low_pass(known, dt)
     # share of the energy of white noise that is in what the low-pass takes from it
     frequency: Array = (np.arange(_FREQUENCIES, dtype=np.float64) + 0.5) / (2 * _FREQUENCIES * dt)
-    share = max(limits.seen_band, float(np.mean((1 - taken(low_pass, frequency, dt)) ** 2)))
+    share = max(limits.seen_band, float(np.mean((1 - low_pass.gain(frequency, dt)) ** 2)))
     ends = low_pass.end_rows(dt)
     inner = slice(ends, len(known) - ends) if len(known) > 4 * ends else slice(None)
     values_in_block = np.clip(
@@ -71,13 +40,6 @@ def white_noise(values: Array, low_pass: LowPass, dt: float) -> Array:
     energy = [_quiet(local[rows, c], share * width) for c, rows in enumerate(moves.T)]
     noise: Array = np.sqrt(np.array(energy) / share)
     return noise
-
-
-def taken(low_pass: LowPass, frequency: Array, dt: float) -> Array:
-    """Share of signals of some frequencies [Hz], samples `dt` [s] apart, that passes both runs of a low-pass."""
-    ratio = np.tan(np.pi * dt * frequency) / np.tan(np.pi * dt * low_pass.cutoff)
-    passed: Array = 1 / (1 + ratio ** (2 * low_pass.order))
-    return passed
 
 
 def _in_blocks(values: Array, width: int) -> Array:

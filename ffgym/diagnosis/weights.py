@@ -27,7 +27,6 @@ import scipy
 from ffgym.core.types import Array
 from ffgym.diagnosis.fit.fit import evaluate, subtract_nuisances
 from ffgym.diagnosis.fit.problem import FitProblem
-from ffgym.diagnosis.identification import LowPass
 from ffgym.diagnosis.log import Log, assemble_log
 from ffgym.diagnosis.noise import Noise, add_noise
 from ffgym.diagnosis.normal_equations import Values
@@ -37,6 +36,7 @@ from ffgym.diagnosis.replay.states import along_speed
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.sampling import without_trembling
 from ffgym.diagnosis.settings import settings
+from ffgym.logs.preparation import LowPass
 from ffgym.recordings import Recording
 
 

@@ -1,4 +1,4 @@
-"""Logs of other tools as recordings: formats and column maps; in `quality` the gate and conditioning.
+"""Logs of other tools as recordings: formats, column maps; in `preparation` sides and filters, in `quality` the gate.
 
 The project's own file format stands in `ffgym.recordings`, causes of what a log shows in `ffgym.diagnosis`.
 """

@@ -10,6 +10,7 @@ from typing import Any, Literal, Self, get_args
 import numpy as np
 
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_shape
+from ffgym.core.types import Array
 from ffgym.recordings.schema import USER_PREFIX
 
 SCHEMA_VERSION = 1
@@ -139,6 +140,24 @@ class Header:
         }
         for name, value in checked.items():
             object.__setattr__(self, name, value)
+
+    def motor_side(self, values: Array) -> Array:
+        """Bring positions, speeds or accelerations (T, N) that are written as `motor.position` is to the motor side."""
+        if self.position_side == "motor":
+            return values
+        motor = values * np.asarray(self.gear_ratio)
+        if self.coupling is not None:
+            motor += (values[:, None, :] * np.asarray(self.coupling)).sum(axis=2)
+        return motor
+
+    def joint_side(self, values: Array) -> Array:
+        """Bring such values (T, N), written as `motor.position` is, behind the gearbox."""
+        if self.position_side == "link":
+            return values
+        if self.coupling is None:
+            joint: Array = values / np.asarray(self.gear_ratio)
+            return joint
+        return values @ np.linalg.pinv(np.diag(self.gear_ratio) + np.asarray(self.coupling)).T
 
     def to_json(self, indent: int | None = None) -> str:
         """Return the header as ASCII JSON, from which `from_json` makes an equal header."""

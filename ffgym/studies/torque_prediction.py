@@ -8,7 +8,7 @@ import numpy as np
 from ffgym.core.errors import FFGymError
 from ffgym.core.measures import rms
 from ffgym.core.types import Array, BoolArray
-from ffgym.diagnosis.identification.signals import LowPass, joint_motion, motor_effort
+from ffgym.logs.preparation import LowPass, joint_motion, motor_effort
 from ffgym.published import AsymmetricFriction
 from ffgym.recordings import Recording
 from ffgym.robot import RigidArm, RobotDescription, motor_torque

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ffgym.core.errors import FFGymError
-from ffgym.diagnosis.identification import LowPass
 from ffgym.diagnosis.identification.rigid_body import Filtering, RigidBodyFit, RigidBodyOptions, identify_rigid_body
 from ffgym.diagnosis.identification.rigid_body.terms import DEFAULT_TERMS
 from ffgym.diagnosis.nominal import EXAMPLE_ROBOT, example_logs
@@ -21,6 +20,7 @@ from ffgym.diagnosis.procedure import examine
 from ffgym.diagnosis.regimes import collect_rows, map_by_regime
 from ffgym.diagnosis.residual import Residual
 from ffgym.logs import read_log
+from ffgym.logs.preparation import LowPass
 from ffgym.published import EMPS_ASYMMETRIC, EMPS_SYMMETRIC, KR300_FRICTION, EmpsModel
 from ffgym.recordings import Recording
 from ffgym.report.diagnosis.evidence import profiles_figure

@@ -113,7 +113,7 @@ def test_splines_take_off_the_feedback_what_they_do_in_the_simulator(one_axis, f
     base, size = DynamicLuGreExact(friction).torque(reference), 0.01
     laws = [Given(base + sign * size * column[:, None]) for column in added.T for sign in (-1, 1)]
     signals = [
-        learning_signal(recording, one_axis.servo)
+        learning_signal(recording, one_axis)
         for recording in simulate([Run(reference=reference, law=law) for law in laws])
     ]
     measured = np.hstack([(less - more) / (2 * size) for less, more in zip(signals[::2], signals[1::2], strict=True)])

@@ -59,7 +59,7 @@ def test_errors_and_signal_of_every_trial_are_the_mean_squares_of_its_recordings
     for k, recordings in enumerate(watched.recordings):
         for m, recording in enumerate(recordings):
             rows = recording.t < SHORT  # the last sample ends the motion
-            error, u_p = motor_error(recording)[rows], learning_signal(recording, sines[0].robot.servo)[rows]
+            error, u_p = motor_error(recording)[rows], learning_signal(recording, sines[0].robot)[rows]
             np.testing.assert_allclose(learning.error[k, m], np.mean(error**2, axis=0), rtol=1e-12)
             np.testing.assert_allclose(learning.signal[k, m], np.mean(u_p**2, axis=0), rtol=1e-12)
 

@@ -56,7 +56,7 @@ def test_a_lesson_has_the_reference_the_torque_and_the_error_of_every_row(circle
 
 
 def test_signals_are_what_the_thesis_calls_them(circle, recording):
-    u_p, u_c, e_p = (learning_signal(recording, circle.robot.servo, name) for name in SIGNALS)
+    u_p, u_c, e_p = (learning_signal(recording, circle.robot, name) for name in SIGNALS)
     integral = recording.joint_array("feedback.integral")
     np.testing.assert_array_equal(u_p, u_c - integral)
     assert np.abs(integral).max() > 0.1  # gravity

@@ -12,8 +12,8 @@ from ffgym.diagnosis.log import assemble_log
 from ffgym.diagnosis.nuisance import ParameterPrior
 from ffgym.diagnosis.prepare import prepare
 from ffgym.diagnosis.replay import replay
-from ffgym.diagnosis.sampling import derivatives
 from ffgym.diagnosis.settings import use_settings
+from ffgym.logs.preparation import derivatives
 from ffgym.recordings import Recording
 from ffgym.robot import ModelOptions, RigidArm
 from ffgym.simulation import Run, simulate

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from ffgym.diagnosis import diagnose
-from ffgym.diagnosis.identification import LowPass
 from ffgym.diagnosis.noise_spectrum import estimate_noise_spectrum
 from ffgym.effects import EFFECTS
+from ffgym.logs.preparation import LowPass
 from ffgym.simulation.plant import Machine
 from tests.diagnosis.continuous_axis import recorded, red_noise, sines
 

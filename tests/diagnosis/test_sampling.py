@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.identification import LowPass
-from ffgym.diagnosis.sampling import Sampling, derivatives, derivatives_of_motions, white_noise, without_trembling
+from ffgym.diagnosis.sampling import Sampling, white_noise, without_trembling
 from ffgym.diagnosis.settings import settings
+from ffgym.logs.preparation import LowPass, derivatives, derivatives_of_motions
 
 
 @pytest.fixture(scope="module")

@@ -14,8 +14,8 @@ from ffgym.core.measures import rms
 from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.identification.friction_data import AT_REST, FrictionTorque
 from ffgym.diagnosis.identification.resampling import Blocks
-from ffgym.diagnosis.identification.signals import LowPass
 from ffgym.diagnosis.identification.stribeck_fit import constant_share
+from ffgym.logs.preparation import LowPass
 from ffgym.logs.quality.signals import stretches
 from ffgym.robot.friction import LuGreParameters
 

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ffgym.core.types import Array, BoolArray
-from ffgym.diagnosis.identification.signals import LowPass, Signals, signals_of
+from ffgym.diagnosis.identification.signals import Signals, signals_of
+from ffgym.logs.preparation import LowPass
 from ffgym.recordings import Recording
 from ffgym.robot import RigidArm
 

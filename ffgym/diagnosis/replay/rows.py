@@ -34,12 +34,12 @@ from ffgym.diagnosis.replay.states import (
     deflected,
     state_of,
 )
-from ffgym.diagnosis.sampling import derivatives_of_motions
 from ffgym.diagnosis.settings import settings
 from ffgym.effects import State
 from ffgym.effects.along import torques_along
 from ffgym.effects.together import plus, sum_along
 from ffgym.effects.transmission.base_flexibility import BaseFlexibility
+from ffgym.logs.preparation import derivatives_of_motions
 from ffgym.robot import RigidArm, RobotDescription
 from ffgym.simulation.plant import Machine
 

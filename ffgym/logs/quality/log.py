@@ -102,11 +102,7 @@ class Log:
     def link_side(self, family: str) -> Array:
         """A family of `MOTION_FAMILIES` behind the gearbox [rad, rad/s, ... or m], shape (T, N)."""
         values, header = self.recording.joint_array(family), self.recording.header
-        if family.startswith("link.") or header.position_side == "link":
-            return values
-        if header.coupling is None:
-            return values / np.asarray(header.gear_ratio)
-        return values @ np.linalg.pinv(np.diag(header.gear_ratio) + np.asarray(header.coupling)).T
+        return values if family.startswith("link.") else header.joint_side(values)
 
     @cached_property
     def motions(self) -> dict[str, Array]:

@@ -9,6 +9,7 @@ import scipy
 
 from ffgym.core.measures import rms
 from ffgym.core.types import Array, BoolArray
+from ffgym.logs.preparation import motor_torque
 from ffgym.logs.quality.check import Seen, check
 from ffgym.logs.quality.log import Log, NotJudgedError
 from ffgym.logs.quality.signals import TINY, averaged
@@ -85,11 +86,10 @@ def model_of(log: Log) -> Model:
 
 def _measured(log: Log, robot: RobotDescription) -> Array:
     """Recorded motor torque [N m], (T, N)."""
-    semantics = log.recording.header.torque_semantics
-    if not log.recording.has("motor.effort") or semantics == "unspecified":
+    header = log.recording.header
+    if not log.recording.has("motor.effort") or header.torque_semantics == "unspecified":
         raise NotJudgedError("it needs motor.effort, and torque_semantics in the header")
-    torque = log.recording.joint_array("motor.effort")
-    return robot.drive.motor_torque(torque) if semantics == "link_side" else torque
+    return motor_torque(robot.drive, header, log.recording.joint_array("motor.effort"))
 
 
 def _size(values: Array) -> float:

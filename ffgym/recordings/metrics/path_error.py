@@ -157,13 +157,7 @@ def fit_circle(points: Array) -> Circle:
 def motor_error(recording: Recording) -> Array:
     """Motor position error e = reference - measured, motor side [rad], shape (T, N)."""
     error = recording.joint_array("reference.position") - recording.joint_array("motor.position")
-    header = recording.header
-    if header.position_side == "motor":
-        return error
-    motor = error * np.asarray(header.gear_ratio)
-    if header.coupling is not None:
-        motor += (error[:, None, :] * np.asarray(header.coupling)).sum(axis=2)
-    return motor
+    return recording.header.motor_side(error)
 
 
 def motor_error_rms(recording: Recording) -> Array:

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from ffgym.core.errors import FFGymError
-from ffgym.diagnosis.identification import LowPass, signals_of
+from ffgym.diagnosis.identification import signals_of
 from ffgym.diagnosis.identification.friction_data import friction_torque
 from ffgym.diagnosis.identification.rigid_body.observation import Filtering, equations_of
 from ffgym.diagnosis.identification.rigid_body.terms import TERMS
+from ffgym.logs.preparation import LowPass
 from ffgym.robot import RigidArm
 from tests.logs.quality.quality_logs import clean_log, described
 

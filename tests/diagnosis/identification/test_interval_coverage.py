@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from ffgym.diagnosis.identification import LowPass
 from ffgym.diagnosis.identification.bristle_fit import NAMES, SlidingData, fit_bristles
 from ffgym.diagnosis.identification.stribeck_fit import SteadyFriction, fit_stribeck
+from ffgym.logs.preparation import LowPass
 from ffgym.robot.friction import LuGreParameters
 
 TRUE = np.array([0.5367, 0.5634, 0.0437, 0.15, 69.9787, 0.6753])

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from ffgym.core.errors import FFGymError
-from ffgym.diagnosis.identification import LowPass, signals_of
+from ffgym.diagnosis.identification import signals_of
+from ffgym.logs.preparation import LowPass
 from ffgym.recordings import Header, Recording
 from ffgym.robot import load_robot
 

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ffgym.diagnosis.identification import LowPass
 from ffgym.diagnosis.residual import Residual
+from ffgym.logs.preparation import LowPass
 from ffgym.robot import load_robot
 from tests.diagnosis.residual_samples import NOISE, made_up
 

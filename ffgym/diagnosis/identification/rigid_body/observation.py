@@ -18,7 +18,7 @@ from ffgym.diagnosis.identification.rigid_body.terms import (
     elastic_motion,
     rigid_motion,
 )
-from ffgym.diagnosis.identification.signals import LowPass, acting_torque, joint_motion
+from ffgym.logs.preparation import LowPass, acting_torque, joint_motion
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
 

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-import scipy
 
 from ffgym.core.types import Array, BoolArray, IntArray
+from ffgym.logs.preparation import LowPass
 from ffgym.logs.quality.signals import white_noise
 from ffgym.recordings import FAMILIES, Recording
 
@@ -105,7 +105,7 @@ class Samples:
             largest = max(np.abs(rate).max() for rate in pieces) or 1.0
             signs = [np.tanh(rate / (SLIDES * largest))[:, None] for rate in pieces]
             steps = [float(motion.t[1] - motion.t[0]) for motion in self._motions]
-            pieces = [_low_pass(sign, dt, self.band)[:, 0] for sign, dt in zip(signs, steps, strict=True)]
+            pieces = [LowPass(cutoff=self.band)(sign, dt)[:, 0] for sign, dt in zip(signs, steps, strict=True)]
         if delay == 0.0:
             return np.concatenate([values[motion.at] for values, motion in zip(pieces, self._motions, strict=True)])
         return np.concatenate(
@@ -131,7 +131,7 @@ def _band(recordings: Sequence[Recording], families: Sequence[str]) -> float:
             angle, t = recording.joint_array("motor.position"), _even(recording)
             # of the density 2 dt noise^2 up to the cut-off, times (2 pi f)^4
             noise = white_noise(angle) * (2 * np.pi * band) ** 2 * np.sqrt(2 * recording.dt * band / 5)
-            slow = _low_pass(_resampled(angle, recording.t, t), recording.dt, band)
+            slow = LowPass(cutoff=band)(_resampled(angle, recording.t, t), recording.dt)
             there = np.std(np.gradient(np.gradient(slow, t, axis=0), t, axis=0), axis=0)
             moved = np.ptp(slow, axis=0) > 0
             shares.append(float(np.median((noise / np.maximum(there, 1e-300))[moved])) if moved.any() else 0.0)
@@ -149,7 +149,7 @@ def _motion(recording: Recording, families: Sequence[str], band: float, rows: in
         stack = recording.joint_array if FAMILIES[family].parts == "joint" else recording.vector
         raw = stack(family)
         seen = np.isfinite(raw).all(axis=1)
-        slow = _low_pass(_resampled(raw[seen], recording.t[seen], even), dt, band) if seen.sum() > 30 else None
+        slow = LowPass(cutoff=band)(_resampled(raw[seen], recording.t[seen], even), dt) if seen.sum() > 30 else None
         found = np.full((len(grid), raw.shape[1]), np.nan) if slow is None else _resampled(slow, even, grid)
         if slow is not None and not seen.all():
             # rows that are far from any sample
@@ -171,8 +171,3 @@ def _even(recording: Recording) -> Array:
 
 def _resampled(values: Array, t: Array, wanted: Array) -> Array:
     return np.stack([np.interp(wanted, t, column) for column in values.T], axis=1)
-
-
-def _low_pass(values: Array, dt: float, band: float) -> Array:
-    filtered: Array = scipy.signal.filtfilt(*scipy.signal.butter(2, band, fs=1 / dt), values, axis=0)
-    return filtered

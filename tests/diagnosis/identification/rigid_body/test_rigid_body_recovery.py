@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from ffgym.core.errors import FFGymError
-from ffgym.diagnosis.identification import LowPass
 from ffgym.diagnosis.identification.parameter_file import parameter_text
 from ffgym.diagnosis.identification.rigid_body import Filtering, RigidBodyOptions, identify_rigid_body
 from ffgym.diagnosis.identification.rigid_body.terms import DEFAULT_TERMS
 from ffgym.diagnosis.identification.rigid_body.unknown import starting_robot
+from ffgym.logs.preparation import LowPass
 from ffgym.robot import load_draft, load_robot, with_parameters
 from tests.diagnosis.identification.rigid_body.recorded_arms import mistaken, recorded, rigid, simulated, swing
 from tests.robot.arm_samples import random_arm, scara

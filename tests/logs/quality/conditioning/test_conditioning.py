@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from ffgym.diagnosis.identification import LowPass
+from ffgym.logs.preparation import LowPass
 from ffgym.logs.quality import check_quality, conditioned, notes_of
 from ffgym.recordings import Header, Recording, read_recording, write_recording
 from tests.logs.quality.conditioning.troubles import (
