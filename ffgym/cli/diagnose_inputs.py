@@ -71,7 +71,7 @@ def logs_from(paths: Sequence[Path], columns: str | None, robot: RobotDescriptio
     read = [(path, source) for path in paths for source in _read(path, columns, robot)]
     names = [source.header.segment for _, source in read]
     named = [
-        source.renamed(f"{path.stem}/{source.header.segment}") if names.count(source.header.segment) > 1 else source
+        source.rename(f"{path.stem}/{source.header.segment}") if names.count(source.header.segment) > 1 else source
         for path, source in read
     ]
     return conditioned_alike(thin(named))

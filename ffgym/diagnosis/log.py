@@ -21,7 +21,7 @@ from ffgym.logs.preparation import (
     read_joint_side,
 )
 from ffgym.recordings import Recording
-from ffgym.recordings.stretch import started
+from ffgym.recordings.stretch import read_session_start
 from ffgym.robot import RobotDescription
 
 
@@ -162,7 +162,7 @@ def assemble_log(
         robot=robot,
         recordings=tuple(recordings),
         sampling=sampling,
-        started=np.array([started(recording.header) for recording in recordings]),
+        started=np.array([read_session_start(recording.header) for recording in recordings]),
         known=known,
         q=q,
         dq=beside([dq for dq, _ in rates], hold=False),

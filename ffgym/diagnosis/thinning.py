@@ -25,7 +25,7 @@ from ffgym.diagnosis.settings import settings
 from ffgym.diagnosis.thinning_cells import Cells, MotionRegressor, cut_cells, take_medians
 from ffgym.recordings import Recording
 from ffgym.recordings.io import Stored
-from ffgym.recordings.stretch import Span, started, stretches_of
+from ffgym.recordings.stretch import Span, read_session_start, stretches_of
 
 
 def choose_stretches(log: Sequence[Cells], seconds: float) -> list[tuple[int, int, int]]:
@@ -167,7 +167,9 @@ def thin(sources: Sequence[Recording | Stored]) -> list[Recording]:
     motions = [take_medians(source) for source in sources]
 
     digests = [hashlib.sha256(b"".join(np.ascontiguousarray(x).tobytes() for x in (one.t, one.q))) for one in motions]
-    order = sorted(range(len(sources)), key=lambda i: (started(sources[i].header), names[i], digests[i].digest()))
+    order = sorted(
+        range(len(sources)), key=lambda i: (read_session_start(sources[i].header), names[i], digests[i].digest())
+    )
     regressor = MotionRegressor.of([motions[i] for i in order])
     cells = [cut_cells(motions[i], regressor) for i in order]
     spans: list[list[Span]] = [[] for _ in sources]

@@ -69,13 +69,13 @@ def read_logs(
     provenance = {"file": Path(path).name, "sha256": _digest(Path(path)), "columns": Path(columns.where).name}
     made = replace(made, segment=made.segment or bare_name(path), provenance=provenance)
     with errors_at(f"{os.fspath(path)} with {columns.where}"):
-        return [columns.rewiring.applied(recording) for recording in recordings_of(contents, columns, made)]
+        return [columns.rewiring.apply(recording) for recording in recordings_of(contents, columns, made)]
 
 
 def corrected(recording: Recording, columns: ColumnMap) -> Recording:
     """A recording with the corrections of a map, which its provenance names."""
     provenance = recording.header.provenance | {"columns": Path(columns.where).name}
-    made = columns.rewiring.applied(recording)
+    made = columns.rewiring.apply(recording)
     return Recording(made.columns, replace(made.header, provenance=provenance))
 
 

@@ -1,6 +1,6 @@
 """Recordings of one motion, simulated or measured: schema, reader, writer; in `metrics` figures of merit.
 
-Logs of other tools and the quality of a recording stand in `ffgym.logs`.
+Logs of other tools and the quality of a recording are in `ffgym.logs`.
 """
 
 import lazy_loader

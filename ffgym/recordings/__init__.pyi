@@ -3,7 +3,7 @@ from .header import SCHEMA_VERSION as SCHEMA_VERSION
 from .header import Header as Header
 from .header import Phase as Phase
 from .header import PhaseKind as PhaseKind
-from .header import clipped as clipped
+from .header import clip_phases as clip_phases
 from .io import read_folder as read_folder
 from .io import read_recording as read_recording
 from .io import write_recording as write_recording

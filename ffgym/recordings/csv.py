@@ -53,7 +53,7 @@ def decode(data: bytes, header: Header | None = None) -> Recording:
 
 
 def read_table(lines: list[str], first: int) -> tuple[list[str], Array]:
-    """Column names and numbers, shape (T, columns), of the lines from index `first` on; blank lines are skipped.
+    """Read column names and numbers, shape (T, columns), from line index `first` on; blank lines are skipped.
 
     Errors name the line, counted from 1.
     """
@@ -89,7 +89,7 @@ def read_table(lines: list[str], first: int) -> tuple[list[str], Array]:
 
 def _append(values: array, row: list[str], names: list[str], line: int) -> None:
     try:
-        if "_" in "".join(row):  # which float would skip
+        if "_" in "".join(row):  # float() would skip it
             raise ValueError
         values.extend(map(float, row))
     except ValueError as error:

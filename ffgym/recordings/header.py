@@ -1,4 +1,4 @@
-"""What the numbers of a recording mean: robot, sides, torque semantics, phases, provenance."""
+"""Header of a recording: robot, sides, torque semantics, phases, provenance; the meaning of its numbers."""
 
 import json
 import re
@@ -23,7 +23,7 @@ Hold = Literal["linear", "zoh", "sampled", "unspecified"]
 _CHOICES = {"position_side": PositionSide, "torque_semantics": TorqueSemantics, "hold": Hold}
 
 JOINT_NAME = re.compile(r"[A-Za-z0-9_/-]+")
-"""What a joint may be called, so that its name can end the names of columns."""
+"""Valid names of joints, which can end the names of columns."""
 
 PhaseKind = Literal["standstill", "lead_in", "circle", "lead_out", "motion"]
 PHASE_KINDS: tuple[PhaseKind, ...] = get_args(PhaseKind)
@@ -41,7 +41,7 @@ class Phase:
     label: str
     """Name, for example `circle_2`; need not be unique."""
     kind: PhaseKind
-    """What the robot does."""
+    """Kind of motion, or standstill."""
     start: float
     """First instant [s], on the clock of `timestamp`."""
     end: float
@@ -66,15 +66,15 @@ class Phase:
         return cls(**values)
 
 
-def clipped(phases: Iterable[Phase], first: float, last: float) -> tuple[Phase, ...]:
-    """Phases cut to [first, last] s, without those that vanish."""
+def clip_phases(phases: Iterable[Phase], first: float, last: float) -> tuple[Phase, ...]:
+    """Clip phases to [first, last] s; phases outside are dropped."""
     cut = ((phase, max(phase.start, first), min(phase.end, last)) for phase in phases)
     return tuple(replace(phase, start=start, end=end) for phase, start, end in cut if start < end)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Header:
-    """Everything about a recording that is not a column. Dicts are kept as JSON copies of what was passed in.
+    """Data of a recording beside its columns. Dicts are kept as JSON copies.
 
     Raises:
         FFGymError: if a field has the wrong type, an unknown choice, or the wrong number of joints.
@@ -83,11 +83,11 @@ class Header:
     robot: str
     """Name of the robot."""
     joints: tuple[str, ...]
-    """Joint names, shape (N,), as they end the per-joint columns."""
+    """Joint names, shape (N,), which end the names of per-joint columns."""
     gear_ratio: tuple[float, ...]
     """Motor angle over joint angle, shape (N,), not zero; negative where motor and joint turn opposite ways."""
     coupling: tuple[tuple[float, ...], ...] | None = None
-    """How far motor i turns with joint j, shape (N, N), beside `gear_ratio` for i = j; None if motors turn alone."""
+    """Turn of motor i with joint j, shape (N, N), beside `gear_ratio` for i = j; None if motors turn alone."""
     joint_types: tuple[str, ...] = ()
     """'hinge' or 'slide', shape (N,); link-side quantities of a slide have m and N for rad and N m. Empty is hinges."""
     schema_version: int = SCHEMA_VERSION
@@ -95,9 +95,9 @@ class Header:
     position_side: PositionSide = "motor"
     """Side of `motor.position`, `motor.velocity` and `reference.*`: motor angles, or divided by the gear ratio."""
     torque_semantics: TorqueSemantics = "unspecified"
-    """What the torque columns are; see docs/recordings.md. Methods that need torque refuse "unspecified"."""
+    """Meaning of the torque columns, see docs/recordings.md. Methods that need torque refuse "unspecified"."""
     hold: Hold = "unspecified"
-    """When the torque of row i acts; see docs/recordings.md."""
+    """Time at which the torque of row i acts, see docs/recordings.md."""
     encoder_bits: int | None = None
     """Resolution of the motor encoder [bit per revolution], None if unknown or not quantised."""
     filters: tuple[str, ...] = ()
@@ -203,14 +203,14 @@ class Header:
 
 
 def _as_texts(name: str, value: Any) -> tuple[str, ...]:
-    """Tuple of text."""
+    """Check a tuple of text."""
     if not isinstance(value, tuple | list) or not all(isinstance(item, str) for item in value):
         raise FFGymError(f"header {name} must be a tuple of text, got {value!r}.")
     return tuple(str(item) for item in value)
 
 
 def _as_axes(header: "Header") -> dict[str, Any]:
-    """Joint names, distinct and safe in column names, with gear ratios, couplings and types as many as joints."""
+    """Check joint names, distinct and safe in column names, and one gear ratio, coupling and type per joint."""
     joints = _as_texts("joints", header.joints)
     if not joints or len(set(joints)) < len(joints):
         raise FFGymError(f"header joints = {joints} must be at least one name, each once.")
@@ -235,7 +235,7 @@ def _as_axes(header: "Header") -> dict[str, Any]:
 
 
 def _as_phases(value: Any) -> tuple[Phase, ...]:
-    """Phases in order, without overlap."""
+    """Check that phases are in order, without overlap."""
     if not isinstance(value, tuple | list) or not all(isinstance(phase, Phase) for phase in value):
         raise FFGymError(f"header phases must be a tuple of Phase, got {value!r}.")
     for before, after in pairwise(value):
@@ -248,7 +248,7 @@ def _as_phases(value: Any) -> tuple[Phase, ...]:
 
 
 def _as_payload(value: Any) -> dict[str, Any]:
-    """Payload with its mass [kg] and, where known, `com` [m] and `inertia` [kg m^2]."""
+    """Check a payload with its mass [kg] and, where known, `com` [m] and `inertia` [kg m^2]."""
     known = ("mass", "com", "inertia")
     payload = _as_json("payload", value)
     for name in payload:
@@ -263,7 +263,7 @@ def _as_payload(value: Any) -> dict[str, Any]:
 
 
 def _as_units(value: Any) -> dict[str, str]:
-    """Units of user columns."""
+    """Check units of user columns."""
     units = _as_json("units", value)
     for name, unit in units.items():
         if not name.startswith(USER_PREFIX) or not isinstance(unit, str) or not unit:
@@ -272,7 +272,7 @@ def _as_units(value: Any) -> dict[str, str]:
 
 
 def _as_json(name: str, value: Any) -> dict[str, Any]:
-    """Return `value` as it will be after a round trip through JSON; NumPy numbers and arrays become lists."""
+    """Send `value` through JSON and back; NumPy numbers and arrays become lists."""
     if not isinstance(value, dict):
         raise FFGymError(f"header {name} must be a dict, got {value!r}.")
 

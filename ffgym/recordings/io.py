@@ -70,10 +70,10 @@ def _suffix_of(path: str | os.PathLike[str]) -> str:
 
 @final
 class Stored:
-    """A recording in a file. Only columns that are asked for are read, each time anew."""
+    """Recording in a file, which reads columns one by one, each time anew."""
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
-        """Open a file and read its header; one that is no NPZ file with a header is an error."""
+        """Open an NPZ file and read its header."""
         self._path, self._segment = Path(path), ""
         arrays = self._read((HEADER_KEY,))
         try:
@@ -83,7 +83,7 @@ class Stored:
 
     @property
     def header(self) -> Header:
-        """What the columns mean."""
+        """Meaning of the columns."""
         return replace(self._header, segment=self._segment) if self._segment else self._header
 
     @cached_property
@@ -104,16 +104,16 @@ class Stored:
             raise FFGymError(f"{self._path}: {column!r} must be real numbers, one for each row.")
         return np.asarray(values, dtype=np.float64)
 
-    def renamed(self, segment: str) -> Self:
-        """The same of a segment with another name."""
+    def rename(self, segment: str) -> Self:
+        """Return the recording with another name of its segment."""
         other = type(self)(self._path)
         other._segment = segment
         return other
 
     def whole(self) -> Recording:
-        """The recording with all its columns."""
+        """Read the recording with all its columns."""
         recording = read_recording(self._path)
-        return recording.renamed(self._segment) if self._segment else recording
+        return recording.rename(self._segment) if self._segment else recording
 
     def _read(self, names: tuple[str, ...]) -> dict[str, Any]:
         try:
@@ -127,15 +127,15 @@ class Stored:
 
 
 def read_folder(folder: str | os.PathLike[str]) -> list[Recording]:
-    """Recordings in a folder, as `recording_files` finds them."""
+    """Read the recordings in a folder, as `recording_files` finds them."""
     return [read_recording(file) for file in recording_files(folder)]
 
 
 def recording_files(folder: str | os.PathLike[str]) -> list[Path]:
-    """Files of recordings in a folder: those that its index lists, in that order; without an index all, by name.
+    """Find the files of recordings in a folder: in the order of its index; without an index all, by name.
 
     Raises:
-        FFGymError: if there is no such folder or nothing in it, or a recording of the index is missing.
+        FFGymError: if the folder does not exist or is empty, or a recording of the index is missing.
     """
     place = Path(folder)
     if not place.is_dir():
@@ -165,7 +165,7 @@ def recording_files(folder: str | os.PathLike[str]) -> list[Path]:
 
 
 def read_index(folder: Path) -> dict[str, Any] | None:
-    """What the index of a folder says; None if it has none, an error if it cannot be read."""
+    """Read the index of a folder; None if it has none, an error if it cannot be read."""
     path = folder / INDEX
     if not path.exists():
         return None

@@ -1,4 +1,4 @@
-"""A recording: columns of one motion, simulated or measured, with a header that says what they mean."""
+"""Recording: columns of one motion, simulated or measured, with a header that gives their meaning."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -10,7 +10,7 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.types import Array, BoolArray
-from ffgym.recordings.header import PHASE_KINDS, Header, Phase, PhaseKind, clipped
+from ffgym.recordings.header import PHASE_KINDS, Header, Phase, PhaseKind, clip_phases
 from ffgym.recordings.schema import FAMILIES, USER_PREFIX, VALID, Family, check_columns, family_named, family_of
 
 _READERS = {
@@ -37,14 +37,14 @@ class Recording:
     columns: Mapping[str, Array]
     """Column name -> samples, shape (T,), float64, read-only; T >= 2."""
     header: Header
-    """What the columns mean."""
+    """Meaning of the columns."""
 
     def __post_init__(self) -> None:
         if not isinstance(self.header, Header):
             raise FFGymError(f"header must be a Header, got {type(self.header).__name__}.")
         if not isinstance(self.columns, Mapping):
             raise FFGymError(f"columns must map names to arrays, got {type(self.columns).__name__}.")
-        columns = _checked_columns(self.columns, self.header)
+        columns = _check_columns(self.columns, self.header)
         object.__setattr__(self, "columns", MappingProxyType(columns))
         # phases lie within [t_0, t_last + dt], up to rounding
         first, last = float(self.t[0]), float(self.t[-1]) + self.dt
@@ -74,8 +74,8 @@ class Recording:
     def __reduce__(self) -> tuple[Any, ...]:
         return Recording, (dict(self.columns), self.header)  # a mapping proxy cannot be pickled
 
-    def renamed(self, segment: str) -> "Recording":
-        """The same of a segment with another name."""
+    def rename(self, segment: str) -> "Recording":
+        """Return the recording with another name of its segment."""
         return Recording(columns=self.columns, header=replace(self.header, segment=segment))
 
     @property
@@ -90,7 +90,7 @@ class Recording:
 
     @cached_property
     def valid(self) -> BoolArray:
-        """Rows that count for each joint, shape (T, N): `valid.<joint>`, or all where there is no such family."""
+        """Mask of rows that count for each joint, shape (T, N): `valid.<joint>`, or all rows without that family."""
         if not self.has(VALID):
             return np.ones((len(self), len(self.header.joints)), dtype=np.bool_)
         return self.joint_array(VALID) > 0.5
@@ -102,7 +102,7 @@ class Recording:
         return held + tuple(name for name in self.columns if name.startswith(USER_PREFIX))
 
     def has(self, family: str) -> bool:
-        """Whether the `family` (for example `motor.position`) or the user column of that name is present.
+        """Tell if the `family` (for example `motor.position`) or the user column of that name is present.
 
         Raises:
             FFGymError: if the schema knows no such family, so that a misspelt name is not taken for an absent one.
@@ -115,37 +115,37 @@ class Recording:
         return any(column in self.columns for column in family.columns(self.header.joints))
 
     def unit(self, column: str) -> str:
-        """Unit of a column that is present."""
+        """Return the unit of a column that is present."""
         self[column]
         units = self.header.units
         family = family_of(column)
         return units[column] if family is None else family.unit
 
     def joint_array(self, family: str) -> Array:
-        """Columns of a per-joint `family` side by side, shape (T, N), in the order of `header.joints`.
+        """Stack columns of a per-joint `family`, shape (T, N), in the order of `header.joints`.
 
-        Where only some joints have the sensor, as for `link.position`, the others are NaN.
+        If only some joints have the sensor, as for `link.position`, the others are NaN.
 
         Raises:
             FFGymError: if the family is not per joint, or the recording does not have it.
         """
-        return self._stacked(family, "joint")
+        return self._stack(family, "joint")
 
     def vector(self, family: str) -> Array:
-        """Columns x, y, z of a Cartesian `family` side by side, shape (T, 3); errors as `joint_array`."""
-        return self._stacked(family, "xyz")
+        """Stack columns x, y, z of a Cartesian `family`, shape (T, 3); errors as `joint_array`."""
+        return self._stack(family, "xyz")
 
     def quaternion(self, family: str) -> Array:
-        """Columns qw, qx, qy, qz of an orientation `family` side by side, shape (T, 4); errors as `joint_array`."""
-        return self._stacked(family, "quaternion")
+        """Stack columns qw, qx, qy, qz of an orientation `family`, shape (T, 4); errors as `joint_array`."""
+        return self._stack(family, "quaternion")
 
     def phases_of(self, kind: PhaseKind) -> tuple[Phase, ...]:
-        """Phases of that `kind`, in order; none is an empty tuple."""
+        """Return all phases of that `kind`, in order."""
         check_choice("phase kind", kind, PHASE_KINDS)
         return tuple(phase for phase in self.header.phases if phase.kind == kind)
 
     def mask(self, *, kind: PhaseKind | None = None, label: str | None = None) -> BoolArray:
-        """Rows in a phase, shape (T,): start <= t < end. With both, the phase must match both; with none, any will do.
+        """Return the mask of phases, shape (T,): start <= t < end. They must match both arguments, if given.
 
         Raises:
             FFGymError: if `kind` is unknown, or no phase has this `label`. A kind that does not occur has no rows.
@@ -160,18 +160,18 @@ class Recording:
         return inside
 
     def during(self, phase: Phase) -> BoolArray:
-        """Rows of one phase, shape (T,): start <= t < end."""
+        """Return the mask of one phase, shape (T,): start <= t < end."""
         return np.asarray((self.t >= phase.start) & (self.t < phase.end))
 
     def slice(self, start: float | None = None, end: float | None = None) -> "Recording":
-        """Rows with start <= t < end [s], 2 or more; None leaves that side open. Phases are cut to what remains."""
+        """Cut out rows with start <= t < end [s], 2 or more; None leaves that side open. Phases are cut, too."""
         low, high = (-np.inf if start is None else start), (np.inf if end is None else end)
         rows = (self.t >= low) & (self.t < high)
         if rows.sum() < 2:
             span = f"[{self.t[0]}, {self.t[-1]}] s"
             raise FFGymError(f"slice({start}, {end}) keeps {rows.sum()} rows of {span}, must keep at least 2.")
         t = self.t[rows]
-        phases = clipped(self.header.phases, float(t[0]), float(t[-1] + np.median(np.diff(t))))
+        phases = clip_phases(self.header.phases, float(t[0]), float(t[-1] + np.median(np.diff(t))))
         columns = {name: values[rows] for name, values in self.columns.items()}
         return Recording(columns, replace(self.header, phases=phases))
 
@@ -186,14 +186,14 @@ class Recording:
         return Recording({**self.columns, **(columns or {}), **more}, header)
 
     def equals(self, other: "Recording") -> bool:
-        """Whether headers are equal and columns have the same names and the same bits, in any order."""
+        """Compare headers, and names and bits of columns in any order."""
         return (
             self.header == other.header
             and self.columns.keys() == other.columns.keys()
             and all(values.tobytes() == other.columns[name].tobytes() for name, values in self.columns.items())
         )
 
-    def _stacked(self, name: str, parts: str) -> Array:
+    def _stack(self, name: str, parts: str) -> Array:
         family = family_named(name)
         if family.parts != parts:
             raise FFGymError(f"{family.name} is read with {_READERS[family.parts].format(family.name)}.")
@@ -204,8 +204,8 @@ class Recording:
         return np.stack([self[column] for column in columns], axis=1)
 
 
-def _checked_columns(columns: Mapping[str, Any], header: Header) -> dict[str, Array]:
-    """Read-only float64 copies of `columns`, checked against the schema and `header`.
+def _check_columns(columns: Mapping[str, Any], header: Header) -> dict[str, Array]:
+    """Copy `columns` as read-only float64, checked against the schema and `header`.
 
     Every NaN becomes the one NaN that NumPy writes, so that files in every format keep each bit.
     """
@@ -242,7 +242,7 @@ def _as_column(name: str, value: Any) -> Array:
 
 
 def _check_values(name: str, array: Array) -> None:
-    """Check that numbers are finite, unless the family may miss samples, and those of a mask 0 or 1."""
+    """Check that numbers are finite, unless the family may miss samples, and that a mask is 0 or 1."""
     family = family_of(name)
     may_miss = family is not None and family.may_miss
     good = ~np.isinf(array) if may_miss else np.isfinite(array)

@@ -1,4 +1,4 @@
-"""Corrections of wrongly wired columns: of another joint, sign, unit, zero or time; and recordings that have them."""
+"""Corrections of wrongly wired columns: of another joint, sign, unit, zero or time."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -9,12 +9,12 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array, BoolArray
-from ffgym.recordings.header import clipped
+from ffgym.recordings.header import clip_phases
 from ffgym.recordings.recording import Recording
 from ffgym.recordings.schema import FAMILIES
 
 _WHOLE = 1e-3
-"""Difference from a whole number of rows that a delay of whole rows may have: samples then move."""
+"""Tolerance of a delay of whole rows [rows], by which samples are moved, not interpolated."""
 
 
 @final
@@ -23,49 +23,49 @@ class Rewire:
     r"""Correction of one family with P columns: right_p(t) = factor_p given_{source_p}(t + delay_p) + offset_p."""
 
     source: tuple[int, ...]
-    """Which of the given columns of the family holds the numbers of each, shape (P,)."""
+    """Index of the given column that holds the numbers of each, shape (P,)."""
     factor: tuple[float, ...]
-    """Shape (P,)."""
+    """Factors, shape (P,)."""
     offset: tuple[float, ...]
-    """In the unit of the family, shape (P,)."""
+    """Offsets in the unit of the family, shape (P,)."""
     delay: tuple[float, ...]
-    """By which the given samples come late [s], shape (P,)."""
+    """Delays of the given samples [s], shape (P,)."""
 
     @classmethod
     def none(cls, n_parts: int) -> Self:
-        """Correction that leaves a family as it is."""
+        """Return the correction that leaves a family as it is."""
         return cls(
             source=tuple(range(n_parts)), factor=(1.0,) * n_parts, offset=(0.0,) * n_parts, delay=(0.0,) * n_parts
         )
 
     @property
     def is_none(self) -> bool:
-        """Whether nothing is changed."""
+        """True if it changes nothing."""
         return self == Rewire.none(len(self.source))
 
-    def scaled(self, parts: Sequence[int], factors: Sequence[float]) -> "Rewire":
-        """Numbers of `parts` times `factors` in addition."""
+    def scale_parts(self, parts: Sequence[int], factors: Sequence[float]) -> "Rewire":
+        """Multiply numbers of `parts` by `factors` in addition."""
         factor, offset = list(self.factor), list(self.offset)
         for part, by in zip(parts, factors, strict=True):
             factor[part] *= by
             offset[part] *= by
         return replace(self, factor=tuple(factor), offset=tuple(offset))
 
-    def moved(self, parts: Sequence[int], offset: float) -> "Rewire":
-        """Numbers of `parts` plus `offset` in addition."""
+    def shift_parts(self, parts: Sequence[int], offset: float) -> "Rewire":
+        """Add `offset` to numbers of `parts` in addition."""
         return replace(self, offset=tuple(o + offset * (p in parts) for p, o in enumerate(self.offset)))
 
-    def delayed(self, parts: Sequence[int], delay: float) -> "Rewire":
-        """Numbers of `parts` taken `delay` [s] later in addition."""
+    def delay_parts(self, parts: Sequence[int], delay: float) -> "Rewire":
+        """Take numbers of `parts` `delay` [s] later in addition."""
         return replace(self, delay=tuple(d + delay * (p in parts) for p, d in enumerate(self.delay)))
 
-    def permuted(self, order: Sequence[int]) -> "Rewire":
-        """Part p is what part `order[p]` was until now."""
+    def permute(self, order: Sequence[int]) -> "Rewire":
+        """Permute parts: part p becomes the former part `order[p]`."""
         return Rewire(**{name: tuple(values[p] for p in order) for name, values in vars(self).items()})
 
     def then(self, later: "Rewire") -> "Rewire":
-        """Both corrections in one, `later` after this."""
-        first = self.permuted(later.source)
+        """Combine both corrections, `later` after this."""
+        first = self.permute(later.source)
         parts = range(len(first.source))
         return Rewire(
             source=first.source,
@@ -78,7 +78,7 @@ class Rewire:
 @final
 @dataclass(frozen=True, kw_only=True)
 class Rewiring:
-    """Corrections of a recording: of families, and of the clock."""
+    """Corrections of the families and of the clock of a recording."""
 
     families: Mapping[str, Rewire] = field(default_factory=dict)
     clock: float = 1.0
@@ -89,29 +89,30 @@ class Rewiring:
 
     @property
     def is_none(self) -> bool:
-        """Whether nothing is changed."""
+        """True if it changes nothing."""
         return self.clock == 1.0 and all(rewire.is_none for rewire in self.families.values())
 
     def of(self, family: str, n_parts: int) -> Rewire:
-        """Correction of a family with `n_parts` columns."""
+        """Return the correction of a family with `n_parts` columns."""
         return self.families.get(family) or Rewire.none(n_parts)
 
     def with_family(self, family: str, rewire: Rewire) -> "Rewiring":
-        """The same with another correction of one family."""
+        """Return the rewiring with another correction of one family."""
         return replace(self, families={**self.families, family: rewire})
 
     def then(self, later: "Rewiring") -> "Rewiring":
-        """Both corrections in one, `later` after this; its delays are of the clock that this one made."""
+        """Combine both corrections, `later` after this; its delays refer to the clock that this one corrected."""
         families = dict(self.families)
         for name, rewire in later.families.items():
             given = replace(rewire, delay=tuple(delay / self.clock for delay in rewire.delay))
             families[name] = self.of(name, len(rewire.source)).then(given)
         return Rewiring(families=families, clock=self.clock * later.clock)
 
-    def applied(self, recording: Recording) -> Recording:
-        """The recording as it should have been; rows that a late column does not reach are left out."""
+    def apply(self, recording: Recording) -> Recording:
+        """Return the corrected recording, without rows that a late column does not reach."""
         if self.is_none:
             return recording
+        # correct family by family; `within` marks the rows that every column reaches
         t = recording.t * self.clock
         table, within = dict(recording.columns), np.ones(len(t), dtype=np.bool_)
         for name, rewire in self.families.items():
@@ -139,12 +140,12 @@ class Rewiring:
         if self.clock != 1.0:
             phases = tuple(replace(p, start=p.start * self.clock, end=p.end * self.clock) for p in phases)
         if len(t) > 1:
-            phases = clipped(phases, float(t[0]), float(t[-1] + np.median(np.diff(t))))
+            phases = clip_phases(phases, float(t[0]), float(t[-1] + np.median(np.diff(t))))
         return Recording(kept, replace(recording.header, phases=phases))
 
 
 def earlier(samples: Array, t: Array, delay: float) -> tuple[Array, BoolArray]:
-    """Samples (T, ...) of times `t` (T,) as they are `delay` [s] later, and the rows that have one, (T,).
+    """Return samples (T, ...) at times `t` (T,) plus `delay` [s], and the rows for which they exist, (T,).
 
     A delay of whole rows of an even clock moves samples; any other interpolates between them.
     """

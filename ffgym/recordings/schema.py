@@ -10,13 +10,13 @@ from typing import Literal
 from ffgym.core.errors import FFGymError
 
 Side = Literal["motor", "link", "tool", "none"]
-"""Where a quantity lives: before the gearbox, after it, at the tool, or nowhere in particular."""
+"""Place of a quantity: before the gearbox, after it, at the tool, or none of these."""
 
 USER_PREFIX = "user."
-"""Columns of your own start with this; their unit stands in the header field `units`."""
+"""Prefix of the user's own columns; their unit is in the header field `units`."""
 
 VALID = "valid"
-"""Family that says which rows count for which joint."""
+"""Family of masks: rows that count for each joint."""
 
 _AFTER_GEARBOX = "after the gearbox (arm side); only of joints with an encoder there"
 
@@ -32,7 +32,7 @@ class Family:
     unit: str
     """SI unit; degC for temperatures."""
     side: Side
-    """Where the quantity lives, unless the header field `decided_by` says otherwise."""
+    """Place of the quantity, unless the header field `decided_by` says otherwise."""
     meaning: str
     """One phrase for the documentation."""
     parts: Literal["one", "joint", "xyz", "quaternion"] = "joint"
@@ -40,12 +40,12 @@ class Family:
     decided_by: str = ""
     """Header field that may move the quantity to another side; empty if the side is fixed."""
     may_miss: bool = False
-    """Whether NaN marks a missing sample. Elsewhere NaN is an error."""
+    """True if NaN marks a missing sample; in other families NaN is an error."""
     may_lack: bool = False
-    """Whether joints without such a sensor have no column. Elsewhere all joints have one, or none has."""
+    """True if joints without such a sensor have no column; in other families all joints have one, or none has."""
 
     def columns(self, joints: Sequence[str]) -> tuple[str, ...]:
-        """Names of all columns of this family on a robot with `joints`."""
+        """Return the names of all columns of this family on a robot with `joints`."""
         if self.parts == "one":
             return (self.name,)
         parts = {"joint": joints, "xyz": "xyz", "quaternion": ("qw", "qx", "qy", "qz")}[self.parts]
@@ -115,12 +115,12 @@ def family_named(name: str) -> Family:
 
 
 def family_of(column: str) -> Family | None:
-    """Family that a column belongs to; None for a column of the user's own."""
+    """Return the family of a column; None for the user's own columns."""
     return FAMILIES.get(column) or FAMILIES.get(column.rpartition(".")[0])
 
 
 def check_columns(names: Iterable[str], joints: Sequence[str], units: Mapping[str, str]) -> None:
-    """Check that `names` are columns of the schema, or of the user with a unit, and no family is left half filled."""
+    """Check that `names` are columns of the schema, or of the user with a unit, and that families are complete."""
     owner = {column: family for family in _FAMILIES for column in family.columns(joints)}
     present = list(names)
     for name in present:
@@ -134,7 +134,7 @@ def check_columns(names: Iterable[str], joints: Sequence[str], units: Mapping[st
 
 
 def _check_user_column(name: str, joints: Sequence[str], units: Mapping[str, str], owner: Iterable[str]) -> None:
-    """Accept a well-named user column that has a unit; say what is wrong with anything else."""
+    """Accept a well-named user column that has a unit; explain the mistake of any other."""
     if not isinstance(name, str):
         raise FFGymError(f"Column names must be text, got {name!r}.")
     if name.startswith(USER_PREFIX):
@@ -153,17 +153,17 @@ def _check_user_column(name: str, joints: Sequence[str], units: Mapping[str, str
 
 
 def closest(name: str, known: Iterable[str]) -> str:
-    """For messages about an unknown name: the known ones that look like it, or all of them."""
+    """List known names that look like an unknown one, or all of them, for messages."""
     known = list(known)
     return alike(name, known) or f"Available: {', '.join(known)}."
 
 
 def alike(name: str, known: Iterable[str]) -> str:
-    """For messages about an unknown name: the known ones that look like it, or nothing."""
+    """List known names that look like an unknown one, if there are any, for messages."""
     near = get_close_matches(short(name), list(known), n=3, cutoff=0.5)
     return f"Closest: {', '.join(near)}." if near else ""
 
 
 def short(name: str) -> str:
-    """Cut a name so long that it can only be damage, for messages and for the search of close ones."""
+    """Shorten a name that is too long for a message or a search of similar names."""
     return name if len(name) <= 80 else name[:77] + "..."

@@ -8,7 +8,7 @@ import numpy as np
 
 from ffgym.core.types import Array
 from ffgym.paths.circles import plane_of
-from ffgym.recordings.metrics import magnification, magnified
+from ffgym.recordings.metrics import magnification, magnify
 from ffgym.report.figure import panels
 
 if TYPE_CHECKING:
@@ -113,7 +113,7 @@ def tool_path_figure(
     with panels(1, len(sights), size=sizes[len(sights) - 1]) as (figure, grid):
         for axes, sight in zip(grid[0], sights, strict=True):
             for path in paths:
-                drawn = sight.flat(magnified(path.nearest, path.error, factor))
+                drawn = sight.flat(magnify(path.nearest, path.error, factor))
                 axes.plot(*_thinned(drawn).T, label=path.label, **path.look)
                 worst = int(np.argmax(path.distance))
                 axes.plot(*drawn[worst], "o", color=path.look.get("color"), markersize=4.5)

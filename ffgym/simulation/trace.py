@@ -13,7 +13,7 @@ from ffgym.control.setpoints import torque_at_rows
 from ffgym.core.types import Array
 from ffgym.core.version import __version__
 from ffgym.paths import Reference
-from ffgym.recordings import Header, Recording, clipped
+from ffgym.recordings import Header, Recording, clip_phases
 from ffgym.robot import RigidArm
 from ffgym.simulation.plant import Plant, PlantState
 
@@ -135,7 +135,7 @@ def to_recording(
         columns |= {f"{family}.{axis}": xyz[:, k] for family, xyz in tcp.items() for k, axis in enumerate("xyz")}
     header = _header(rows.reference, {"feedforward_law": law, **meta}, plant, index, seed)
     if rows.cut_short:
-        header = replace(header, phases=clipped(header.phases, 0.0, len(trace.qpos) * trace.dt))
+        header = replace(header, phases=clip_phases(header.phases, 0.0, len(trace.qpos) * trace.dt))
     return Recording(columns=columns, header=header)
 
 

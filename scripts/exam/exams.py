@@ -154,7 +154,7 @@ class OwnExam(Exam):
         seed = int(case.generator(1).integers(2**32))
         start = float(max(ends)) + _LATER
         more = bench.record(case.complete, seed=seed, current_offset=case.current_offset, start=start)
-        later = [recording.renamed(f"proposed/{recording.header.segment}") for recording in more]
+        later = [recording.rename(f"proposed/{recording.header.segment}") for recording in more]
         both = Paper(row=paper.row, number=paper.number, robot=paper.robot, log=(*paper.log, *later))
         return outcome(self.answer(both), paper.truth)
 

@@ -170,7 +170,7 @@ def test_a_log_that_is_refused_is_left_out_and_told_and_uneven_rows_are_no_reaso
     first, second, *_ = (read_recording(file) for file in sorted(logs.glob("*.npz")))
     degrees = first.with_columns({"motor.velocity.j1": np.degrees(first["motor.velocity.j1"])})
     uneven = second.with_columns({"timestamp": second.t + 2e-4 * np.sin(100 * second.t)})
-    for name, recording in (("a", first), ("b", uneven), ("c", degrees.renamed("degrees"))):
+    for name, recording in (("a", first), ("b", uneven), ("c", degrees.rename("degrees"))):
         write_recording(recording, tmp_path / f"{name}.npz")
     numbers = tmp_path / "numbers.json"
     files = [str(tmp_path / f"{name}.npz") for name in "abc"]

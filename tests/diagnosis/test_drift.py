@@ -32,7 +32,7 @@ def sessions(change, effect="viscous_level"):
         recording = simulate([Run(reference=joint_reference(robot, sines))], machine=machine, n_threads=1)[0]
         noise = rng.normal(scale=0.02, size=len(recording))
         noisy = recording.with_columns({"motor.effort.j1": recording["motor.effort.j1"] + noise})
-        found.append(noisy.renamed(f"run-{date(2024, 1, 5) + timedelta(days=day)}"))
+        found.append(noisy.rename(f"run-{date(2024, 1, 5) + timedelta(days=day)}"))
     return robot, found
 
 
@@ -63,11 +63,11 @@ def test_friction_that_stays_is_not_told():
 
 def test_without_dates_nothing_changes_with_the_days():
     robot, recordings = sessions(-0.2)
-    assert told(robot, [recording.renamed(f"motion {i}") for i, recording in enumerate(recordings)]) == ()
+    assert told(robot, [recording.rename(f"motion {i}") for i, recording in enumerate(recordings)]) == ()
 
 
 def test_days_are_read_from_names_of_several_styles():
     _, recordings = sessions(0.0)
     names = ("ur-20_02_05-20sec", "2020-02-07 b", "x20200210", "20.02.06.csv", "run 20_02_05", "20_03_05")
-    named = [recording.renamed(name) for recording, name in zip(recordings, names, strict=True)]
+    named = [recording.rename(name) for recording, name in zip(recordings, names, strict=True)]
     assert read_days(named).tolist() == [0, 2, 5, 1, 0, 29]

@@ -43,7 +43,7 @@ def recorded(machine, seeds):
             "motor.position.j1": recording["motor.position.j1"] + rng.normal(scale=2e-5, size=n),
             "motor.effort.j1": recording["motor.effort.j1"] + rng.normal(scale=0.01, size=n),
         }
-        found.append(type(recording)(columns, recording.header).renamed(f"swing {seed}"))
+        found.append(type(recording)(columns, recording.header).rename(f"swing {seed}"))
     return found
 
 

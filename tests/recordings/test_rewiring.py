@@ -17,18 +17,18 @@ def recording() -> Recording:
     return Recording(columns, Header(robot="press", joints=("a", "b"), gear_ratio=(100.0, -80.0), segment="run"))
 
 
-TURNED = Rewire.none(2).permuted([1, 0]).scaled([0], [-2.0]).moved([1], 0.5)
-LATE = Rewire.none(2).delayed([0, 1], 0.03)
+TURNED = Rewire.none(2).permute([1, 0]).scale_parts([0], [-2.0]).shift_parts([1], 0.5)
+LATE = Rewire.none(2).delay_parts([0, 1], 0.03)
 
 
 def test_columns_change_places_sign_and_zero():
-    made, given = Rewiring(families={"motor.position": TURNED}).applied(recording()), recording()
+    made, given = Rewiring(families={"motor.position": TURNED}).apply(recording()), recording()
     np.testing.assert_array_equal(made["motor.position.a"], -2.0 * given["motor.position.b"])
     np.testing.assert_array_equal(made["motor.position.b"], given["motor.position.a"] + 0.5)
 
 
 def test_a_late_column_is_taken_from_later_rows_and_the_last_rows_go():
-    made, given = Rewiring(families={"motor.effort": LATE}).applied(recording()), recording()
+    made, given = Rewiring(families={"motor.effort": LATE}).apply(recording()), recording()
     assert len(made) == len(given) - 3
     np.testing.assert_array_equal(made["motor.effort.a"], given["motor.effort.a"][3:])
     np.testing.assert_array_equal(made["motor.position.a"], given["motor.position.a"][:-3])
@@ -37,7 +37,7 @@ def test_a_late_column_is_taken_from_later_rows_and_the_last_rows_go():
 def test_two_corrections_in_one_are_both_after_each_other():
     one = Rewiring(families={"motor.position": TURNED, "motor.effort": LATE}, clock=2.0)
     other = Rewiring(families={"motor.position": TURNED, "motor.effort": LATE})
-    both, steps = one.then(other).applied(recording()), other.applied(one.applied(recording()))
+    both, steps = one.then(other).apply(recording()), other.apply(one.apply(recording()))
     for name in ("timestamp", "motor.position.a", "motor.position.b"):
         np.testing.assert_allclose(both[name][: len(steps)], steps[name], rtol=1e-12)
     np.testing.assert_allclose(both["motor.effort.a"][:40], steps["motor.effort.a"][:40], atol=2e-3)
@@ -50,7 +50,7 @@ def test_a_map_of_corrections_mends_recordings(tmp_path, suffix):
     write_corrected(tmp_path / "columns.toml", wiring, None, ["signs"])
     made = read_log(tmp_path / f"run{suffix}", tmp_path / "columns.toml")
     assert dict(made.columns).keys() == recording().columns.keys()
-    for name, values in wiring.applied(recording()).columns.items():
+    for name, values in wiring.apply(recording()).columns.items():
         np.testing.assert_array_equal(made[name], values)
 
 
@@ -87,4 +87,4 @@ def test_corrections_that_say_nothing_clear_are_refused(text, message):
 
 def test_corrections_for_another_number_of_joints_are_refused():
     with pytest.raises(FFGymError, match="are for 3 columns, the recording has 2"):
-        Rewiring(families={"motor.position": Rewire.none(3).scaled([0], [-1.0])}).applied(recording())
+        Rewiring(families={"motor.position": Rewire.none(3).scale_parts([0], [-1.0])}).apply(recording())

@@ -6,7 +6,7 @@ from recording_samples import recording, refused
 
 from ffgym.recordings import Phase, write_recording
 from ffgym.recordings.io import Stored
-from ffgym.recordings.stretch import SETTLING, Span, is_stretch, started, stretches_of
+from ffgym.recordings.stretch import SETTLING, Span, is_stretch, read_session_start, stretches_of
 
 
 @pytest.fixture
@@ -23,7 +23,7 @@ def test_columns_that_are_read_one_at_a_time_are_those_of_the_recording(long, tm
     assert set(stored.columns) == set(long.columns)
     assert all(np.array_equal(stored[name], long[name]) for name in long.columns)
     assert stored.whole().equals(long)
-    assert stored.renamed("other").whole().equals(long.renamed("other"))
+    assert stored.rename("other").whole().equals(long.rename("other"))
 
 
 def test_a_damaged_file_and_a_missing_column_are_refused(long, tmp_path):
@@ -44,7 +44,7 @@ def test_a_stretch_has_the_rows_of_its_time_its_place_on_the_clock_and_the_phase
         assert first.header.segment == "go 0:00:02"
         assert (first.t[0], second.t[0]) == (2.0, 5.0)
         assert all(np.array_equal(second[name], long.slice(5.0, 7.0)[name]) for name in long.columns)
-        assert started(second.header) == 65.0
+        assert read_session_start(second.header) == 65.0
         assert second.header.phases[0].end == 6.0
         assert is_stretch(first)
     assert not is_stretch(long)

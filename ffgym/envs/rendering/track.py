@@ -9,7 +9,7 @@ import numpy as np
 from ffgym.core.types import Array, BoolArray
 from ffgym.envs.motion import EpisodeMotion
 from ffgym.envs.rendering.canvas import BLUE, RED, plot
-from ffgym.recordings.metrics import magnification, magnified, round_down
+from ffgym.recordings.metrics import magnification, magnify, round_down
 
 if TYPE_CHECKING:
     from ffgym.envs.core import TrackingCore
@@ -128,7 +128,7 @@ class ToolTrack(Track):
     def close_up(self) -> mujoco.MjvFigure:
         """Plot path and trail in the plane of the circles, or obliquely from above along with the tool."""
         trail, length = self.trail, len(self._rows)
-        drawn = magnified(trail[:, :3], trail[:, 3:6], self.magnify)
+        drawn = magnify(trail[:, :3], trail[:, 3:6], self.magnify)
         lines = [(np.stack([trail[-1, :3], drawn[-1]]), RED)]
         if self._has_circles:
             present = self._circle == self._circle[length - 1]
@@ -191,7 +191,7 @@ class JointTrack(Track):
     def close_up(self) -> mujoco.MjvFigure:
         """Plot reference and joint over the recent time."""
         trail = self._per_unit * self.trail[-self._recent :, :2]
-        drawn, t = magnified(trail[:, 0], trail[:, 1], self.magnify), self._ages(len(self._rows))
+        drawn, t = magnify(trail[:, 0], trail[:, 1], self.magnify), self._ages(len(self._rows))
         low, high = self._per_unit * self._span
         room = max(0.25 * (high - low), 1e-6)
         lines = [(np.stack([t, drawn], axis=1), RED), (np.stack([t, trail[:, 0]], axis=1), BLUE)]

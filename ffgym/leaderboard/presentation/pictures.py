@@ -12,7 +12,7 @@ from ffgym.core.types import Array
 from ffgym.leaderboard.comparison.standings import Standings
 from ffgym.leaderboard.plants import THESIS_WORKCELL
 from ffgym.leaderboard.results import Row
-from ffgym.recordings.metrics import magnification, magnified, nearest_on_polylines
+from ffgym.recordings.metrics import magnification, magnify, nearest_on_polylines
 from ffgym.report.circles.paths_plot import MOST, unit_vectors
 from ffgym.report.table import shortened
 from ffgym.report.tool_path import scale_words
@@ -47,7 +47,7 @@ class ToolPath:
 
     def enlarged(self, factor: float) -> Array:
         """Path of the tool with its distance from the nearest point of the reference enlarged [mm], shape (T, 2)."""
-        return magnified(self._near, self._error, factor)
+        return magnify(self._near, self._error, factor)
 
     @property
     def magnification(self) -> float:

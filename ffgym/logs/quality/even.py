@@ -10,7 +10,7 @@ from ffgym.core.types import Array, BoolArray
 from ffgym.logs.quality.log import Log
 from ffgym.logs.quality.rows import long_intervals
 from ffgym.logs.quality.signals import TINY, grid_step, has_two_rates, is_even, longest_interval
-from ffgym.recordings import Header, Recording, clipped
+from ffgym.recordings import Header, Recording, clip_phases
 from ffgym.recordings.schema import VALID, family_of
 
 KEY = "conditioning"
@@ -173,7 +173,7 @@ def on_even_clock(recording: Recording, period: float | None = None) -> Recordin
     columns, header = _at(recording, s, t)
     if recording.has(VALID) or gaps.any():
         columns |= mask_columns(header, valid)
-    phases = clipped(header.phases, float(t[0]), float(t[-1]) + times.period)
+    phases = clip_phases(header.phases, float(t[0]), float(t[-1]) + times.period)
     notes = _notes(recording, times, gaps)
     if header.hold != recording.header.hold:
         notes.append("Held torques act in the middle of their intervals; they are now samples at the rows (hold).")

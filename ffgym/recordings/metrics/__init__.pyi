@@ -4,7 +4,7 @@ from .contour import contour_errors as contour_errors
 from .contour import nearest_on_polylines as nearest_on_polylines
 from .contour import start_offset as start_offset
 from .magnify import magnification as magnification
-from .magnify import magnified as magnified
+from .magnify import magnify as magnify
 from .magnify import round_down as round_down
 from .path_error import Circle as Circle
 from .path_error import PathError as PathError

@@ -1,4 +1,4 @@
-"""How far the tool strays from any path: across it (contour error) and along it (lag)."""
+"""Deviation of the tool from any path: across it (contour error) and along it (lag)."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -13,11 +13,11 @@ from ffgym.recordings import Phase, Recording
 from ffgym.recordings.metrics.path_error import standstill_offset
 
 WINDOW = 0.05
-"""How long before and after the present instant the nearest point of the path is looked for [s]. Chosen: eight times
-the 6 ms by which the built-in robot lags without compensation, and less than the 63 ms of the fastest turn of the
+"""Time before and after the present instant in which the nearest point of the path is looked for [s]. Chosen: eight
+times the 6 ms by which the built-in robot lags without compensation, and less than the 63 ms of the fastest turn of the
 thesis, so that a path may cross or retrace itself later."""
 WHOLE = "whole motion"
-"""Label of what is not of one phase alone."""
+"""Label of errors of the whole motion."""
 _PIECES = 8
 """Straight pieces between two rows of the reference: on a circle of 1 mm at 100 mm/s, recorded every ms, they leave
 the circle by 20 nm."""
@@ -41,7 +41,7 @@ class Contour:
     error: Array
     """TCP - nearest point [m], shape (T, 3); its length is the contour error."""
     lag: Array
-    """How far the TCP is behind its reference along the present direction of motion [m], shape (T,); 0 at rest."""
+    """Lag of the TCP behind its reference along the present direction of motion [m], shape (T,); 0 at rest."""
 
     @classmethod
     def of(cls, recording: Recording, window: float = WINDOW) -> Self:
@@ -55,9 +55,11 @@ class Contour:
         tcp = recording.vector("tcp.position") - start_offset(recording)
         rows = np.flatnonzero(~np.isnan(tcp).any(axis=1))
         points = tcp[rows]
+        # nearest sample of the reference, then nearest point of the curve about it
         near = _nearest_rows(points, rows, reference, round(window / recording.dt))
         curve = scipy.interpolate.CubicSpline(recording.t, reference)
-        nearest = _refined(points, recording.t[near], curve, recording.t)
+        nearest = _refine(points, recording.t[near], curve, recording.t)
+        # lag: deviation along the direction of the reference
         velocity = curve(recording.t[rows], 1)
         speed = np.linalg.norm(velocity, axis=1)
         direction = np.divide(velocity, speed[:, None], out=np.zeros_like(velocity), where=speed[:, None] > _REST)
@@ -77,21 +79,21 @@ class ContourError:
     label: str
     """Name of the phase, or WHOLE; several phases may have one name."""
     start: float
-    """Where the stretch begins, on the clock of the recording [s]."""
+    """Start of the stretch, on the clock of the recording [s]."""
     end: float
-    """Where it ends [s]."""
+    """End of the stretch [s]."""
     rms: float
     """Root mean square distance to the nearest point of the path."""
     max: float
     """Largest distance to the nearest point of the path."""
     lag_rms: float
-    """Root mean square of what the TCP is behind or ahead along the path."""
+    """Root mean square of the lag along the path."""
     lag_max: float
-    """Largest of it, without sign."""
+    """Largest lag, without sign."""
 
 
 def contour_errors(recording: Recording) -> list[ContourError]:
-    """Contour error and lag of the whole motion without standstill, then of every phase that is no standstill.
+    """Compute contour error and lag of the whole motion without standstill, then of every phase in motion.
 
     Phases in which the TCP was never seen are left out. Errors as `Contour.of`; a recording that is all
     standstill is refused.
@@ -126,9 +128,9 @@ def contour_errors(recording: Recording) -> list[ContourError]:
 
 
 def start_offset(recording: Recording) -> Array:
-    """Mean of TCP minus its reference at the standstill that a motion begins with [m], shape (3,).
+    """Compute the mean of TCP minus reference at the standstill that a motion begins with [m], shape (3,).
 
-    A motion that does not begin with one has it from the first row in which the TCP was seen.
+    Without such a standstill it is that of the first row in which the TCP was seen.
 
     Raises:
         FFGymError: if the recording has no TCP there.
@@ -144,7 +146,7 @@ def start_offset(recording: Recording) -> Array:
 
 
 def _nearest_rows(points: Array, rows: IntArray, reference: Array, reach: int) -> IntArray:
-    """Of the reference's rows within `reach` of each row, the nearest to its point."""
+    """Find the row of the reference within `reach` of each row that is nearest to its point."""
     best = np.full(len(rows), np.inf)
     near: IntArray = rows.copy()
     for shift in range(-reach, reach + 1):
@@ -155,8 +157,8 @@ def _nearest_rows(points: Array, rows: IntArray, reference: Array, reach: int) -
     return near
 
 
-def _refined(points: Array, near: Array, curve: "scipy.interpolate.CubicSpline", t: Array) -> Array:
-    """Nearest points (T, 3) on the curve within a sample of the times `near` (T,)."""
+def _refine(points: Array, near: Array, curve: "scipy.interpolate.CubicSpline", t: Array) -> Array:
+    """Refine nearest points (T, 3) on the curve within a sample of the times `near` (T,)."""
     dt = float(np.median(np.diff(t)))
     steps = dt * np.linspace(-1.0, 1.0, 2 * _PIECES + 1)
     nearest = np.empty_like(points)
@@ -168,7 +170,7 @@ def _refined(points: Array, near: Array, curve: "scipy.interpolate.CubicSpline",
 
 
 def nearest_on_polylines(points: Array, corners: Array) -> Array:
-    """Nearest points (T, D) to `points` (T, D), each on a polyline of its own, with corners (T, C, D)."""
+    """Find nearest points (T, D) to `points` (T, D), each on a polyline of its own, with corners (T, C, D)."""
     start, along = corners[:, :-1], np.diff(corners, axis=1)
     square = (along**2).sum(axis=2)
     ahead = ((points[:, None] - start) * along).sum(axis=2)

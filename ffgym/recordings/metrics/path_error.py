@@ -1,4 +1,4 @@
-"""How far the tool strays from a circle, and motors from their references: thesis 2.2.5, quantities 1-4."""
+"""Deviation of the tool from a circle, and of motors from their references: thesis 2.2.5, quantities 1-4."""
 
 from dataclasses import dataclass
 
@@ -48,7 +48,7 @@ class PathError:
 
 
 def path_errors(recording: Recording) -> list[PathError]:
-    """Path error of every circle of a recording; lead-in and lead-out do not count.
+    """Compute the path error of every circle of a recording; lead-in and lead-out do not count.
 
     The deviation is the distance to the nearest point of the circle: a tool that runs late on the right path makes no
     error. (Our reading of "path error"; the thesis does not say how it pairs measured and reference points.) The offset
@@ -79,7 +79,7 @@ def path_errors(recording: Recording) -> list[PathError]:
 
 
 def standstill_offset(recording: Recording) -> Array:
-    """Mean of TCP minus its reference while the robot first stands still [m], shape (3,).
+    """Compute the mean of TCP minus reference while the robot first stands still [m], shape (3,).
 
     Raises:
         FFGymError: if the recording does not begin with a standstill, or has no TCP position there.
@@ -96,7 +96,7 @@ def standstill_offset(recording: Recording) -> Array:
 
 
 def circle_deviation(points: Array, circle: Circle) -> tuple[Array, Array]:
-    """Signed deviation of points (T, 3) in the plane (outward > 0) and along the normal of a circle [m], (T,) each."""
+    """Compute deviations of points (T, 3) in the plane (outward > 0) and along the normal of a circle [m], (T,)."""
     arms = points - circle.centre
     height = arms @ circle.normal
     outward = np.linalg.norm(arms - height[:, None] * circle.normal, axis=1) - circle.radius
@@ -104,7 +104,7 @@ def circle_deviation(points: Array, circle: Circle) -> tuple[Array, Array]:
 
 
 def _seen(points: Array, phase: Phase, recording: Recording) -> Array:
-    """Rows of `points` (T, 3) of a phase that the tracker has seen."""
+    """Return rows of `points` (T, 3) of a phase that the tracker has seen."""
     seen = points[~np.isnan(points).any(axis=1)]
     if len(seen) == 0:
         raise FFGymError(f"Recording {recording.header.segment!r} has no TCP position in {phase.kind} {phase.label!r}.")
@@ -112,21 +112,21 @@ def _seen(points: Array, phase: Phase, recording: Recording) -> Array:
 
 
 def deviation_along(recording: Recording, phase: Phase, n: int) -> Array:
-    """Signed deviation in the plane (outward > 0) at `n` even times of a circle [m], (n,); errors as `path_errors`."""
+    """Compute the deviation in the plane (outward > 0) at `n` even times of a circle [m]; errors as `path_errors`."""
     tcp = recording.vector("tcp.position") - standstill_offset(recording)
     _, outward, _ = _deviations(recording, phase, tcp)
     return outward[np.linspace(0, len(outward) - 1, n).round().astype(np.int64)]
 
 
 def _deviations(recording: Recording, phase: Phase, tcp: Array) -> tuple[Circle, Array, Array]:
-    """Circle of a phase, and deviation in its plane and out of it [m] at the samples that were seen."""
+    """Fit the circle of a phase, and return it with deviations in its plane and out of it [m] at seen samples."""
     rows = recording.during(phase)
     circle = fit_circle(recording.vector("tcp_reference.position")[rows])
     return circle, *circle_deviation(_seen(tcp[rows], phase, recording), circle)
 
 
 def fit_circle(points: Array) -> Circle:
-    """Least-squares circle through `points` (T, 3) [m], T >= 4.
+    """Fit a circle to `points` (T, 3) [m], T >= 4, by least squares.
 
     Raises:
         FFGymError: if the points do not lie on a circle.
@@ -134,13 +134,15 @@ def fit_circle(points: Array) -> Circle:
     points = check_shape("circle points", points, (None, 3))
     if len(points) < 4:
         raise FFGymError(f"A circle needs at least 4 points, got {len(points)}; record faster than the circle runs.")
+    # plane: its normal is the direction of least spread
     middle = points.mean(axis=0)
     centred = points - middle
-    normal = np.linalg.eigh(centred.T @ centred)[1][:, 0]  # the direction of least spread
+    normal = np.linalg.eigh(centred.T @ centred)[1][:, 0]
     first = np.cross(normal, np.eye(3)[int(np.argmin(np.abs(normal)))])
     first /= np.linalg.norm(first)
     second = np.cross(normal, first)
     flat = np.stack([(points - middle) @ first, (points - middle) @ second], axis=1)
+    # circle in the plane: linear least squares in centre and rest = radius^2 - |centre|^2
     system = np.column_stack([2 * flat, np.ones(len(flat))])
     (x, y, rest), *_ = np.linalg.lstsq(system, (flat**2).sum(axis=1), rcond=None)
     radius = float(np.sqrt(rest + x * x + y * y))
@@ -155,16 +157,16 @@ def fit_circle(points: Array) -> Circle:
 
 
 def motor_error(recording: Recording) -> Array:
-    """Motor position error e = reference - measured, motor side [rad], shape (T, N)."""
+    """Compute the motor position error e = reference - measured, motor side [rad], shape (T, N)."""
     error = recording.joint_array("reference.position") - recording.joint_array("motor.position")
     return recording.header.motor_side(error)
 
 
 def motor_error_rms(recording: Recording) -> Array:
-    """RMS of the motor position error, motor side [rad], shape (N,); standstill does not count (thesis 4.3.2).
+    """Compute the RMS of the motor position error, motor side [rad], shape (N,), without standstill (thesis 4.3.2).
 
     Raises:
-        FFGymError: if the recording is nothing but standstill.
+        FFGymError: if the recording is all standstill.
     """
     moving = ~recording.mask(kind="standstill")
     if not moving.any():
@@ -175,10 +177,10 @@ def motor_error_rms(recording: Recording) -> Array:
 
 
 def friction_miss(recording: Recording, rows: BoolArray | None = None) -> Array:
-    """RMS of friction minus added torque over RMS friction, motor side, shape (N,); 0 where there is no friction.
+    """Compute RMS of friction minus added torque over RMS friction, motor side, shape (N,); 0 without friction.
 
     Args:
-        recording: of a simulation, since no machine measures its friction.
+        recording: a simulated one, since machines do not measure their friction.
         rows: samples that count, shape (T,); None takes all but standstill.
 
     Raises:
@@ -191,6 +193,6 @@ def friction_miss(recording: Recording, rows: BoolArray | None = None) -> Array:
 
 
 def relative_rms(difference: Array, whole: Array) -> Array:
-    """RMS of `difference` over RMS of `whole`, both shape (T, N), per column, shape (N,); 0 where `whole` is zero."""
+    """Divide RMS of `difference` by RMS of `whole`, (T, N) each, per column, shape (N,); 0 where `whole` is 0."""
     size = rms(whole, 0)
     return np.asarray(np.divide(rms(difference, 0), size, out=np.zeros_like(size), where=size > 0))

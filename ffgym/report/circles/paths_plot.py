@@ -9,7 +9,7 @@ from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
 from ffgym.paths.circles import plane_of
 from ffgym.recordings import Recording
-from ffgym.recordings.metrics import circle_deviation, fit_circle, magnification, magnified, standstill_offset
+from ffgym.recordings.metrics import circle_deviation, fit_circle, magnification, magnify, standstill_offset
 from ffgym.report.figure import ReportFigure, panels
 from ffgym.report.laws import LawStyle, law_styles
 from ffgym.report.tool_path import scale_words
@@ -40,7 +40,7 @@ class FlatCircle:
     def path(self, magnification: float) -> Array:
         """Path of the tool [mm] with its deviation enlarged, shape (T, 2)."""
         outwards = unit_vectors(self.angle)
-        return magnified(self.centre + self.radius * outwards, self.outward[:, None] * outwards, magnification)
+        return magnify(self.centre + self.radius * outwards, self.outward[:, None] * outwards, magnification)
 
     def reference(self) -> Array:
         """The circle [mm], shape (200, 2)."""

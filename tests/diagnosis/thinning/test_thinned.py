@@ -13,7 +13,7 @@ from ffgym.effects import EFFECTS
 from ffgym.paths import joint_reference, multisine
 from ffgym.recordings import Recording, write_recording
 from ffgym.recordings.io import Stored
-from ffgym.recordings.stretch import started
+from ffgym.recordings.stretch import read_session_start
 from ffgym.simulation import Run, simulate
 from ffgym.simulation.plant import Machine
 
@@ -72,7 +72,7 @@ def test_a_long_log_is_thinned_to_the_bound_and_spread_over_all_its_time(one_axi
     long = working(one_axis, [swing(0.1, 0.5, 9.0), swing(0.2, 0.3, 9.0), swing(0.05, 1.0, 9.0)] * 10)
     parts = thin([long])
     assert 0.8 * AFFORDED < lasting(parts) <= AFFORDED
-    begins = [started(part.header) for part in parts]
+    begins = [read_session_start(part.header) for part in parts]
     assert begins == [float(part.t[0]) for part in parts]
     assert begins == sorted(begins)
     assert all(any(third * 100 <= begin < (third + 1) * 100 for begin in begins) for third in range(3))

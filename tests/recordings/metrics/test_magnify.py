@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ffgym.recordings.metrics import magnification, magnified
+from ffgym.recordings.metrics import magnification, magnify
 
 
 @given(room=st.floats(1e-6, 1e3), largest=st.floats(1e-9, 1e3))
@@ -22,5 +22,5 @@ def test_without_an_error_the_factor_is_the_largest_or_one():
 
 def test_only_the_error_is_enlarged():
     nearest, error = np.eye(3), np.full((3, 3), 0.1)
-    np.testing.assert_allclose(magnified(nearest, error, 5.0), nearest + 0.5)
-    assert magnified(nearest, error, 1.0) == pytest.approx(nearest + error)
+    np.testing.assert_allclose(magnify(nearest, error, 5.0), nearest + 0.5)
+    assert magnify(nearest, error, 1.0) == pytest.approx(nearest + error)

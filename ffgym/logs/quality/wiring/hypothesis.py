@@ -80,13 +80,13 @@ class Hypothesis:
         for family in self.families:
             rewire = wiring.of(family, 3 if family.startswith("tcp") else n_joints)
             if self.order:
-                rewire = rewire.permuted(self.order)
+                rewire = rewire.permute(self.order)
             if self.factors:
-                rewire = rewire.scaled(self.parts, self.factors)
+                rewire = rewire.scale_parts(self.parts, self.factors)
             if self.kind == "zero":
-                rewire = rewire.moved(self.parts, self.amount)
+                rewire = rewire.shift_parts(self.parts, self.amount)
             if self.kind == "delay":
-                rewire = rewire.delayed(self.parts, self.amount)
+                rewire = rewire.delay_parts(self.parts, self.amount)
             wiring = wiring.with_family(family, rewire)
         return wiring
 

@@ -23,11 +23,11 @@ def robot():
 def coarse():
     torque = clean()[EFFORT]
     step = np.ptp(torque) / 100
-    return clean().with_columns({EFFORT: np.round(torque / step) * step}).renamed("coarse")
+    return clean().with_columns({EFFORT: np.round(torque / step) * step}).rename("coarse")
 
 
 def test_a_refused_log_is_left_out_with_its_reason_and_the_others_are_used():
-    spiky = bad_row(clean(), EFFORT, 4000).renamed("spiky")
+    spiky = bad_row(clean(), EFFORT, 4000).rename("spiky")
     found = judged([clean(), coarse(), spiky], robot(), ("diagnosis",))
     assert [recording.header.segment for recording in found.recordings] == ["multisine", "spiky"]
     assert found.recordings[0] is not None
@@ -66,7 +66,7 @@ def test_an_unknown_check_is_one_error():
 
 def test_uneven_logs_come_to_the_period_of_the_others():
     """Two of them have median intervals of 10 and 12 ms; the third is even."""
-    logs = [jittered(clean(), (10, 10, 12)), jittered(clean(), (12, 12, 10)).renamed("b"), thin(clean()).renamed("c")]
+    logs = [jittered(clean(), (10, 10, 12)), jittered(clean(), (12, 12, 10)).rename("b"), thin(clean()).rename("c")]
     assert [round(conditioned(log).dt, 4) for log in logs] == [0.01, 0.012, 0.01]
     assert {round(log.dt, 6) for log in judged(logs, robot()).recordings} == {0.01}
 

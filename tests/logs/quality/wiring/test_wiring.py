@@ -29,7 +29,7 @@ def is_mended(made: Made, found: Wiring, logs: tuple[Recording, ...]) -> bool:
     """Whether the columns are those of the right logs, but for torque constants, which are estimates."""
     tolerance = 0.05 if made.kind == "current" else 1e-9
     for right, wrong in zip(logs, made.to(logs), strict=True):
-        mended = found.rewiring.applied(wrong)
+        mended = found.rewiring.apply(wrong)
         rows = np.clip(np.searchsorted(right.t, mended.t - 1e-6), 0, len(right) - 1)
         for name, values in mended.columns.items():
             given = right[name][rows]
@@ -65,10 +65,10 @@ def test_mistakes_with_a_robot_of_six_axes_are_named_and_mended():
 def test_two_mistakes_are_two_entries():
     robot = load_robot(FAST)
     one, other = mistakes(robot)["sign of torques, one"], mistakes(robot)["degrees for radians, position, all"]
-    logs = [other.change.applied(log) for log in one.to(clean(FAST))]
+    logs = [other.change.apply(log) for log in one.to(clean(FAST))]
     found = find_wiring(logs, robot)
     assert {mistake.kind for mistake in found.mistakes} == {"sign", "unit"}
-    assert find_wiring([found.rewiring.applied(log) for log in logs], robot).mistakes == ()
+    assert find_wiring([found.rewiring.apply(log) for log in logs], robot).mistakes == ()
 
 
 @pytest.mark.parametrize("robot", [FAST, "one_axis", SIX])

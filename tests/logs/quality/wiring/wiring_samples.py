@@ -54,7 +54,7 @@ class Made:
 
     def to(self, recordings: tuple[Recording, ...]) -> list[Recording]:
         """Logs with the mistake."""
-        return [self.change.applied(recording) for recording in recordings]
+        return [self.change.apply(recording) for recording in recordings]
 
 
 def mistakes(robot: RobotDescription) -> dict[str, Made]:
@@ -72,7 +72,7 @@ def mistakes(robot: RobotDescription) -> dict[str, Made]:
     for word, joints in (("one", (n - 1,)), ("all", tuple(range(n)))):
 
         def times(factors, joints=joints):
-            return lambda none: none.scaled(joints, np.broadcast_to(factors, n)[list(joints)].tolist())
+            return lambda none: none.scale_parts(joints, np.broadcast_to(factors, n)[list(joints)].tolist())
 
         groups = {"torque": "motor.effort", "torques": EFFORTS, "position": "motor.position", "motion": KNOWN}
         for name, families in (groups | {"channels": (*KNOWN, *EFFORTS)}).items():
@@ -82,7 +82,7 @@ def mistakes(robot: RobotDescription) -> dict[str, Made]:
         for name in ("torque", "torques"):
             add(f"mN m for N m, {name}, {word}", "unit", groups[name], joints, times(1e3))
             for delay in (0.052, 0.1):
-                late = lambda none, joints=joints, delay=delay: none.delayed(joints, -delay)  # noqa: E731
+                late = lambda none, joints=joints, delay=delay: none.delay_parts(joints, -delay)  # noqa: E731
                 add(f"{name} late by {delay} s, {word}", "delay", groups[name], joints, late)
         add(f"1/min for rad/s, {word}", "unit", "motor.velocity", joints, times(30 / np.pi))
         add(f"ampere for N m, {word}", "current", EFFORTS, joints, times(1 / kt))
@@ -91,7 +91,7 @@ def mistakes(robot: RobotDescription) -> dict[str, Made]:
     order = [*range(n)]
     order[pair[0]], order[pair[1]] = pair[1], pair[0]
     for name, families in (groups | {"channels": (*KNOWN, *EFFORTS)}).items():
-        add(f"swap of {name}", "swap", families, pair, lambda none: none.permuted(order))
+        add(f"swap of {name}", "swap", families, pair, lambda none: none.permute(order))
     for name, factor in (("ms for s", 1e3), ("s for ms", 1e-3), ("twice as fast", 2.0), ("half as fast", 0.5)):
         made[f"clock {name}"] = Made("clock", (), (), Rewiring(clock=factor))
     return made
