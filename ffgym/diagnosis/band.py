@@ -75,7 +75,7 @@ def _is_ripple(run: Replay, above: Array) -> bool:
     rows = collect_pattern_rows(residual, "torque", np.random.default_rng(0))
     if rows is None:
         return False
-    values = rows.centred(rows.values)
+    values = rows.centre(rows.values)
     energy = np.maximum(np.sum(values**2, axis=0), np.finfo(np.float64).tiny)
     for j in range(values.shape[1]):
         trial = judge_form(PerTurn(joint=j), rows, values, [j])

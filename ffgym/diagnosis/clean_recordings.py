@@ -1,4 +1,6 @@
-"""What the nominal machine would have recorded without noise: simulated under its servo, or as it was moved.
+"""Noise-free recordings of the nominal machine: simulated under its servo, or replayed as it was moved.
+
+A replay of such a recording misses what the replay itself does wrong; that bias is taken off all residuals.
 
 The engine's steps are semi-implicit: in each of them forces know the speed of half a step before, bristles and
 integrals the motion of a whole one. All of that is of first order in the step, so that two simulations, one of which
@@ -35,12 +37,12 @@ FOREIGN = "the feedback torque is not that of the documented servo on reference.
 
 
 def has_servo(robot: RobotDescription) -> bool:
-    """Whether the servo of a description is said in it, not stood in for; one without origins knows all it has."""
+    """Tell whether a description states its servo; one without origins of its numbers states all that it has."""
     return not robot.quantities or all(entry in robot.quantities for entry in _NUMBERS)
 
 
 def has_foreign_servo(log: Log) -> bool:
-    """Whether another controller than the documented one made the feedback torque of most joints."""
+    """Tell whether the feedback torque of most joints is not that of the documented servo on the measured error."""
     if log.feedback is None or not log.shows_servo:
         return False
     rows, valid = log.sampling, find_valid_rows(log)
@@ -69,7 +71,7 @@ a step that is twice as long as they were described with."""
 
 
 def _simulate(log: Log, run: Replay, longest: float) -> list[Recording]:
-    """By steps of `longest` physics steps, and of half of it, extrapolated to none."""
+    """Simulate with steps of `longest` physics steps and of half of that, and extrapolate to a step of zero."""
     robot = widen_limits(run.machine.robot, log.recordings)
     machine = replace(run.machine, robot=robot)
     runs = [Run(reference=build_reference(robot, recording)) for recording in log.recordings]
@@ -93,7 +95,7 @@ def _simulate(log: Log, run: Replay, longest: float) -> list[Recording]:
 
 
 def _choose_record_dt(robot: RobotDescription, step: float, dt: float) -> float:
-    """The longest sample period of a simulation that has all samples of a log, whose clock is never exact.
+    """Choose the longest sample period of a simulation that has all samples of a log, whose clock is never exact.
 
     The shortest one if none has them: what lies between its samples is interpolated then.
     """
@@ -104,7 +106,7 @@ def _choose_record_dt(robot: RobotDescription, step: float, dt: float) -> float:
 
 
 def _resample(exact: Recording, like: Recording) -> Recording:
-    """The rows and columns of another recording: what one must be derived from, the other must, too."""
+    """Take the rows and columns of another recording, so that both are processed alike."""
     columns = {name: values for name, values in exact.columns.items() if name in like.columns}
     since, dt = like.t - like.t[0] + exact.t[0], like.dt
     n = int(np.searchsorted(since, exact.t[-1] + 0.5 * dt))
@@ -131,7 +133,7 @@ class CleanRecordings:
 
 
 def make_clean_recordings(log: Log, run: Replay) -> CleanRecordings:
-    """What the nominal machine would have recorded in continuous time, without noise.
+    """Make noise-free recordings of the nominal machine in continuous time.
 
     With set-points, it is simulated under its controller. Without, or where another controller moved the machine, or
     its own would not hold it, it moves as measured, and takes the torque that it takes: what repeats with the motor's
@@ -151,7 +153,7 @@ def make_clean_recordings(log: Log, run: Replay) -> CleanRecordings:
 
 
 def is_same_motion(log: Log, exact: Sequence[Recording]) -> bool:
-    """Whether motors move in exact recordings as they did in a log, where that counts."""
+    """Tell whether motors move in clean recordings as they did in the log, on the rows that count."""
     drive = log.robot.drive
     for i, recording in enumerate(exact):
         n = min(len(recording), log.lengths[i])

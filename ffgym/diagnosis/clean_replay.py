@@ -1,4 +1,4 @@
-"""The nominal machine with motors that move as measured: what it would have recorded, in continuous time.
+"""Noise-free recordings of the nominal machine with motors that move as measured, in continuous time.
 
 For logs without set-points, or of another controller than the documented one. The motion is that of the log without the
 noise of its readings, and the machine is replayed along it in steps so small that they do not matter, those of friction
@@ -25,7 +25,7 @@ _TOGETHER = 1_000_000
 
 
 def replay_finely(log: Log, run: Replay, *, smooth: bool = False) -> list[Recording]:
-    """One recording for each motion of a log, by its replay `run` on the nominal machine, with the columns it takes.
+    """Replay the nominal machine in fine steps: one recording for each motion of a log, from its replay `run`.
 
     A `smooth` motion has nothing above the usual band of what is compared: noise and vibration at the edge of a wide
     band would be bias. Else the low-pass of the motion is undone.
@@ -53,7 +53,7 @@ def replay_finely(log: Log, run: Replay, *, smooth: bool = False) -> list[Record
 
 
 def _refine(log: Log, every: int, smooth: bool) -> Log:
-    """The log's motion without noise, `every` times as finely, with temperatures and set-points on the way."""
+    """Sample the motion of a log without its noise `every` times as finely, with temperatures and set-points."""
     dt, still, low_pass = log.dt, without_trembling(log.q, log.trembling), log.sampling.motion_filter
     q = np.empty_like(log.q)
     for i, n in enumerate(log.lengths):
@@ -97,7 +97,7 @@ def _refine(log: Log, every: int, smooth: bool) -> Log:
 
 
 def _differentiate(q: Array, log: Log, t: Array) -> tuple[Array, Array, Array]:
-    """Angle, speed and acceleration at finer times `t` of a curve through samples (T, M, N); it ends at rest."""
+    """Compute angle, speed and acceleration at times `t` of a spline through samples (T, M, N), at rest at its end."""
     shape = (len(t), *q.shape[1:])
     angle, speed, change = np.empty(shape), np.zeros(shape), np.zeros(shape)
     for i, n in enumerate(log.lengths):
@@ -110,7 +110,7 @@ def _differentiate(q: Array, log: Log, t: Array) -> tuple[Array, Array, Array]:
 
 
 def _interpolate(values: Array, log: Log, t: Array) -> Array:
-    """Values (T, M, N) at finer times, straight between samples."""
+    """Interpolate values (T, M, N) linearly at finer times."""
     flat = values.reshape(len(values), -1)
     found = np.stack([np.interp(t, log.t, column) for column in flat.T], axis=1)
     return found.reshape(len(t), *values.shape[1:])

@@ -1,4 +1,4 @@
-"""How a diagnosis computes: on one thread, with memory that is given back, past trial models that fail.
+"""Rules of computing in a diagnosis: one thread, memory that is given back, trial models that may fail.
 
 Trial models come and go by tens of megabytes beside columns that stay. The C library keeps the gaps that they leave,
 half a gigabyte of a long log, which counts towards the 3 GB that a diagnosis may need.

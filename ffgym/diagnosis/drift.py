@@ -34,7 +34,7 @@ _LEVELS = (CoulombLevel, ViscousLevel)
 
 
 def find_drifts(log: Log, run: Replay, rest: Mapping[Channel, Array], blocks: TimeBlocks) -> tuple[Drift, ...]:
-    """Friction levels that change from day to day.
+    """Find friction levels that change steadily from day to day.
 
     Args:
         log: recordings of which each is judged by itself.
@@ -84,7 +84,7 @@ def find_drifts(log: Log, run: Replay, rest: Mapping[Channel, Array], blocks: Ti
 
 
 def read_days(recordings: Sequence[Recording]) -> Array | None:
-    """Days since the first recording, by `recorded` in its meta data or a date in its name; None if one has neither."""
+    """Read days since the first recording from `recorded` in its meta data or its name; None if one has neither."""
     found = []
     for recording in recordings:
         text = str(recording.header.meta.get("recorded", recording.header.segment))
@@ -100,7 +100,7 @@ def read_days(recordings: Sequence[Recording]) -> Array | None:
 
 
 def _fit_levels(column: Array, rest: Array, counting: BoolArray, blocks: TimeBlocks) -> tuple[Array, Array, float]:
-    """One level beside a constant in each motion; the other level stays: along one motion both look much alike.
+    """Fit one level beside a constant in each motion; the other level stays: along one motion both are collinear.
 
     Rows of a block say the same: errors are those of sums over blocks (White's estimate, clustered).
 
@@ -130,7 +130,7 @@ _ROUNDS = 5
 
 
 def _fit_line(values: Array, errors: Array, day: Array) -> tuple[float, float, float]:
-    """Slope of levels over days, its standard error, and the probability of as steep a one by chance.
+    """Fit a line of levels over days: slope, standard error, and the probability of as steep a slope by chance.
 
     Levels scatter about a line by more than their errors; how much is found by iteration (method of moments).
     """
@@ -147,7 +147,7 @@ def _fit_line(values: Array, errors: Array, day: Array) -> tuple[float, float, f
 
 
 def _is_steady(values: Array, errors: Array, day: Array) -> bool:
-    """Whether a change goes the same way without any one of three or more days; else that day is an odd one."""
+    """Tell whether a change keeps its sign, and stays significant, without any one day; else that day is an outlier."""
     limits = settings().verdict
     rate = _fit_line(values, errors, day)[0]
     for one in np.unique(day):

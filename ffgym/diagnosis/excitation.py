@@ -1,7 +1,7 @@
-"""Effects that are no cause, and why: not in the log, not excited, or of the form of a pattern; a first look.
+"""Effects that are no cause, with the reason: not in the log, not excited, or no better than chance; and a preview.
 
-It replays once and simulates nothing, so that it knows neither how much chance explains nor what else would: good for
-the impatient, no verdict.
+The preview replays once and simulates nothing, so that it has neither a threshold nor rivals: it is quick, and no
+verdict.
 """
 
 from collections.abc import Sequence
@@ -39,7 +39,7 @@ _OPEN = "it is a number of the model that is not known any better than that: it 
 def sort_effects(
     log: Log, machine: Machine, prior: ParameterPrior, no_servo: str = ""
 ) -> tuple[list[type[Effect]], tuple[UnjudgedEffect, ...]]:
-    """Effects that a log may show, and the others with the reason; `no_servo` is that of effects in the servo."""
+    """Sort out effects that a log cannot show, with the reason; `no_servo` is that of effects in the servo."""
     judgeable, others = [], []
     for kind in EFFECTS.values():
         reason = _OPEN if kind in prior.open_numbers else _explain_missing(kind, log, machine)
@@ -53,7 +53,7 @@ def sort_effects(
 
 
 def _explain_missing(kind: type[Effect], log: Log, machine: Machine) -> str:
-    """Why a log cannot show an effect at all; empty if it can."""
+    """Explain why a log cannot show an effect at all; empty if it can."""
     if issubclass(kind, TrackerEffect) and log.tool is None:
         return "the log has no tracked tool position (tcp.position)"
     if issubclass(kind, ClockEffect) and "link.position" in kind.families and log.link is None:
@@ -91,7 +91,7 @@ def _measure_span(log: Log, machine: Machine, name: str) -> float:
 
 
 def list_not_excited(found: SearchResult) -> tuple[UnjudgedEffect, ...]:
-    """Effects that would not show even at the largest plausible size, joint by joint."""
+    """List effects that would stay below the threshold even at their largest plausible size, joint by joint."""
     ranking, candidates = found.rounds[0].ranking, found.candidates
     listed: dict[tuple[str, str], bool] = {}
     for group, most in zip(candidates.groups, ranking.most, strict=True):
@@ -112,7 +112,7 @@ def add_leads(
     not_excited: Sequence[UnjudgedEffect],
     not_judgeable: Sequence[UnjudgedEffect],
 ) -> tuple[Pattern, ...]:
-    """Patterns with the effects that have their form, and why these are no causes, a sentence for each effect."""
+    """Add to patterns the effects that have their form, each with the reason why it is no cause."""
     unjudged = (*not_judgeable, *not_excited)
     found = []
     for pattern in patterns:
@@ -124,7 +124,7 @@ def add_leads(
 
 
 def find_effects_of_form(pattern: Pattern) -> list[type[Effect]]:
-    """Effects whose equation has the form of a pattern of its own joint, the nearest first.
+    """Find effects whose equation has the form of a pattern of its own joint, the nearest first.
 
     Of those that are as near, torques come before springs, and what acts before what is measured.
     """
@@ -138,7 +138,7 @@ def find_effects_of_form(pattern: Pattern) -> list[type[Effect]]:
 def _explain(
     effect: str, joint: str, causes: Sequence[Cause], rivals: Sequence[Rival], unjudged: Sequence[UnjudgedEffect]
 ) -> str:
-    """Why an effect of a joint does not explain a pattern."""
+    """Explain why an effect of a joint does not explain a pattern."""
     here = ("", joint)
     if any(cause.effect == effect and cause.joint in here for cause in causes):
         return "it is a cause; what is left has another form than its equation"
@@ -151,25 +151,25 @@ def _explain(
 
 @dataclass(frozen=True, kw_only=True)
 class Preview:
-    """The effect that would explain most, if one stands out."""
+    """Effect that would explain most of the torque before a full diagnosis, if one stands out."""
 
     effect: type[Effect] | None
     joint: str
     share: float
-    """Of the residual's energy above noise, on halves of motions that were not fitted."""
+    """Share of the residual's energy above noise, on halves of motions that were not fitted."""
 
     @property
     def sentence(self) -> str:
-        """For people."""
+        """Sentence for the terminal."""
         if self.effect is None:
             return (
-                "First look, at torque alone: no effect before the gearbox stands out. What repeats with the turn of a "
-                "motor, and the arm, are not looked at yet."
+                "Preview, at torque alone: no effect before the gearbox stands out. What repeats with the turn of a "
+                "motor, and the arm, are not examined yet."
             )
         where = f" of {self.joint}" if self.joint else ""
         return (
-            f"First look, at torque alone: {self.effect.title}{where} would explain {self.share:.0%} of what noise and "
-            f"calibration do not; rivals, chance and the arm are not looked at yet."
+            f"Preview, at torque alone: {self.effect.title}{where} would explain {self.share:.0%} of what noise and "
+            f"calibration do not; rivals, chance and the arm are not examined yet."
         )
 
 

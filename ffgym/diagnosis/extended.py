@@ -23,7 +23,7 @@ _EFFECT = "effects"
 
 
 def list_fitted_numbers(nominal: Machine, fitted: Machine) -> tuple[FittedNumber, ...]:
-    """In what a machine with fitted numbers differs from the nominal one."""
+    """List the numbers in which a fitted machine differs from the nominal one."""
     found = []
     for path, rule in RULES.items():
         before, after = _read_entry(nominal.robot, path), _read_entry(fitted.robot, path)
@@ -41,7 +41,7 @@ def list_fitted_numbers(nominal: Machine, fitted: Machine) -> tuple[FittedNumber
 
 
 def apply_numbers(nominal: Machine, numbers: Sequence[FittedNumber]) -> Machine:
-    """The nominal machine with fitted numbers; effects of sensors stand behind those that it has.
+    """Apply fitted numbers to the nominal machine; effects of sensors stand behind those that it has.
 
     Raises:
         FFGymError: if an entry is unknown, or has another number of values.
@@ -67,7 +67,7 @@ def _compare_number(entry: str, unit: str, before: Array, after: Array) -> Fitte
 
 
 def _read_entry(robot: RobotDescription, path: str) -> Array | None:
-    """Numbers of one entry that can be fitted; None if it cannot, or the robot has none."""
+    """Read the numbers of one entry; None if it cannot be fitted, or the robot lacks it."""
     group, _, name = path.partition(".")
     part = getattr(robot, GROUPS[group]) if group in GROUPS else None
     value = None if part is None else getattr(part, name, None)
@@ -75,7 +75,7 @@ def _read_entry(robot: RobotDescription, path: str) -> Array | None:
 
 
 def _shape_value(robot: RobotDescription, number: FittedNumber) -> Array | float:
-    """Values of a number in the shape that its entry has."""
+    """Shape the values of a number as its entry."""
     before = _read_entry(robot, number.entry)
     if before is None or before.size != len(number.after):
         raise FFGymError(
@@ -104,7 +104,7 @@ _AT_ONCE = 1e-3
 
 
 def extend_machine(nominal: Machine, causes: Sequence[Cause], numbers: Sequence[FittedNumber] = ()) -> Machine:
-    """The nominal machine with numbers that were fitted beside causes, and the effects of these behind those it has.
+    """Extend the nominal machine by numbers that were fitted beside causes, and by the effects of the causes.
 
     Raises:
         FFGymError: if a cause names an unknown effect, joint or parameter, or the robot cannot have the effect.
@@ -115,7 +115,7 @@ def extend_machine(nominal: Machine, causes: Sequence[Cause], numbers: Sequence[
 
 
 def build_effect(cause: Cause, robot: RobotDescription) -> Effect:
-    """The effect that a cause says, on its joint alone.
+    """Build the effect of a cause, on its joint alone.
 
     Raises:
         FFGymError: if it names an unknown effect, joint or parameter, or lacks one.
@@ -178,7 +178,7 @@ def save_extended(
 
 
 def derive_climate(recordings: Sequence[Recording]) -> Climate | None:
-    """A climate in which each joint always has the mean temperature of recordings; None if they tell none."""
+    """Derive a climate in which each joint keeps its mean temperature; None if recordings have no temperatures."""
     told = [recording.joint_array("temperature") for recording in recordings if recording.has("temperature")]
     columns = np.concatenate(told) if told else np.full((1, 1), np.nan)
     if np.isnan(columns).all(axis=0).any():
@@ -189,7 +189,7 @@ def derive_climate(recordings: Sequence[Recording]) -> Climate | None:
 
 
 def _locate(name: str, cause: Cause, known: Any, robot: RobotDescription) -> tuple[str, Any]:
-    """Parameter and index of a number; its name may go on with a dot and an axis, or the other joint of a pair.
+    """Locate a number by parameter and index; its name may end with a dot and an axis, or the other joint of a pair.
 
     A vector without an axis is all of it: one that stayed where it was.
     """
@@ -209,7 +209,7 @@ def _locate(name: str, cause: Cause, known: Any, robot: RobotDescription) -> tup
 
 
 def _describe_origin(cause: Cause, robot: RobotDescription, diagnosis: Diagnosis) -> Origin:
-    """What the table of a cause says of its numbers."""
+    """Describe the origin and the interval of each number of a cause, for its table in the machine file."""
     kind = EFFECTS[cause.effect]
     effect, where = build_effect(cause, robot), f" on {cause.joint}" if cause.joint else ""
     logs, sources, intervals = _name_logs(diagnosis), dict[str, str](), dict[str, Any]()
@@ -229,6 +229,6 @@ def _describe_origin(cause: Cause, robot: RobotDescription, diagnosis: Diagnosis
 
 
 def _name_logs(diagnosis: Diagnosis) -> str:
-    """The motions that a source names."""
+    """Name the motions of a diagnosis, the first few of many."""
     more = f" and {len(diagnosis.motions) - _NAMED} more" if len(diagnosis.motions) > _NAMED else ""
     return ", ".join(diagnosis.motions[:_NAMED]) + more

@@ -1,8 +1,8 @@
-"""How far models are from the machine on recordings that were not diagnosed: in closed loop, and replayed.
+"""Distance of models from the machine on recordings that were not diagnosed: in closed loop, and replayed.
 
 A diagnosis compares along the measured motion, where no controller hides anything. Here a model runs the references of
 recordings under the documented controller, and its tracking errors, torques and tool positions are compared with those
-that were measured. Best on recordings that were not diagnosed.
+that were measured.
 """
 
 from collections.abc import Sequence
@@ -37,7 +37,7 @@ LOOP_UNITS = {"tracking error": "rad", "torque": "N m", "tool": "m"}
 
 @dataclass(frozen=True, kw_only=True)
 class LoopLevel:
-    """How far simulation and machine are apart in one component, RMS over all recordings."""
+    """Distance of simulation and machine in one component, RMS over all recordings."""
 
     quantity: str
     """One of LOOP_UNITS or a channel."""
@@ -47,9 +47,9 @@ class LoopLevel:
     measured: float
     """RMS of what was measured, less its mean."""
     before: float
-    """Of measured minus simulated, with the nominal model."""
+    """RMS of measured minus simulated, with the nominal model."""
     after: float
-    """With the extended model."""
+    """The same with the extended model."""
 
 
 def compare_in_closed_loop(
@@ -60,7 +60,7 @@ def compare_in_closed_loop(
     n_threads: int = 0,
     progress: Progress | None = None,
 ) -> tuple[LoopLevel, ...]:
-    """How far two models are from the machine in full closed loop.
+    """Compare two models with the machine in full closed loop.
 
     Args:
         nominal: the model before.
@@ -112,7 +112,7 @@ def compare_in_closed_loop(
 def _simulate(
     runs: Sequence[Run], machines: Sequence[Machine], n_threads: int, progress: Progress | None
 ) -> Sequence[Recording | None]:
-    """All runs; none of them if one cannot be simulated: such a model is infinitely far from any machine."""
+    """Simulate all runs; None for each if one cannot be simulated: such a model is infinitely far from any machine."""
     arm = RigidArm(runs[0].reference.robot)
     try:
         return simulate(runs, arm=arm, machine=machines, n_threads=n_threads, progress=progress)
@@ -132,7 +132,7 @@ def check_comparable(nominal: Machine, recordings: Sequence[Recording]) -> None:
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RecordedLaw(FeedForwardLaw):
-    """What a law added in a recording."""
+    """Feed-forward law that repeats what a law added in a recording."""
 
     name: ClassVar[str] = "recorded"
     added: Array
@@ -144,7 +144,7 @@ class RecordedLaw(FeedForwardLaw):
 
 
 def _run_again(nominal: Machine, recording: Recording) -> Run:
-    """The motion of a recording, with what a law added to it."""
+    """Set up the run that repeats the motion of a recording, with what a law added to it."""
     reference = build_reference(widen_limits(nominal.robot, [recording]), recording)
     if not recording.has("compensation.effort"):
         law = recording.header.meta.get("feedforward_law", "none")
@@ -167,7 +167,7 @@ def _compare(
     before: Recording | None,
     after: Recording | None,
 ) -> tuple[Array, Array, Array]:
-    """What was measured less its mean, and measured minus simulated for both models, through one low-pass.
+    """Compute measured less its mean, and measured minus simulated for both models, through one low-pass.
 
     Infinite for a model that could not be simulated.
     """
@@ -194,13 +194,13 @@ def _signal(quantity: str, robot: RobotDescription, recording: Recording) -> Arr
 
 
 def _interpolate(t: Array, recording: Recording, values: Array) -> Array:
-    """Values (T, C) of a recording at other times since its beginning, straight between its samples."""
+    """Interpolate values (T, C) of a recording linearly at other times since its beginning."""
     since, known = recording.t - recording.t[0], ~np.isnan(values).any(axis=1)
     return np.stack([np.interp(t, since[known], column[known]) for column in values.T], axis=1)
 
 
 def is_better(levels: Sequence[LoopLevel]) -> bool:
-    """Whether the second model leaves less than the first, each component in units of what the first leaves."""
+    """Tell whether the second model leaves less than the first, each component in units of what the first leaves."""
     shares = [(level.after / level.before) ** 2 for level in levels if level.before > 0]
     return bool(shares) and float(np.mean(shares)) < 1.0
 

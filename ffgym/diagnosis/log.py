@@ -1,4 +1,4 @@
-"""What a diagnosis sees of its recordings: motions of the motors side by side, and what was measured along them."""
+"""Log: recordings made ready for a diagnosis, motions side by side with what was measured along them."""
 
 import hashlib
 from collections.abc import Callable, Sequence
@@ -101,7 +101,7 @@ class Log:
 
     @property
     def shows_servo(self) -> bool:
-        """Whether the servo's torque can be compared: it and what it follows were recorded."""
+        """True if the servo's torque can be compared: it and its set-points were recorded."""
         return self.feedback is not None and self.reference is not None
 
     @property
@@ -124,7 +124,7 @@ class Log:
 def assemble_log(
     robot: RobotDescription, recordings: Sequence[Recording], like: Log | None = None, cutoff: float | None = None
 ) -> Log:
-    """Recordings of a robot, made ready; with the rows and channels of another log of the same motions, if given.
+    """Assemble recordings of a robot to a log; with the rows and channels of another log of the same motions, if given.
 
     Args:
         robot: that was recorded.

@@ -54,7 +54,7 @@ class Noise:
 
 
 def estimate_noise(run: Replay) -> Noise:
-    """White noise of a log's signals, from what is above the band of motions.
+    """Estimate white noise of a log's signals from what is above the band of motions.
 
     Of samples some milliseconds apart, reversals and stops are in that band, too. They are in the signal and not in
     what a model leaves of it, which has them only where the model is wrong; noise is no louder than either.
@@ -81,7 +81,7 @@ def estimate_noise(run: Replay) -> Noise:
 
 
 def _add_spectra(noise: Noise, log: Log, like: Replay, own: Replay) -> Noise:
-    """Noise with what torques and trackers have beside white noise."""
+    """Add to noise the falling part that torques and trackers have beside white noise."""
     left, white, colours, less = (
         _subtract_model(like),
         _subtract_model(own),
@@ -106,7 +106,7 @@ def _add_spectra(noise: Noise, log: Log, like: Replay, own: Replay) -> Noise:
 
 
 def _subtract_model(run: Replay) -> dict[str, Array]:
-    """Residual of torques and of the tracker's positions at all samples, by family of columns."""
+    """Subtract the model from torques and tracker positions at all samples, by family of columns."""
     read = run.read
     left = {"motor.effort": read.torque - run.torque}
     if read.feedback is not None and read.shows_servo:
@@ -117,7 +117,7 @@ def _subtract_model(run: Replay) -> dict[str, Array]:
 
 
 def find_encoder_steps(log: Log) -> Array:
-    """Steps of the encoders in each motion, shape (M, N), motor side [rad]; 0 where there are none."""
+    """Find steps of the encoders in each motion, shape (M, N), motor side [rad]; 0 where there are none."""
     found = []
     for recording in log.recordings:
         if (bits := recording.header.encoder_bits) is not None:
@@ -200,7 +200,7 @@ class NullSimulation:
 def simulate_null_residuals(
     log: Log, own: Replay, bias: Mapping[Channel, Array], like: Replay, rng: np.random.Generator
 ) -> NullSimulation:
-    """Residuals of the nominal model over its own recordings, with the noise of a log; `bias` is taken off."""
+    """Simulate residuals without fault: the nominal model over its own recordings with a log's noise, less `bias`."""
     limits = settings().noise
     noise = estimate_noise(like)
 
@@ -229,7 +229,7 @@ def simulate_null_residuals(
 
 
 def compute_torque_noise(run: Replay) -> Array:
-    r"""RMS that white noise of torque and angle gives the residual, shape (M, N), motor side [N m].
+    r"""Compute the RMS that white noise of torque and angle gives the residual, shape (M, N), motor side [N m].
 
     Through a low-pass of cut-off :math:`f_c`, white noise :math:`\sigma` of samples :math:`\Delta t` apart keeps
     :math:`\sigma \sqrt{2 f_c \Delta t}`, and its second derivative :math:`(2\pi)^2 \sigma \sqrt{2 f_c^5 \Delta t / 5}`.

@@ -1,4 +1,4 @@
-"""Nominal models: rigid bodies and friction fitted to the very logs, and that of the logs of the package."""
+"""Nominal models: rigid bodies and friction fitted to the diagnosed logs, and the model of the example logs."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -28,13 +28,13 @@ _NORMAL = 2.0 * 1.645
 """Width of a 90 % interval in standard deviations."""
 
 _ORDER = 4
-"""Of the low-pass that both sides of the equations go through; that of `rigid_body.Filtering`."""
+"""Order of the low-pass that both sides of the equations go through; that of `rigid_body.Filtering`."""
 
 
 def fit_nominal(
     robot: RobotDescription | RobotDraft, recordings: Sequence[Recording]
 ) -> tuple[Machine, ParameterPrior]:
-    """Rigid bodies that exist, rotors and friction that predict the torque of recordings best, and how sure they are.
+    """Fit rigid bodies that can exist, rotors and friction to the torque of recordings, with their priors.
 
     What an effect does to torque at all times, as more friction or a torque offset, such a model has already: it is in
     its numbers, and cannot be a cause. What depends on anything else is left, and is what a diagnosis can find.
@@ -62,7 +62,7 @@ def fit_nominal(
 
 
 def _complete(robot: RobotDescription | RobotDraft, found: RobotDescription) -> RobotDescription:
-    """What was fitted; where nobody knows presliding, bristles bend no further than those of a usual joint."""
+    """Complete a fitted robot: where presliding is unknown, bristles bend no further than those of a usual joint."""
     if not isinstance(robot, RobotDraft) or "friction.bristle_stiffness" in robot.quantities:
         return found
     # gear ratios that are written as 1, as torque and angles are those of the joints, make no motor of it
@@ -72,7 +72,7 @@ def _complete(robot: RobotDescription | RobotDraft, found: RobotDescription) -> 
 
 
 def choose_filtering(robot: RobotDescription | RobotDraft, recordings: Sequence[Recording]) -> Filtering:
-    """Filters of the fit: those of the comparison, but below the resonances where joints bend.
+    """Choose filters of the fit: those of the comparison, but below the resonances where joints bend.
 
     A rigid joint has no resonance that its description knows, so that all that is compared may be fitted.
     """
@@ -84,7 +84,7 @@ def choose_filtering(robot: RobotDescription | RobotDraft, recordings: Sequence[
 
 
 def _derive_prior(fit: RigidBodyFit) -> ParameterPrior:
-    """Standard deviation of the fitted friction, over all joints; bodies and rotors are as sure as that at least."""
+    """Derive the prior from intervals of the fitted friction; bodies and rotors are known at least as well."""
     limits = settings().prior
     widths, estimates = fit.intervals.high - fit.intervals.low, np.maximum(np.abs(fit.estimate), 1e-12)
     shares = [

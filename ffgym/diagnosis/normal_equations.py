@@ -1,4 +1,8 @@
-"""Residuals and columns in weighted rows, cut into blocks of time, and which of them are left out in turn."""
+"""Normal equations of weighted rows, summed by blocks of time, and folds of blocks that are left out in turn.
+
+A linear fit needs A^T A, A^T r and r^T r only. They are kept for each block, so that any subset of the log, as a
+fold or a bootstrap resample, is a sum of blocks; the rows themselves are passed once.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -40,12 +44,12 @@ class TimeBlocks:
 
     @cached_property
     def slices(self) -> list[slice]:
-        """Where the rows of each block lie in that order."""
+        """Slices of the rows of each block in that order."""
         ends = np.cumsum(np.bincount(self.of_row[self.of_row >= 0], minlength=len(self)))
         return [slice(int(start), int(end)) for start, end in zip((0, *ends[:-1]), ends, strict=True)]
 
     def merge(self) -> "TimeBlocks":
-        """As few as halves and motions can still be left out of: all that lie in the same part of a motion are one."""
+        """Merge blocks of the same part of a motion: the fewest of which halves and motions can be left out."""
         parts = np.stack([self.motion, self.half, self.guard], axis=1).astype(np.intp)
         kinds, kind = np.unique(parts, axis=0, return_inverse=True)
         return TimeBlocks(
@@ -57,7 +61,7 @@ class TimeBlocks:
 
 
 def cut_blocks(valid: BoolArray, row_dt: float) -> TimeBlocks:
-    """Blocks of `valid` rows (R, M), `row_dt` [s] apart."""
+    """Cut `valid` rows (R, M), `row_dt` [s] apart, into blocks."""
     limits = settings().blocks
     of_row = np.full(valid.shape, -1, dtype=np.intp)
     motions, halves, guards, count = [], [], [], 0
@@ -89,7 +93,7 @@ class _Columns:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class DesignMatrix:
-    """Weighted columns with their products, made once for many residuals."""
+    """Design matrix: weighted columns with their products, made once for many residuals."""
 
     blocks: TimeBlocks
     weights: Values
@@ -99,7 +103,7 @@ class DesignMatrix:
     """A^T A, shape (B, P, P)."""
 
     def beside(self, columns: Sequence[Parts], scale: Array | None = None) -> "DesignMatrix":
-        """These columns first, then `columns`, (R, M) per component each, times `scale` (len(columns),)."""
+        """Append `columns`, (R, M) per component each, times `scale` (len(columns),)."""
         n, more = self.gram.shape[1], len(columns)
         gram = np.zeros((len(self.blocks), n + more, n + more))
         gram[:, :n, :n] = self.gram
@@ -118,7 +122,7 @@ class DesignMatrix:
         return DesignMatrix(blocks=self.blocks, weights=self.weights, parts=parts, gram=gram)
 
     def form_equations(self, residuals: Values) -> "NormalEquations":
-        """Sums with residuals (R, M, K) per component."""
+        """Form normal equations with K residuals, (R, M, K) per component."""
         n_residuals = next(iter(residuals.values())).shape[2]
         moment = np.zeros((len(self.blocks), self.gram.shape[1], n_residuals))
         energy, counted = np.zeros((len(self.blocks), n_residuals)), np.zeros(len(self.blocks))
@@ -134,7 +138,7 @@ class DesignMatrix:
         return NormalEquations(design=self, moment=moment, energy=energy, rows=counted, n_components=len(residuals))
 
     def energy_of(self, places: IntArray, x: Array) -> dict[tuple[Channel, int], float]:
-        """Energy of what some columns, times `x`, change in each component."""
+        """Compute the energy of what some columns, times `x`, change in each component."""
         found = {}
         for key, parts in self.parts.items():
             total = np.zeros(len(parts[0].rows))
@@ -145,12 +149,12 @@ class DesignMatrix:
         return found
 
     def _in_order(self, rows: Array) -> Array:
-        """Rows (R, M, ...) that are of blocks, one block after the other, (S, ...)."""
+        """Order rows (R, M, ...) that are of blocks, one block after the other, (S, ...)."""
         ordered: Array = rows.reshape(-1, *rows.shape[2:])[self.blocks.order]
         return ordered
 
     def _add_products(self, gram: Array, old: _Columns, new: _Columns) -> None:
-        """Products of two sets of columns, which may be the same one."""
+        """Add products of two sets of columns, which may be the same one."""
         products = np.stack([old.rows[own].T @ new.rows[own] for own in self.blocks.slices])
         gram[:, old.at[:, None], new.at] += products
         if old is not new:
@@ -159,7 +163,7 @@ class DesignMatrix:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class NormalEquations:
-    r"""Sums over blocks of a regression :math:`r = A x`, weighted rows of all channels together.
+    r"""Normal equations by blocks of a regression :math:`r = A x`, weighted rows of all channels together.
 
     All statistics are functions of these few numbers, so that they cost nothing beside the replays.
     """
@@ -189,21 +193,21 @@ class NormalEquations:
 def build_design_matrix(
     blocks: TimeBlocks, columns: Sequence[Parts], weights: Values, scale: Array | None = None
 ) -> DesignMatrix:
-    """Columns (R, M) per component, weighted by (M,) or (R, M) per component, times `scale` (len(columns),)."""
+    """Weight columns (R, M) per component by (M,) or (R, M) per component, times `scale` (len(columns),)."""
     none = DesignMatrix(blocks=blocks, weights=weights, parts={}, gram=np.zeros((len(blocks), 0, 0)))
     return none.beside(columns, scale)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Fold:
-    """Blocks to fit to, and blocks to judge by; shape (B,) each."""
+    """Fold of a cross-validation: blocks to fit to, and held-out blocks to judge by; shape (B,) each."""
 
     train: BoolArray
     test: BoolArray
 
 
 def make_motion_folds(blocks: TimeBlocks) -> list[Fold]:
-    """Each motion left out in turn: does an explanation hold for other motions? None of a single motion."""
+    """Leave out each motion in turn, to test whether an explanation holds for others; empty for a single motion."""
     motions = np.unique(blocks.motion)
     if len(motions) < 2:
         return []
@@ -211,7 +215,7 @@ def make_motion_folds(blocks: TimeBlocks) -> list[Fold]:
 
 
 def make_half_folds(blocks: TimeBlocks) -> list[Fold]:
-    """Each half of each motion left out in turn: the only split that can judge what one motion alone excites.
+    """Leave out each half of each motion in turn: the only split that can judge what one motion alone excites.
 
     Blocks on either side of the cut are not fitted to when the other half is judged, so that nothing leaks over it.
     """

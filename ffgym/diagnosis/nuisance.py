@@ -1,4 +1,6 @@
-"""Errors of calibration: what the numbers of a model that lacks nothing may be off by.
+"""Nuisance parameters: numbers of the nominal model that may be off, and the prior of how far.
+
+They are fitted beside every hypothesis, so that a link that is a per cent heavier is not taken for an effect.
 
 A row has one time stamp, but its columns are read one after the other; a servo computes for a part of its cycle, knows
 speeds as differences of angles, and may filter them; friction lags behind the speed. No description says any of that.
@@ -74,14 +76,14 @@ _MASS_STEP = 0.03
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _OfLinks(NativeEffect):
-    """Numbers of links other than described; a doubt."""
+    """Numbers of links other than described; a nuisance parameter."""
 
     side: ClassVar[Side] = "link"
 
     change: Array = parameter("a", unit="1", low=-0.1, high=0.1, minimum=-0.9, source="only a doubt")
 
     def in_description(self, robot: RobotDescription) -> RobotDescription:
-        """See base class."""
+        """Scale the numbers of the description."""
         factor = 1 + self.change
         mass = robot.bodies.mass * (factor if isinstance(self, LinkMass) else 1.0)
         return replace(robot, bodies=replace(robot.bodies, mass=mass, inertia=robot.bodies.inertia * factor[:, None]))
@@ -113,7 +115,7 @@ class JointDamping(NativeEffect):
     change: Array = parameter("a", unit="1", low=-0.5, high=0.5, minimum=-0.9, source="only a doubt")
 
     def in_description(self, robot: RobotDescription) -> RobotDescription:
-        """See base class."""
+        """Scale the numbers of the description."""
         damping = robot.drive.joint_damping * (1 + self.change)
         return replace(robot, drive=replace(robot.drive, joint_damping=damping))
 
@@ -124,19 +126,19 @@ Refit = Callable[[Sequence[Recording]], RobotDescription]
 
 @dataclass(frozen=True, kw_only=True)
 class ParameterPrior:
-    """Standard deviations of what is known of the nominal model."""
+    """Prior of the numbers of the nominal model, as standard deviations."""
 
     share: float = settings().prior.share
-    """Of masses, rotors, stiffness, damping and friction, relative."""
+    """Standard deviation of masses, rotors, stiffness, damping and friction, relative."""
     levels: float | None = None
-    """Of Coulomb and viscous friction, relative, where they are known less well than the rest; None is `share`."""
+    """Standard deviation of Coulomb and viscous friction, relative, where they are known less well; None is `share`."""
     torque_constant: float = 0.0
     """Of torque per current, relative, where the torque of a log is a current times a number that nobody measured; 0
     where torque is known."""
     offset: float = settings().prior.offset * settings().prior.share
-    """Of torque offsets, as a share of the Coulomb torque."""
+    """Standard deviation of torque offsets, as a share of the Coulomb torque."""
     tool: float = settings().prior.tool_offset
-    """Of the tool's place, each axis [m]."""
+    """Standard deviation of the tool's place, each axis [m]."""
     base: float = 0.0
     """Of each base parameter of the rigid arm, as a share of the torque that motors take: for masses and inertias that
     were fitted to torque, which knows these combinations alone. 0: of masses and rotors one by one, by `share`."""
@@ -201,7 +203,7 @@ class NuisanceParameter:
 
 
 def list_nuisance_parameters(run: Replay, prior: ParameterPrior) -> list[NuisanceParameter]:
-    """Columns of all calibration errors along a nominal replay."""
+    """List all nuisance parameters with their sensitivities along a nominal replay."""
     robot, share = run.robot, prior.share
     coulomb = dict(zip(robot.joints, robot.friction.coulomb.tolist(), strict=True))
     static = dict(zip(robot.joints, robot.friction.static.tolist(), strict=True))
@@ -237,7 +239,7 @@ def list_nuisance_parameters(run: Replay, prior: ParameterPrior) -> list[Nuisanc
 
 
 def _list_latencies(run: Replay) -> list[NuisanceParameter]:
-    """Changes of the predictions per second that signals are late.
+    """List latencies of signals, with changes of the predictions per second.
 
     Late are the torque of a row, beside its position; friction, by the speed of an earlier instant, most at reversals;
     the feedback torque of the servo, and the speeds that the servo knows.
@@ -266,7 +268,7 @@ def _list_latencies(run: Replay) -> list[NuisanceParameter]:
 
 
 def _list_base_parameters(run: Replay, sigma: float) -> list[NuisanceParameter]:
-    """One column for each base parameter of bodies and rotors: the motor torque that it adds along a replay.
+    """List base parameters of bodies and rotors, with the motor torque that each adds along a replay.
 
     Together they span all torques that other masses, centres of mass, inertias and rotors would give a rigid arm. Each
     is as large as the torque of the motor on which it is largest, so that one number says how far all are left open.

@@ -1,9 +1,9 @@
-r"""What a small effect adds along a nominal replay, and what that changes in each channel, to first order.
+r"""Perturbation of a nominal replay by a small effect, and the change of each channel by it, to first order.
 
-What it adds on the motor side changes that motor's torque and nothing else, as the motors move as measured; what it
-adds behind the gearbox bends the springs.
+On the motor side it changes that motor's torque and nothing else, as the motors move as measured; behind the gearbox it
+bends the springs.
 
-A push p bends them by
+A torque p bends them by
 
 .. math:: M \Delta\ddot\delta + d \Delta\dot\delta + K \Delta\delta = p
 
@@ -32,7 +32,7 @@ from ffgym.simulation.plant import Machine
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Perturbation:
-    """What an effect adds to the balance of torques along a replay, (T, M, N) each; None is nothing."""
+    """Torques and motion that an effect adds along a replay, (T, M, N) each; None is nothing."""
 
     motor: Array | None = None
     """More torque that motors must give, motor side [N m]."""
@@ -46,7 +46,7 @@ class Perturbation:
     """Its acceleration."""
 
     def plus(self, more: "Perturbation", sign: float = 1.0) -> "Perturbation":
-        """This push and another one, or less that one."""
+        """Add another perturbation, or subtract it."""
         found = {}
         for name in (f.name for f in fields(Perturbation)):
             other = getattr(more, name)
@@ -54,7 +54,7 @@ class Perturbation:
         return Perturbation(**found)
 
     def select_joint(self, joint: int) -> "Perturbation":
-        """Of a push of effects on all joints, that of one of them alone."""
+        """Select one joint of a perturbation of all joints."""
         found = {}
         for name, values in ((f.name, getattr(self, f.name)) for f in fields(Perturbation)):
             if values is not None:
@@ -64,7 +64,7 @@ class Perturbation:
 
 
 def perturb(run: Replay, effect: Effect) -> Perturbation:
-    """What `effect` adds along a nominal replay."""
+    """Compute the perturbation by `effect` along a nominal replay."""
     if isinstance(effect, TorqueEffect):
         added = torques_along(effect, run.state, run.log.dt)
         return Perturbation(
@@ -78,7 +78,7 @@ def perturb(run: Replay, effect: Effect) -> Perturbation:
 
 
 def perturb_numbers(run: Replay, other: RobotDescription) -> Perturbation:
-    """Of a robot with other numbers: what each group of them changes by itself."""
+    """Compute the perturbation by a robot with other numbers, the sum of what each group of them changes by itself."""
     robot, drive = run.robot, run.robot.drive
     motor, links, spring = None, None, None
 
@@ -100,14 +100,14 @@ def perturb_numbers(run: Replay, other: RobotDescription) -> Perturbation:
 
 
 def _compute_friction(run: Replay, friction: LuGreParameters, faster: Array | float) -> Array:
-    """Friction torque of another model, or at joint speeds that differ by `faster` [rad/s] wherever motors move."""
+    """Compute friction of another model, or at joint speeds that differ by `faster` [rad/s] wherever motors move."""
     drive, log = run.robot.drive, run.log
     slip = log.slip_dq + np.where(log.slip_dq != 0, faster, 0.0)
     return along_speed(friction, drive.motor_angle(slip), drive.motor_angle(log.dq + faster), log.dt).torque
 
 
 def perturb_motion(run: Replay, further: Array) -> Perturbation:
-    """Of motors that truly were `further` [rad] than read, behind the gearbox; it goes through the motion's filter."""
+    """Compute the perturbation by motors that truly were `further` [rad] than read, behind the gearbox, low-passed."""
     drive, log = run.robot.drive, run.log
     joint_q = log.sampling.motion_filter(further, log.dt)
     joint_dq, joint_ddq = derivatives_of_motions(joint_q, log.lengths, log.dt)
@@ -125,13 +125,13 @@ Parts = Mapping[tuple[Channel, int], Array]
 
 
 def propagate(run: Replay, pushes: Sequence[Perturbation]) -> list[Parts]:
-    """What each of several pushes changes in the channels that the log has; springs are solved for all together."""
+    """Propagate several perturbations to the channels that the log has; springs are solved for all together."""
     bent = _bend_springs(run, [push for push in pushes if push.links is not None or push.spring is not None])
     return [_change_channels(run, push, bent.get(id(push))) for push in pushes]
 
 
 def _bend_springs(run: Replay, pushes: Sequence[Perturbation]) -> dict[int, tuple[Array, Array]]:
-    """How pushes bend the springs: rows of the deflection (R, M, N) [rad] and of the torque that the joints then carry.
+    """Bend the springs: rows of the deflection (R, M, N) [rad] and of the torque that the joints then carry.
 
     Solved at coarser samples than the replay: what is compared has no faster parts.
     """
@@ -157,7 +157,7 @@ def _bend_springs(run: Replay, pushes: Sequence[Perturbation]) -> dict[int, tupl
 
 
 def _smooth(values: Array, every: int) -> Array:
-    """Means about every n-th sample."""
+    """Average about every n-th sample."""
     if every == 1:
         return values
     total = np.cumsum(np.pad(values, ((1, 0), (0, 0), (0, 0))), axis=0)
@@ -168,7 +168,7 @@ def _smooth(values: Array, every: int) -> Array:
 
 
 def _change_channels(run: Replay, push: Perturbation, bent: tuple[Array, Array] | None) -> Parts:
-    """What a push changes, with how it bends the springs."""
+    """Compute the change of each channel by a perturbation and the springs that it bends."""
     sampling, drive = run.log.sampling, run.robot.drive
     rows = (len(sampling.at), *run.log.q.shape[1:])
     torque = np.zeros(rows) if push.motor is None else sampling(push.motor)
@@ -193,7 +193,7 @@ def _change_channels(run: Replay, push: Perturbation, bent: tuple[Array, Array] 
 
 
 def shift_clocks(run: Replay, gone: Sequence[Effect], come: Sequence[Effect]) -> Parts:
-    """Change of the channels whose clocks are exchanged."""
+    """Compute the change of the channels whose clocks are exchanged."""
     found: dict[tuple[Channel, int], Array] = {}
     of_channel: list[tuple[Channel, Array]] = [("torque", run.torque)]
     if run.log.link is not None:
@@ -207,6 +207,6 @@ def shift_clocks(run: Replay, gone: Sequence[Effect], come: Sequence[Effect]) ->
 
 
 def replay_change(run: Replay, machine: Machine) -> Parts:
-    """Change of all channels if the log is replayed on another machine: of what has joints of its own."""
+    """Replay the log on another machine for the change of all channels: of effects with joints of their own."""
     before, after = predict(run), predict(replay(run.log, machine, run))
     return {(c, k): after[c][..., k] - rows[..., k] for c, rows in before.items() for k in range(rows.shape[2])}

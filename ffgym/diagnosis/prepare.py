@@ -1,4 +1,4 @@
-"""All that a diagnosis computes before it searches: replay, noise floor, and the columns of calibration and effects."""
+"""Preparation of a search: nominal replay, bias, noise floor, and columns of nuisance parameters and effects."""
 
 import hashlib
 from collections.abc import Mapping, Sequence
@@ -50,7 +50,7 @@ _QUIET, _GONE = 0.25, 0.15
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PreparedSearch:
-    """Beginning of a search."""
+    """Prepared problem of a search, with the noise floor."""
 
     problem: FitProblem
     run: Replay
@@ -67,7 +67,7 @@ class PreparedSearch:
 
 @dataclass(eq=False)
 class DiagnosisCache:
-    """Things that logs of the same motions on the same nominal machine share, kept from one diagnosis to the next."""
+    """Cache of what logs of the same motions on the same nominal machine share, from one diagnosis to the next."""
 
     key: bytes = b""
     known: "NominalRun | None" = None
@@ -77,7 +77,7 @@ class DiagnosisCache:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class NominalRun:
-    """The nominal machine over its own motion."""
+    """Replay of the nominal machine over its own motion."""
 
     exact: tuple[Recording, ...]
     run: Replay
@@ -148,7 +148,7 @@ def fit_within_prior(
     *,
     thoroughly: bool = True,
 ) -> PreparedSearch | None:
-    """All of it about numbers within their calibration that explain more than slopes tell; None if there are none.
+    """Fit numbers within their prior, and prepare the search about them; None if they explain no more than slopes.
 
     Masses and inertias that were fitted to the torque of the logs are the best that there are already.
 
@@ -179,13 +179,13 @@ def fit_within_prior(
 
 
 def explains_all(ready: PreparedSearch, numbers: PreparedSearch) -> bool:
-    """Tell whether numbers within their calibration are why a machine as it is described leaves more than noise."""
+    """Tell whether numbers within their prior explain all that the machine as described leaves above noise."""
     first, excess = (compute_excess(one.problem, evaluate(one.problem, ())) for one in (ready, numbers))
     return excess < first and excess < max(_QUIET, _GONE * first)
 
 
 def _recall_or_run(log: Log, like: Replay, prior: ParameterPrior, cache: DiagnosisCache | None) -> NominalRun:
-    """The nominal machine over its own motion, remembered if it is the same as the last time."""
+    """Run the nominal machine over its own motion, or recall it if it is the same as the last time."""
     key = _hash_motion(log, like, prior) if cache is not None else b""
     if cache is not None and cache.known is not None and cache.key == key and is_same_motion(log, cache.known.exact):
         known = cache.known
@@ -209,7 +209,7 @@ def _recall_or_run(log: Log, like: Replay, prior: ParameterPrior, cache: Diagnos
 
 
 def _replay_along(exact: CleanRecordings, log: Log, like: Replay) -> NominalRun:
-    """The nominal machine over a motion that it is known to make, without doubts."""
+    """Replay the nominal machine along a clean motion of its own, without nuisance parameters."""
     clean = assemble_log(log.robot, exact.recordings, like=log)
     run = replay(clean, like.machine)
     bias = compute_residuals(clean, predict(run))
@@ -218,7 +218,7 @@ def _replay_along(exact: CleanRecordings, log: Log, like: Replay) -> NominalRun:
 
 
 def _compute_torque_left(log: Log, like: Replay, bias: Array | float) -> float:
-    """Energy of torque that the nominal model leaves where that counts, less a bias; each joint as a share of it."""
+    """Compute the energy of torque that the nominal model leaves less a bias, each joint as a share of that without."""
     missed, left = compute_residuals(log, predict(like))["torque"], 0.0
     for (channel, j), rows in find_counting_rows(log).items():
         if channel == "torque" and rows.any():
@@ -241,7 +241,7 @@ def _hash_motion(log: Log, like: Replay, prior: ParameterPrior) -> bytes:
 def list_candidates(
     ready: PreparedSearch, kinds: Sequence[type[Effect]], cache: DiagnosisCache | None = None
 ) -> Candidates:
-    """Effects that depend on no frequency, beside calibration errors; what other logs share is remembered."""
+    """List candidates that depend on no frequency, beside nuisance parameters; shared columns are cached."""
     lasting = [kind for kind in kinds if not repeats(kind)]
     shared = []
     if cache is not None and ready.simulated:  # columns that are the same at any temperature

@@ -1,4 +1,7 @@
-"""What does the simulation get wrong, why, and how sure is that: recordings and a nominal model in, a diagnosis out."""
+"""Diagnosis of a simulation: recordings and a nominal model in, causes with sizes and how sure they are out.
+
+This file has the steps in order: judge the log, replay the nominal model, estimate noise, search for causes, conclude.
+"""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -45,13 +48,13 @@ from ffgym.simulation.plant import Machine
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Examination:
-    """A diagnosis with what it was made from, for pictures, gains and the next experiment."""
+    """Diagnosis with its residuals and models, for pictures, gains and the next experiment."""
 
     diagnosis: Diagnosis
     before: Residual | None
-    """Of the nominal model; None if the logs did not allow one."""
+    """Residual of the nominal model; None if the logs did not allow one."""
     after: Residual | None
-    """Of the extended model."""
+    """Residual of the extended model."""
     machine: Machine
     """The extended model: the nominal one with the causes."""
     nominal: Machine
@@ -107,7 +110,7 @@ def examine(
 ) -> Examination:
     """Diagnose logs of a machine, as `diagnose` does, and keep what that was made from.
 
-    `first` is told what stands out, soon and before anything is sure; None saves that time.
+    `first` receives a preview of what stands out, soon and before anything is sure; None saves that time.
     """
     limits = settings().prior
     given = tuple(thin(recordings))
@@ -162,7 +165,7 @@ def examine(
 
 @dataclass(frozen=True, eq=False)
 class _Pass:
-    """A look at a log about some numbers of the machine."""
+    """One pass over a log, about some numbers of the machine."""
 
     ready: PreparedSearch
     machine: Machine
@@ -174,7 +177,7 @@ class _Pass:
     """Entries of the diagnosis that are known before."""
 
     def search(self, cache: DiagnosisCache | None = None) -> tuple[Examination, tuple[Hypothesis, ...]]:
-        """Search for causes and conclude; beside that all causes that are no number within its calibration."""
+        """Search for causes and conclude; return, too, all causes that are no number within its prior."""
         ready, problem, rng = self.ready, self.ready.problem, self.rng
         kinds = sort_effects(problem.log, problem.nominal, self.prior, ready.no_servo)[0]
         self.report("computing what each effect would change", 0.1)
@@ -241,7 +244,7 @@ class _Pass:
 
 
 def _report_miswiring(wiring: Wiring, said: Mapping[str, Any]) -> Diagnosis:
-    """Answer where columns are not what they are called; what the gate says of them repeats that."""
+    """Report columns that are not what they are called, in place of what the gate says of them."""
     entries = tuple(
         Miswiring(kind=one.kind, families=one.families, joints=one.joints, message=one.message)
         for one in wiring.mistakes

@@ -50,23 +50,23 @@ def collect_rows(residual: Residual, channel: Channel) -> LogRows:
     ends = np.cumsum([motion.t[k - 1] - motion.t[0] for motion, k in zip(motions, kept, strict=True)])
     begins = np.concatenate([[0.0], ends[:-1]])
 
-    def joined(of: Callable[[MotionResidual], Array]) -> Array:
+    def join(of: Callable[[MotionResidual], Array]) -> Array:
         return np.concatenate([of(motion)[:k] for motion, k in zip(motions, kept, strict=True)])
 
     def state(name: str) -> Array:
-        return joined(lambda motion: np.broadcast_to(getattr(motion.state, name), (len(motion.t), n)))
+        return join(lambda motion: np.broadcast_to(getattr(motion.state, name), (len(motion.t), n)))
 
     return LogRows(
         motion=np.repeat(np.arange(len(motions)), kept),
-        time=joined(lambda motion: motion.t - motion.t[0]) + np.repeat(begins, kept),
-        residual=joined(lambda motion: np.where(motion.valid[:, None], motion.residual[channel], np.nan)),
+        time=join(lambda motion: motion.t - motion.t[0]) + np.repeat(begins, kept),
+        residual=join(lambda motion: np.where(motion.valid[:, None], motion.residual[channel], np.nan)),
         floor=np.repeat(residual.floor[channel], kept, axis=0),
         speed=state("motor_speed"),
         angle=state("motor_angle"),
         position=state("joint_angle"),
         load=state("load_at_motor"),
-        travel=joined(lambda motion: motion.since_reversal),
-        stood=joined(lambda motion: motion.at_rest_for),
+        travel=join(lambda motion: motion.since_reversal),
+        stood=join(lambda motion: motion.at_rest_for),
         temperature=state("temperature"),
     )
 

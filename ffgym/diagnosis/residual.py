@@ -1,4 +1,4 @@
-"""What is left of a measured motion when the nominal model has said all it can: residuals, channel by channel."""
+"""Residuals of measured motions: measured minus predicted, channel by channel, with the noise floor beside them."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

@@ -1,4 +1,4 @@
-"""Measured minus predicted at the rows that are compared, with what each motor was doing there."""
+"""Computation of residuals: rows that count, measured minus predicted, and what each motor was doing there."""
 
 from collections.abc import Mapping
 
@@ -15,14 +15,14 @@ from ffgym.robot import RobotDescription
 
 
 def describes_low_speed(robot: RobotDescription) -> BoolArray:
-    """Joints whose description has more than Coulomb and viscous friction: a breakaway peak, shape (N,)."""
+    """Find joints whose description has a breakaway peak beside Coulomb and viscous friction, shape (N,)."""
     friction = robot.friction
     knows: BoolArray = friction.static > (1 + settings().replay.stribeck_peak) * friction.coulomb
     return knows
 
 
 def find_predictable_rows(log: Log) -> BoolArray:
-    """Rows that count for the torque of each motor, shape (R, M, N).
+    """Find rows that count for the torque of each motor, shape (R, M, N).
 
     All of them where the description knows low speeds; else those in whose reach of the low-pass the motor never was
     slow: what it takes to hold still, between plus and minus the breakaway torque, is not determined by its motion.
@@ -37,7 +37,7 @@ def find_predictable_rows(log: Log) -> BoolArray:
 
 
 def filter_measured(log: Log) -> dict[Channel, Array]:
-    """Measured signals (R, M, C) through the log's low-pass; unknown tool positions are 0 there, and not valid."""
+    """Filter measured signals to rows (R, M, C); unknown tool positions are 0 there, and not valid."""
     sampling = log.sampling
     found: dict[Channel, Array] = {"torque": sampling(log.torque)}
     if log.tool is not None:
@@ -61,7 +61,7 @@ def check_length(log: Log) -> None:
 
 
 def find_valid_rows(log: Log) -> BoolArray:
-    """Rows that count in all channels, shape (R, M)."""
+    """Find rows that count in all channels, shape (R, M)."""
     known = log.known
     if log.tool is not None:
         known = known & ~np.isnan(log.tool).any(axis=-1)
@@ -69,7 +69,7 @@ def find_valid_rows(log: Log) -> BoolArray:
 
 
 def find_counting_rows(log: Log) -> dict[tuple[Channel, int], BoolArray]:
-    """Rows that count for each component, (R, M) each.
+    """Find rows that count for each component, (R, M) each.
 
     All valid ones, but those of torque at low speed where the model knows nothing of it, those whose samples the mask
     of a recording leaves out for the joint, and none of an encoder that is not there.
@@ -93,10 +93,10 @@ def find_counting_rows(log: Log) -> dict[tuple[Channel, int], BoolArray]:
 
 
 def compute_residuals(log: Log, prediction: dict[Channel, Array]) -> dict[Channel, Array]:
-    """Measured minus predicted (R, M, C).
+    """Compute measured minus predicted (R, M, C).
 
-    The servo's integral begins where nobody knows, and an encoder counts from where nobody knows: their means are taken
-    off. An error that is written with rounded angles, off by a part of a step, drifts in the integral: so is its slope.
+    The servo's integral and an encoder begin at an unknown value: their means are taken off. An
+    error that is written with rounded angles, off by a part of a step, drifts in the integral: so is its slope.
     """
     valid = find_valid_rows(log)
     found = {}
@@ -111,7 +111,7 @@ def compute_residuals(log: Log, prediction: dict[Channel, Array]) -> dict[Channe
 
 
 def _detrend(rows: Array, valid: BoolArray, *, slope: bool) -> Array:
-    """Rows (R, M, C) without the mean, and the slope over time, of valid rows (R, M) of each motion."""
+    """Remove the mean, and the slope over time, of valid rows (R, M) of each motion from rows (R, M, C)."""
     weight = valid.astype(np.float64)
     count = np.maximum(weight.sum(axis=0), 1.0)[:, None]
     rest = rows - np.einsum("rmc,rm->mc", rows, weight) / count
@@ -125,7 +125,7 @@ def _detrend(rows: Array, valid: BoolArray, *, slope: bool) -> Array:
 
 
 def measure_moves(angle: Array, speed: Array, dt: float) -> tuple[Array, Array]:
-    """Travel since the present move began, and how long the motor had stood before it; both as large as the angle.
+    """Measure the travel since the present move began, and how long the motor had stood before it; shapes of the angle.
 
     A move begins where a motor turns, and where it starts after `DWELL` or more at rest, in either direction. Shorter
     stops are turns, or none.
@@ -152,7 +152,7 @@ def measure_moves(angle: Array, speed: Array, dt: float) -> tuple[Array, Array]:
 
 
 def assemble_residual(log: Log, run: Replay, rest: Mapping[Channel, Array], floor: Mapping[Channel, Array]) -> Residual:
-    """Residuals of all motions.
+    """Assemble residuals of all motions with the states of the motors.
 
     Args:
         log: what was measured.

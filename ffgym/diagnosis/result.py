@@ -1,4 +1,4 @@
-"""What a diagnosis says: verdict, causes with sizes, rivals, what it could not judge, and what to record next."""
+"""Result of a diagnosis: verdict, causes with sizes, rivals, effects without a statement, and the next motion."""
 
 from dataclasses import dataclass, field
 from typing import Any, Literal
@@ -29,11 +29,11 @@ class Size:
     value: float
     unit: str
     interval: tuple[float, float]
-    """90 %, by resampled blocks."""
+    """90 % interval, by resampled blocks."""
 
 
 def make_label(effect: str, joint: str) -> str:
-    """Such as 'backlash on j2'."""
+    """Make the label of an effect on a joint, such as 'backlash on j2'."""
     return f"{effect} on {joint}" if joint else effect
 
 
@@ -46,7 +46,7 @@ class Cause:
     code: str
     title: str
     joint: str
-    """Where; empty for the machine as a whole."""
+    """Joint on which it acts; empty for the machine as a whole."""
     parameters: tuple[Size, ...]
     fixed: dict[str, float]
     """Parameters of shape that were chosen, not estimated, by name; SI units."""
@@ -56,7 +56,7 @@ class Cause:
 
     @property
     def label(self) -> str:
-        """What rivals call it."""
+        """Name by which rivals refer to it."""
         return make_label(self.effect, self.joint)
 
 
@@ -81,7 +81,7 @@ class Rival:
     joint: str
     held_out_gain: float
     tied: bool
-    """Whether these logs cannot tell it from the cause."""
+    """True if these logs cannot tell it from the cause."""
     against: str
     """Label of the cause that it rivals."""
     reason: str
@@ -95,7 +95,7 @@ in a form that is none of these."""
 
 @dataclass(frozen=True, kw_only=True)
 class Pattern:
-    """What a residual depends on, said without any effect."""
+    """Dependence of a residual on a variable, without any effect as its reason."""
 
     channel: Channel
     component: str
@@ -162,22 +162,22 @@ class Level:
     component: str
     unit: str
     measured: float
-    """Of what was measured, about its mean."""
+    """RMS of what was measured, about its mean."""
     noise_floor: float
     before: float
-    """Of the nominal model as it is."""
+    """RMS of the residual of the nominal model as it is."""
     after: float
-    """Of the extended model as it is written, each motion by one that was fitted without it."""
+    """RMS of the residual of the extended model as it is written, each motion by one that was fitted without it."""
 
     @property
     def is_small(self) -> bool:
-        """Whether what the extended model leaves is hardly more than noise, or a small share of what was measured."""
+        """True if the extended model leaves hardly more than noise, or a small share of what was measured."""
         return self.after <= max(NEAR_NOISE * self.noise_floor, SMALL * self.measured)
 
 
 @dataclass(frozen=True, kw_only=True)
 class SeparatingMotion:
-    """What to record next to tell two causes apart."""
+    """Session to record next, which tells two causes apart."""
 
     between: tuple[str, str]
     """'effect on joint' each."""
@@ -205,7 +205,7 @@ class Miswiring:
 
 @dataclass(frozen=True, kw_only=True)
 class Diagnosis:
-    """Answer to: what does the simulation get wrong, why, and how sure is that."""
+    """Answer of a diagnosis: errors of the simulation, their causes, and how sure they are."""
 
     verdict: Verdict
     sentence: str
@@ -214,9 +214,9 @@ class Diagnosis:
     motions: tuple[str, ...]
     causes: tuple[Cause, ...] = ()
     numbers: tuple[FittedNumber, ...] = ()
-    """What was fitted beside the causes, and is in the extended model."""
+    """Numbers of the nominal model that were fitted beside the causes, as the extended model has them."""
     drifts: tuple[Drift, ...] = ()
-    """What differs from one recording to the next beside the model of all of them."""
+    """Friction levels that change between recordings, beside the model of all of them."""
     rivals: tuple[Rival, ...] = ()
     patterns: tuple[Pattern, ...] = ()
     not_excited: tuple[UnjudgedEffect, ...] = ()

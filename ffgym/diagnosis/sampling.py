@@ -16,7 +16,7 @@ _FREQUENCIES = 500
 
 
 def white_noise(values: Array, low_pass: LowPass, dt: float) -> Array:
-    """Standard deviation of the white noise of signals (T, C): what is above the low-pass where it is quiet.
+    """Estimate the standard deviation of white noise of signals (T, C) above the low-pass, in their quiet blocks.
 
     Only blocks in which a signal moves count, if it does: a reading in steps that stands has no noise.
     """
@@ -85,7 +85,7 @@ narrower band leaves hardly a row of them that is far enough from all reversals:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Sampling:
-    """How signals of T samples, `dt` apart, become R rows: finite symmetric low-pass, then every n-th sample."""
+    """Reduction of T samples, `dt` apart, to R rows: finite symmetric low-pass, then every n-th sample."""
 
     dt: float
     """Sample period of the recordings [s]."""
@@ -96,7 +96,7 @@ class Sampling:
 
     @classmethod
     def of(cls, dt: float, lengths: Sequence[int], cutoff: float | None = None) -> "Sampling":
-        """For motions of so many samples each: a given band [Hz], else the usual one or, if they are short, a wider."""
+        """Choose the band [Hz] for motions of `lengths` samples: the given, the usual, or a wider one if short."""
         limits = settings().sampling
         if cutoff is not None:
             return cls(dt=dt, n_samples=max(lengths), cutoff=cutoff)

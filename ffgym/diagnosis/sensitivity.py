@@ -1,4 +1,4 @@
-"""Columns of a regression: what one parameter of one effect on one joint changes in all that is compared.
+"""Sensitivities: change of all predictions by one parameter of one effect on one joint.
 
 Slopes of a stiffness hold as long as swings stay in phase: a spring that is a fifth softer swings at a frequency that
 is a tenth lower, and after five swings its slope points elsewhere. What a log shows of it is near that of a replay with
@@ -34,7 +34,7 @@ _TOGETHER = 24
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Sensitivity:
-    """Change of the predictions per unit of a parameter."""
+    """Sensitivity of all predictions to one parameter, per its unit."""
 
     effect: type[Effect]
     joint: str = ""
@@ -52,7 +52,7 @@ class Sensitivity:
 
 
 def compute_sensitivities(run: Replay, kinds: Iterable[type[Effect]], cycles: Cycles) -> list[Sensitivity]:
-    """Columns of effects along a nominal replay; the same effect, joint and choice stand together."""
+    """Compute sensitivities of effects along a nominal replay; the same effect, joint and choice stand together."""
     found: list[Sensitivity] = []
     waiting: list[tuple[Variant, str, Perturbation]] = []
 
@@ -78,7 +78,7 @@ def compute_sensitivities(run: Replay, kinds: Iterable[type[Effect]], cycles: Cy
 
 
 def _compute_without_springs(run: Replay, variant: Variant) -> list[tuple[str, Parts]] | None:
-    """Change by a variant that bends no springs of the arm, by joint; None if it bends them."""
+    """Compute the change by a variant that bends no springs of the arm, by joint; None if it bends them."""
     limits = settings().screening
     effect, log, joints = variant.effect, run.log, run.robot.joints
     if isinstance(effect, TrackerEffect):
@@ -110,7 +110,7 @@ def _compute_without_springs(run: Replay, variant: Variant) -> list[tuple[str, P
 def compute_machine_sensitivities(
     run: Replay, effects: Sequence[tuple[str, Effect]], parameter: str, step: float
 ) -> list[Sensitivity]:
-    """One column for each of several effects that act on the whole arm, per unit of `parameter`, `step` from null."""
+    """Compute sensitivities of effects that act on the whole arm, per unit of `parameter`, `step` from null."""
     found = []
     for (joint, effect), change in zip(effects, propagate(run, [perturb(run, one) for _, one in effects]), strict=True):
         parts = {key: values / step for key, values in change.items()}
@@ -119,7 +119,7 @@ def compute_machine_sensitivities(
 
 
 def _build_sensitivity(run: Replay, variant: Variant, joint: str, parts: Parts) -> Sensitivity:
-    """The column of a variant, per unit of its parameter."""
+    """Build the sensitivity of a variant, per unit of its parameter."""
     at = list(run.robot.joints).index(joint) if joint else None
     shape = {name: value if at is None or value.ndim == 0 else value[at] for name, value in variant.shape.items()}
     return Sensitivity(
@@ -135,7 +135,7 @@ def _build_sensitivity(run: Replay, variant: Variant, joint: str, parts: Parts) 
 
 
 def _compute_tracker_changes(run: Replay, variant: Variant) -> list[tuple[str, Parts]]:
-    """Change by an effect between the tool and its measurement, on each joint alone."""
+    """Compute the change by an effect between the tool and its measurement, on each joint alone."""
     joints = run.robot.joints
     every = run.log.sampling.stride  # what a tracker errs by changes no faster than the tool moves
     exact, found = predict_tracker(run, every=every), list[tuple[str, Parts]]()
@@ -151,7 +151,7 @@ def _compute_tracker_changes(run: Replay, variant: Variant) -> list[tuple[str, P
 
 
 def _list_perturbations(run: Replay, variant: Variant) -> list[tuple[str, Perturbation]]:
-    """Pushes on the arm, one per joint that has the effect, or one of the whole machine."""
+    """List perturbations of the arm, one per joint that has the effect, or one of the whole machine."""
     effect, joints = variant.effect, run.robot.joints
     if isinstance(effect, ResolverEffect):
         # wrong readings at all motors, which truly moved otherwise; what they ask of the links is left to each
@@ -168,7 +168,7 @@ def _list_perturbations(run: Replay, variant: Variant) -> list[tuple[str, Pertur
 
 
 def group_candidates(columns: Sequence[Sensitivity]) -> list[list[int]]:
-    """Places of columns that are one candidate: of one effect, joint and shape, and for a pair of one other joint."""
+    """Group columns that are one candidate, by place: one effect, joint and shape, and for a pair one other joint."""
     found: dict[tuple[type[Effect], str, int, int | None], list[int]] = {}
     for i, column in enumerate(columns):
         pair = column.effect.parameters()[column.parameter].per == "pair"
@@ -183,7 +183,7 @@ is less than a third of a turn away from that of one of them, after six swings."
 
 
 def compute_stiffness_sensitivities(run: Replay, joints: Iterable[int]) -> list[Sensitivity]:
-    """Columns of the springs of some `joints`, by their indices; each change is a candidate of its own."""
+    """Compute sensitivities of the springs of `joints` by replays; each change is a candidate of its own."""
     found = []
     for j in joints:
         for choice, change in enumerate(_CHANGES, start=1):

@@ -1,4 +1,4 @@
-r"""The session that tells rival causes apart, soonest, and how surely it would.
+r"""Design of the session that tells rival causes apart soonest, and of how surely it would.
 
 With the predictions of two causes d apart, each channel in units of its noise, the logarithm of the likelihood ratio
 has the expectation
@@ -45,15 +45,15 @@ class ForeseenSession:
     """Sums of two or more causes' predictions over planned motions, by motion."""
 
     gram: Array
-    """Of all columns: causes, calibration, numbers of the causes; shape (M, P, P)."""
+    """Gram matrices of all columns: causes, nuisance parameters, numbers of the causes; shape (M, P, P)."""
     n_causes: int
     sigma: Array
     """Prior of each column beyond the causes, shape (P - H,)."""
     owner: Array
-    """Cause of each of them, -1 for calibration, shape (P - H,)."""
+    """Cause of each of them, -1 for nuisance parameters, shape (P - H,)."""
 
     def ratio(self, motions: Sequence[int], right: int, wrong: int) -> float:
-        """Expected log-likelihood ratio of cause `right` to cause `wrong`, if it is right, from some motions."""
+        """Compute the expected log-likelihood ratio of cause `right` to cause `wrong` from some motions."""
         gram = self.gram[list(motions)].sum(axis=0)
         apart = np.zeros(len(gram))
         apart[right], apart[wrong] = 1.0, -1.0
@@ -73,7 +73,7 @@ def foresee(
     noise: Mapping[Channel, Array],
     prior: ParameterPrior,
 ) -> ForeseenSession:
-    """What causes would show along planned motions.
+    """Foresee what causes would show along planned motions.
 
     Args:
         log: of the motions as the nominal machine makes them, without noise.
@@ -118,7 +118,7 @@ def design_separating_motion(
     *,
     prior: ParameterPrior | None = None,
 ) -> SeparatingMotion | None:
-    """The session that tells causes apart with the largest log-likelihood ratio per second; None if none can.
+    """Design the session that tells causes apart with the largest log-likelihood ratio per second; None if none can.
 
     Sessions that the effects themselves advise are tried first, all others only if none of those is sure enough. The
     ratio is that of the two causes that are hardest to tell apart, whichever of them is right.
@@ -156,7 +156,7 @@ def design_separating_motion(
 
 
 def _plan(arm: RigidArm, some: Sequence[SessionProposal]) -> list[tuple[SessionProposal, list[SessionMotion]]]:
-    """Proposals that the robot can make, that do not take too long, and of which one motion can check another."""
+    """Plan the proposals that the robot can make in the time allowed, and of which one motion can check another."""
     found = []
     for proposal in some:
         try:
@@ -179,7 +179,7 @@ def _choose_best(
     noise: Mapping[Channel, Array],
     prior: ParameterPrior,
 ) -> SeparatingMotion | None:
-    """The fastest of the sessions that are sure; None if none is."""
+    """Choose the fastest of the sessions that are sure; None if none is."""
     # names of motions must differ from those of other sessions
     limits = settings().rivals
     motions = [
@@ -221,7 +221,7 @@ def _choose_best(
 def propose_next_motion(
     found: SearchResult, nominal: Machine, floor: Mapping[Channel, Array], prior: ParameterPrior
 ) -> SeparatingMotion | None:
-    """The session that would tell the first tied causes apart; None if none are tied, or no session is sure to.
+    """Propose the session that would tell the first tied causes apart; None without ties, or if no session is sure to.
 
     Args:
         found: has the rivals as they were fitted, and says which of them are tied.
@@ -243,7 +243,7 @@ def propose_next_motion(
 
 
 def _list_tied(found: SearchResult) -> list[Sequence[Hypothesis]]:
-    """Causes, each with those that tie with it."""
+    """List causes, each with those that tie with it."""
     causes = (*found.final.fit.hypotheses, *found.unsure)
     groups: list[Sequence[Hypothesis]] = []
     for one in found.rounds:

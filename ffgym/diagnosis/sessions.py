@@ -23,25 +23,25 @@ class SessionProposal:
     """Each with `protocol` and settings of that protocol."""
 
     def protocols(self) -> list[Protocol]:
-        """What is recorded."""
+        """List the protocols of its motions."""
         settings = [dict(step) for step in self.steps]
         return [PROTOCOLS[step.pop("protocol")].parse(step) for step in settings]
 
     def toml(self) -> str:
-        """The session as a protocol file."""
+        """Write the session as a protocol file."""
         lines = [f"# {self.name}: {self.why}"]
         for step in self.steps:
             lines += ["", "[[step]]", *(f"{name} = {toml_value(value)}" for name, value in step.items())]
         return "\n".join(lines) + "\n"
 
     def is_advised(self, kinds: Sequence[type[Effect]]) -> bool:
-        """Whether one of the effects names one of its protocols as what tells it from its like."""
+        """Tell whether an effect names one of its protocols to separate it from similar effects."""
         advised = {protocol for kind in kinds for protocol in kind.separating_motions}
         return any(step["protocol"] in advised for step in self.steps)
 
 
 def propose_sessions(robot: RobotDescription, joints: Sequence[str]) -> list[SessionProposal]:
-    """Sessions that move some joints of a robot, or all of them if none is named; each step has another regime."""
+    """Propose sessions that move some joints of a robot, or all if none is named; each step has another regime."""
     text = (resources.files("ffgym.diagnosis") / "sessions.toml").read_text(encoding="utf-8")
     on = {"joints": list(joints)} if joints else {}
     found = []

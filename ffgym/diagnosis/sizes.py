@@ -26,7 +26,7 @@ from ffgym.robot import RobotDescription
 def compute_levels(
     problem: FitProblem, before: Mapping[Channel, Array], after: Mapping[Channel, Array], floor: Mapping[Channel, Array]
 ) -> tuple[Level, ...]:
-    """RMS of every component that is judged, of residuals (R, M, C) before and after, beside the noise floor (M, C)."""
+    """Compute RMS of every judged component, of residuals (R, M, C) before and after, beside the noise floor (M, C)."""
     counting, measured = find_counting_rows(problem.log), filter_measured(problem.log)
     listed = []
     for channel in before:
@@ -50,7 +50,7 @@ def compute_levels(
 
 
 def _compute_rms(rows: Array, valid: BoolArray) -> float:
-    """RMS over rows that count."""
+    """Compute the RMS over rows that count."""
     return rms(np.broadcast_to(rows, valid.shape)[valid])
 
 
@@ -65,7 +65,7 @@ class HeldOutGain:
 
 
 def compute_held_out_gain(problem: FitProblem, nominal: Fit, found: Fit, prior: ParameterPrior) -> HeldOutGain | None:
-    """Residuals of both models on motions that were left out of the fit; None if none could be written."""
+    """Compute residuals of both models on motions that were left out of the fit; None if no model could be written."""
     before = {channel: rows.copy() for channel, rows in nominal.residual.items()}
     after = {channel: rows.copy() for channel, rows in nominal.residual.items()}
     # groups of motions are left out in turn, or halves of a single one
@@ -91,7 +91,7 @@ def compute_held_out_gain(problem: FitProblem, nominal: Fit, found: Fit, prior: 
 
 
 def _compute_energy(problem: FitProblem, residual: Mapping[Channel, Array]) -> float:
-    """Of rows that are of blocks, in units of the noise."""
+    """Compute the energy of rows that are of blocks, in units of the noise."""
     inside = problem.blocks.of_row >= 0
     return sum(
         float(np.sum((np.broadcast_to(weight, inside.shape) * residual[channel][:, :, c])[inside] ** 2))
@@ -108,7 +108,7 @@ _DOWN_UP = np.array([-1.0, 1.0])
 def list_causes(
     fit: Fit, gains: tuple[float, ...], prior: ParameterPrior, rng: np.random.Generator
 ) -> tuple[Cause, ...]:
-    """Causes of a fit, in order, with the share of energy that each removes.
+    """List causes of a fit, in order, with sizes, intervals and the share of energy that each explains.
 
     A size that is a share of a nominal number is no better known than that number, and a time by which torque is late
     no better than the instant of the torque within its row.
@@ -168,18 +168,18 @@ def is_there(cause: Cause) -> bool:
 
 
 def _name_number(hypothesis: Hypothesis, free: FreeParameter, robot: RobotDescription) -> str:
-    """Name of a number: its parameter's, with the axis of a vector or the other joint of a pair behind a dot."""
+    """Name a number by its parameter, with the axis of a vector or the other joint of a pair behind a dot."""
     if free.part is not None:
         return f"{free.name}.{'xyz'[free.part]}"
     return free.name if hypothesis.source is None else f"{free.name}.{robot.joints[hypothesis.source]}"
 
 
 def _bootstrap(fit: Fit, rng: np.random.Generator) -> Array:
-    """Changes of all free numbers, in practical steps, shape (B, P).
+    """Resample changes of all free numbers, in practical steps, shape (B, P).
 
-    Blocks of rows are resampled for what noise and motions leave open, and calibration errors drawn for what nobody
-    knows of the nominal numbers, which a size is relative to; all stay within their bounds, as in the fit. What a step
-    from all rows would change is taken off: the fit has been there, and stayed.
+    Blocks of rows are resampled for what noise and motions leave open, and nuisance parameters drawn for what is
+    unknown of the nominal numbers, which a size is relative to; all stay within their bounds, as in the fit. What a
+    step from all rows would change is taken off: the fit has been there, and stayed.
     """
     gram, moment, priors = fit.equations.gram, fit.equations.moment[:, :, 0], fit.priors
     n, nuisances = len(gram), fit.n_nuisances

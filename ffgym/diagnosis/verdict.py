@@ -22,16 +22,16 @@ class ReasonedVerdict:
 
     verdict: Verdict
     gains: tuple[float, ...]
-    """Of each cause: share of the energy above the noise that it removes from what was left out."""
+    """Share of the energy above the noise that each cause explains on held-out rows."""
     removed: float
-    """Share that all causes remove together."""
+    """Share of the energy above the noise that all causes explain together."""
     stretched: tuple[str, ...]
     """Shapes at the end of their plausible range, such as 'time of dwell_stiction on j5': they may stand for something
     else."""
 
 
 def judge(problem: FitProblem, found: SearchResult, loud_before: Loudness, loud_after: Loudness) -> ReasonedVerdict:
-    """What a search comes to.
+    """Judge the result of a search.
 
     Args:
         problem: the log.
@@ -63,7 +63,7 @@ def judge(problem: FitProblem, found: SearchResult, loud_before: Loudness, loud_
 
 
 def _is_explained(before: Loudness, after: Loudness) -> bool:
-    """Whether no component is left with something that no cause explains."""
+    """Tell whether every component is quiet or mostly explained by the causes."""
     return all(
         after[key] <= settings().significance.quiet
         or before[key] - after[key] >= settings().verdict.named * (before[key] - 1.0)
@@ -72,12 +72,12 @@ def _is_explained(before: Loudness, after: Loudness) -> bool:
 
 
 def name_shapes_at_limit(problem: FitProblem, fit: Fit) -> tuple[str, ...]:
-    """Shapes of causes that the fit has moved to the end of their plausible range, such as 'time of cogging on j1'."""
+    """Name shapes that the fit has moved to the end of their plausible range, such as 'time of cogging on j1'."""
     return tuple(f"{name} of {hypothesis.label}" for hypothesis, name in find_shapes_at_limit(problem, fit))
 
 
 def list_blind_rivals(causes: Sequence[Hypothesis], not_judgeable: Sequence[UnjudgedEffect]) -> tuple[Rival, ...]:
-    """Of causes that vary over a session, the effects that vary with what the log does not show and look alike."""
+    """List rivals that the log cannot show: similar effects that vary over a session with a quantity that it lacks."""
     unseen = [(kind, one.reason) for one in not_judgeable if (kind := EFFECTS[one.effect]).varies_with]
     return tuple(
         Rival(
@@ -95,12 +95,12 @@ def list_blind_rivals(causes: Sequence[Hypothesis], not_judgeable: Sequence[Unju
 
 
 def weaken_for_blind_rivals(judged: ReasonedVerdict, rivals: Sequence[Rival]) -> ReasonedVerdict:
-    """The verdict where there are such rivals: nothing that has one is named without reserve."""
+    """Weaken a verdict that has such rivals: no cause that has one is named without reserve."""
     return replace(judged, verdict="ambiguous") if rivals and judged.verdict == "named" else judged
 
 
 def select_reported(judged: ReasonedVerdict, rivals: Sequence[Rival]) -> Sequence[Rival]:
-    """Those of such rivals that belong to a verdict: of one that names causes, all."""
+    """Select rivals that are reported: all for a verdict with causes and reserve, none for others."""
     return rivals if judged.verdict in ("ambiguous", "partly") else ()
 
 
@@ -111,7 +111,7 @@ def write_sentence(
     patterns: Sequence[Pattern],
     robot: RobotDescription,
 ) -> str:
-    """What a diagnosis says, in one sentence."""
+    """Write the verdict in one sentence."""
     tied = [rival for rival in rivals if rival.tied]
     instead = [rival for rival in tied if rival.against in {cause.label for cause in causes}]
     left = "; ".join(_select_strongest(patterns))
@@ -140,7 +140,7 @@ def write_sentence(
 
 
 def _select_strongest(patterns: Sequence[Pattern]) -> list[str]:
-    """The strongest pattern of each of the first few components that have one, and those that explain as much."""
+    """Select the strongest pattern of each of the first few components, and those that explain as much."""
     limits = settings().verdict
     first: dict[tuple[str, str], Pattern] = {}
     for pattern in patterns:
@@ -156,6 +156,6 @@ def _select_strongest(patterns: Sequence[Pattern]) -> list[str]:
 
 
 def _join_names(rivals: Sequence[Rival]) -> str:
-    """Each effect on its joint once."""
+    """Join the names of effects, each on its joint once."""
     effects = [(rival.effect.replace("_", " "), rival.joint) for rival in rivals]
     return " or ".join(dict.fromkeys(f"{effect} of {joint}" if joint else effect for effect, joint in effects))

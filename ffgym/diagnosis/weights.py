@@ -1,4 +1,4 @@
-"""What of a residual counts as noise: torque that no replay can know, rows that stand out, a swing at the start.
+"""Weights of rows: torque that no replay can know, outliers, and a swing at the start count as noise.
 
 Bristles that are not yet torn off follow ways of a few micrometres. Four things keep those from being known: the noise
 of a motor that stands, in whose band it may have moved; what a motion has above the band that it was read in, as where
@@ -41,7 +41,7 @@ from ffgym.recordings import Recording
 
 
 def estimate_unknown_torque(run: Replay, bias: Mapping[Channel, Array]) -> Array:
-    """Torque that may be there or not, unsigned, at rows (R, M, N), motor side [N m].
+    """Estimate torque that no replay can know, unsigned, at rows (R, M, N), motor side [N m].
 
     The `bias` (R, M, C) is what the replay does wrong along a motion that is made up between the samples.
     """
@@ -69,7 +69,7 @@ def estimate_unknown_torque(run: Replay, bias: Mapping[Channel, Array]) -> Array
 
 
 def _compute_friction(run: Replay, angle: Array, band: Array, load: float = 0.0) -> Array:
-    """Friction (T, M, N) if motors had moved so, to a half-width (N,) of what is taken for standing, [N m].
+    """Compute friction (T, M, N) [N m] of a motion, with a half-width (N,) of the band that is taken for standing.
 
     Bristles begin with a `load`, as a share of what tears them off.
     """
@@ -79,7 +79,7 @@ def _compute_friction(run: Replay, angle: Array, band: Array, load: float = 0.0)
 
 
 def downweight(weights: Values, unknown: Mapping[Channel, Array]) -> Values:
-    """Weights (R, M) by component under which what is unknown (R, M, C), signed or not, counts as noise.
+    """Lower weights (R, M) by component so that what is unknown (R, M, C), signed or not, counts as noise.
 
     Weights are one over the noise of each row, 0 for rows that do not count; (M,) or (R, M).
     """
@@ -94,7 +94,7 @@ def downweight(weights: Values, unknown: Mapping[Channel, Array]) -> Values:
 
 
 def estimate_misread_friction(exact: Sequence[Recording], clean: Log, run: Replay, step: Array) -> Array:
-    """Friction in a replay of noisy readings beyond that of exact ones, mean at rows (R, M, N), motor side [N m].
+    """Estimate mean friction of noisy readings beyond that of clean ones, at rows (R, M, N), motor side [N m].
 
     The noise is that of the band in which a log's reading moves, so that logs with one band have one mean: `exact`
     recordings of the nominal machine over its own motion, the same as a `clean` log with the band of the log that is
@@ -119,7 +119,7 @@ _NORMAL = 1.4826
 
 
 def bound_outliers(weights: Values, residual: Mapping[Channel, Array]) -> Values:
-    """Weights (R, M) by component under which no row of a residual (R, M, C) stands out from a misfit everywhere."""
+    """Bound weights (R, M) so that no row of a residual (R, M, C) stands out from a misfit everywhere (Huber)."""
     limits = settings().noise
     found = dict(weights)
     for (channel, c), weight in weights.items():

@@ -111,7 +111,7 @@ def test_logs_to_validate_with_are_looked_at_before_long_work(logs, tmp_path, ca
     columns = {name: values for name, values in whole.columns.items() if not name.startswith("motor.effort")}
     write_recording(Recording(columns, whole.header), tmp_path / "other.npz")
     assert main(["diagnose", str(logs), "--robot", "one_axis", "--validate", str(tmp_path / "other.npz")]) == 1
-    (line,) = capsys.readouterr().err.splitlines()  # no first look before it
+    (line,) = capsys.readouterr().err.splitlines()  # no preview before it
     assert "motor.effort" in line
 
 
@@ -135,7 +135,7 @@ def test_a_hidden_cause_is_named_and_written_with_its_machine(logs, tmp_path, ca
     assert "cogging of j1" in told.out
     assert "not judgeable: joint stiffness" in told.out
     assert f"--robot {out / 'extended.toml'}" in told.out
-    assert told.err.startswith("First look")
+    assert told.err.startswith("Preview")
     assert sorted(path.name for path in out.iterdir()) == ["diagnosis.json", "extended.toml", "report.html"]
     effects = {effect.name: effect for effect in load_machine(out / "extended.toml").effects}
     assert set(effects) <= {"cogging", "torque_offset"}  # a zero point is a number, fitted beside the cause

@@ -50,7 +50,7 @@ def cases():
         sizes = [p.name for p in kind.parameters().values() if p.role == "size"]
         yield pytest.param(one, id=kind.name)
         for size in sizes if len(sizes) > 1 else ():
-            yield pytest.param(one.without(size), id=f"{kind.name} without {size}")
+            yield pytest.param(one.fix_at_null(size), id=f"{kind.name} without {size}")
 
 
 @pytest.mark.parametrize("one", list(cases()))

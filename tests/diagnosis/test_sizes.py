@@ -72,7 +72,7 @@ def test_a_size_that_stays_at_null_is_told_without_an_interval_and_the_extended_
     values = {"viscous": 0.02, "scale": 25.0, "coulomb": -0.005, "breakaway": 0.001, "reference": 20.0}
     full = {name: np.array(value) for name, value in values.items()}
     kind, joint = EFFECTS["temperature_friction"], one_axis.joints[0]
-    slim = Hypothesis(kind=kind, joint=joint, source=None, values=full).without("viscous").without("breakaway")
+    slim = Hypothesis(kind=kind, joint=joint, source=None, values=full).fix_at_null("viscous").fix_at_null("breakaway")
     n = len(slim.list_free())
     fit = SimpleNamespace(
         hypotheses=(slim,),

@@ -1,1 +1,1 @@
-"""From a candidate that explains to an effect with sizes."""
+"""Nonlinear fit of hypotheses to a log by replaying the machine that they make."""

@@ -1,4 +1,4 @@
-"""Hypotheses with the values that they have: what their machine predicts, and what that leaves."""
+"""Evaluation of hypotheses: replay of their machine, residuals, tangents, and the variance that they explain."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -25,7 +25,7 @@ _FAR = 3.0
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Trial:
-    """Hypotheses with the values that they have, replayed."""
+    """Hypotheses with fixed values, replayed."""
 
     numbers: Machine
     """The machine without them: the nominal one, or with other numbers."""
@@ -34,7 +34,7 @@ class Trial:
     residual: Mapping[Channel, Array]
     """Measured minus predicted, (R, M, C)."""
     left: float
-    """Energy that calibration and hypotheses leave, of all rows."""
+    """Residual sum of squares beside nuisance parameters, with their prior, in units of noise."""
 
     @property
     def machine(self) -> Machine:
@@ -44,17 +44,17 @@ class Trial:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Fit(Trial):
-    """Hypotheses as the log has them; calibration is not taken off the residual."""
+    """Replayed hypotheses with tangents; nuisance parameters are not taken off the residual."""
 
     columns: tuple[Parts, ...]
     """Tangents of all free numbers, per practical step, in the order of the hypotheses."""
     equations: NormalEquations
-    """Of calibration columns, then tangents."""
+    """Normal equations of columns of nuisance parameters, then tangents."""
     priors: Priors
 
     @property
     def n_nuisances(self) -> int:
-        """Columns of the calibration."""
+        """Number of columns of nuisance parameters, which come first."""
         return len(self.priors.low) - len(self.columns)
 
     @property
@@ -69,7 +69,7 @@ class Fit(Trial):
         return np.concatenate([np.arange(self.n_nuisances), self.n_nuisances + np.array(kept, dtype=np.intp)])
 
     def find_tangents(self, hypothesis: Hypothesis) -> tuple[Parts, ...]:
-        """Columns of a hypothesis, whatever values it has; none if it is not among these."""
+        """Find the columns of a hypothesis, whatever its values; empty if it is not among these."""
         at = 0
         for own in self.hypotheses:
             n = len(own.list_free())
@@ -82,9 +82,9 @@ class Fit(Trial):
 def replay_hypotheses(
     problem: FitProblem, hypotheses: Sequence[Hypothesis], numbers: Machine | None = None, beside: Replay | None = None
 ) -> Trial | None:
-    """Replay a machine, of the setting or with other `numbers`, with all hypotheses; None if no machine can be so.
+    """Replay the nominal machine, or one with other `numbers`, with all hypotheses; None if it cannot exist.
 
-    Nor if what it does cannot be computed. For `beside` see `replay`.
+    None, too, if its motion cannot be computed. `beside` is passed on to `replay`.
     """
     numbers = numbers or problem.nominal
     machine = build_machine(numbers, hypotheses)
@@ -113,7 +113,7 @@ def replay_hypotheses(
 
 
 def evaluate(problem: FitProblem, hypotheses: Sequence[Hypothesis], like: Fit | None = None) -> Fit:
-    """Hypotheses with the values that they have: replay, residual, tangents, and what calibration can still do."""
+    """Evaluate hypotheses at the values that they have: replay, residual, tangents and normal equations."""
     tried = replay_hypotheses(problem, hypotheses)
     if tried is None:
         raise FFGymError(f"No machine can have {', '.join(h.label for h in hypotheses)} with these values.")
@@ -121,7 +121,7 @@ def evaluate(problem: FitProblem, hypotheses: Sequence[Hypothesis], like: Fit | 
 
 
 def add_tangents(problem: FitProblem, tried: Trial, like: Fit | None) -> Fit:
-    """What was replayed, with columns for all numbers; but for the newest hypothesis those that `like` has serve."""
+    """Add tangents of all numbers to a trial; a fit `like` it serves for all but the newest hypothesis."""
     known = {i: of for i, h in enumerate(tried.hypotheses[:-1]) if like is not None and (of := like.find_tangents(h))}
     columns = compute_tangents(tried.run, problem.nominal, tried.hypotheses, known) if tried.hypotheses else []
     if not all(np.isfinite(rows).all() for column in columns for rows in column.values()):
@@ -135,13 +135,13 @@ def add_tangents(problem: FitProblem, tried: Trial, like: Fit | None) -> Fit:
 
 
 def compute_rss(problem: FitProblem, hypotheses: Sequence[Hypothesis]) -> float:
-    """Energy that calibration and hypotheses with the values that they have leave, of all rows; inf if none can."""
+    """Compute the residual sum of squares, in units of noise; inf if no machine can be so."""
     tried = replay_hypotheses(problem, hypotheses)
     return np.inf if tried is None else tried.left
 
 
 def build_priors(problem: FitProblem, hypotheses: Sequence[Hypothesis]) -> Priors:
-    """Calibration in standard deviations; changes of free numbers in practical steps, within their bounds."""
+    """Build priors of nuisance parameters (standard deviations) and of free numbers (practical steps)."""
     known = problem.nuisance_priors(hypotheses)
     free = [number for hypothesis in hypotheses for number in hypothesis.list_free()]
     low = [max(-_FAR, (number.low - number.value) / number.step) for number in free]
@@ -158,9 +158,10 @@ Loudness = Mapping[tuple[Channel, int], float]
 
 
 def subtract_nuisances(problem: FitProblem, fit: Fit) -> dict[Channel, Array]:
-    """Residuals (R, M, C) of a fit, less what calibration errors within their bounds explain.
+    """Subtract from the residuals (R, M, C) of a fit what nuisance parameters within their bounds explain.
 
-    Of the hypotheses as they are: beside steps that they did not take, calibration would explain something else.
+    Hypotheses stay as they are: beside steps that they did not take, the nuisance parameters would explain something
+    else.
     """
     sizes = solve(fit.equations, np.arange(fit.n_nuisances), fit.priors)
     rest = {channel: rows.copy() for channel, rows in fit.residual.items()}
@@ -172,7 +173,7 @@ def subtract_nuisances(problem: FitProblem, fit: Fit) -> dict[Channel, Array]:
 
 
 def loudness(problem: FitProblem, rest: Mapping[Channel, Array]) -> Loudness:
-    """Energy of a residual over that of noise alone, by component."""
+    """Compute the energy of a residual over that of noise alone, by component."""
     valid = find_valid_rows(problem.log).astype(np.float64)
     found = {}
     for channel, rows in rest.items():
@@ -182,18 +183,18 @@ def loudness(problem: FitProblem, rest: Mapping[Channel, Array]) -> Loudness:
 
 
 def compute_row_energy(rows: Array, weight: Array) -> float:
-    """Weighted energy (R, M) per row that counts."""
+    """Compute the weighted energy of (R, M) per row that counts."""
     weight = np.broadcast_to(weight, rows.shape)
     return float(np.sum((rows * weight) ** 2)) / max(int(np.count_nonzero(weight)), 1)
 
 
 def compute_excess(problem: FitProblem, fit: Fit) -> float:
-    """Largest energy above that of noise of any component, as a share of that."""
+    """Compute the largest energy of any component above that of noise, as a share of that of noise."""
     return max(loudness(problem, subtract_nuisances(problem, fit)).values()) - 1.0
 
 
 def find_touched(problem: FitProblem, columns: list[Parts], *, by_channel: bool = False) -> set[tuple[Channel, int]]:
-    """Components in which columns have energy that counts: of all, or of what they have in the same channel."""
+    """Find components in which columns have a notable share of their energy, in all or within the same channel."""
     energy: dict[tuple[Channel, int], float] = {}
     for column in columns:
         for key, rows in column.items():
@@ -206,7 +207,7 @@ def find_touched(problem: FitProblem, columns: list[Parts], *, by_channel: bool 
 
 @dataclass(frozen=True, kw_only=True)
 class ExplainedVariance:
-    """What is no longer there in some components."""
+    """Variance that a cause explains in some components, as shares of energy."""
 
     of_excess: float
     """Share of the energy above the noise, which is no more than what is left."""
@@ -223,7 +224,7 @@ class ExplainedVariance:
 def compute_explained(
     before: Loudness, after: Loudness, where: set[tuple[Channel, int]], allowed: Loudness | None = None
 ) -> ExplainedVariance:
-    """What a cause removes from components `where`, beyond what is `allowed` for in each of them.
+    """Compute the variance that a cause explains in components `where`, beyond what is `allowed` for in each of them.
 
     Components in which no more is left than that say nothing of it, unless none says more.
     """

@@ -1,4 +1,4 @@
-"""An effect on a joint with values for all its parameters: what a diagnosis tries, fits and names."""
+"""Hypothesis: an effect on a joint with values for all its parameters, which is tried, fitted and named."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -41,7 +41,7 @@ class FreeParameter:
 
 
 def _find_span(p: Parameter, value: float) -> tuple[float, float, float]:
-    """Practical step, lowest and highest value of a number."""
+    """Find the practical step and the lowest and highest value of a number."""
     if p.role == "size":
         return abs(compute_step(p)), p.minimum, p.maximum
     if p.role == "phase":
@@ -83,11 +83,11 @@ class Hypothesis:
 
     @property
     def place(self) -> HypothesisKey:
-        """What tells it from other hypotheses, whatever its values."""
+        """Key that tells it from other hypotheses, whatever its values: effect, joint, and joint that causes it."""
         return self.kind.name, self.joint, self.source
 
     def repeats(self, known: "Hypothesis") -> bool:
-        """Whether it is `known` once more: a wave of another frequency is not."""
+        """Tell whether it is the same as `known`; a wave of another frequency is not."""
         if self.place != known.place:
             return False
         cycles = [name for name, p in self.kind.parameters().items() if p.role == "cycles"]
@@ -96,7 +96,7 @@ class Hypothesis:
         )
 
     def is_among(self, others: "Iterable[Hypothesis]") -> bool:
-        """Whether it is one of others once more."""
+        """Tell whether it is the same as one of the others."""
         return any(self.repeats(other) for other in others)
 
     @property
@@ -120,7 +120,7 @@ class Hypothesis:
         return any(p.role == "size" and _widths_beyond(p, value) > settings().search.unphysical for p, value in shares)
 
     def effect(self, robot: RobotDescription) -> Effect:
-        """The effect, on its joint alone."""
+        """Build the effect, on its joint alone."""
         known = self.kind.parameters()
         full: dict[str, Any] = {}
         for name, value in self.values.items():
@@ -138,7 +138,7 @@ class Hypothesis:
         return self.kind(**full)
 
     def on(self, machine: Machine) -> Machine:
-        """The machine with the effect."""
+        """Add the effect to a machine."""
         return replace(machine, effects=(*machine.effects, self.effect(machine.robot)))
 
     def list_free(self) -> list[FreeParameter]:
@@ -164,21 +164,21 @@ class Hypothesis:
         sizes = [name for name in self.values if known[name].role == "size"]
         return all(bool(np.all(self.values[name] == known[name].neutral)) for name in sizes)
 
-    def without(self, size: str) -> Self:
-        """With one size at its null value for good."""
+    def fix_at_null(self, size: str) -> Self:
+        """Fix one size at its null value for good."""
         neutral = np.full_like(self.values[size], self.kind.parameters()[size].neutral)
         return replace(self, values={**self.values, size: neutral}, null=self.null | {size})
 
-    def scaled(self, factor: float) -> Self:
-        """With all sizes as many times as far from their null values."""
+    def scale(self, factor: float) -> Self:
+        """Scale the distances of all sizes from their null values."""
         values = dict(self.values)
         for name, p in self.kind.parameters().items():
             if name in values and p.role == "size":
                 values[name] = np.clip(p.neutral + factor * (values[name] - p.neutral), p.minimum, p.maximum)
         return replace(self, values=values)
 
-    def moved(self, changes: Sequence[float]) -> Self:
-        """With each free number changed, within its bounds."""
+    def move(self, changes: Sequence[float]) -> Self:
+        """Change each free number, within its bounds."""
         values = {name: np.array(value, dtype=np.float64) for name, value in self.values.items()}
         for free, change in zip(self.list_free(), changes, strict=True):
             new = float(np.clip(free.value + change, free.low, free.high))
@@ -190,28 +190,28 @@ class Hypothesis:
 
 
 def _widths_beyond(p: Parameter, value: Array) -> float:
-    """Widths of its plausible range by which a number lies beyond it; negative inside."""
+    """Count widths of its plausible range by which a number lies beyond it; negative inside."""
     beyond = max(float(np.max(value)) - p.high, p.low - float(np.min(value)))
     return beyond / (p.high - p.low)
 
 
 def move_hypotheses(hypotheses: Sequence[Hypothesis], steps: Array) -> tuple[Hypothesis, ...]:
-    """All hypotheses with their free numbers changed by so many practical steps, within their bounds."""
+    """Move free numbers of all hypotheses by practical steps, within their bounds."""
     found, at = [], 0
     for hypothesis in hypotheses:
         free = hypothesis.list_free()
-        found.append(hypothesis.moved([float(x) * f.step for x, f in zip(steps[at:], free, strict=False)]))
+        found.append(hypothesis.move([float(x) * f.step for x, f in zip(steps[at:], free, strict=False)]))
         at += len(free)
     return tuple(found)
 
 
 def build_machine(nominal: Machine, hypotheses: Sequence[Hypothesis]) -> Machine | None:
-    """The machine that has all hypotheses; None if none can be so, e.g. with less breakaway than Coulomb torque."""
+    """Build the machine with all hypotheses; None if it cannot exist, e.g. with less breakaway than Coulomb torque."""
     return exchange_effects(nominal, [*nominal.effects, *(h.effect(nominal.robot) for h in hypotheses)])
 
 
 def exchange_effects(like: Machine, effects: Sequence[Effect]) -> Machine | None:
-    """The same robot with other effects; None if it cannot be so."""
+    """Exchange the effects of a machine; None if it cannot exist."""
     try:
         machine = replace(like, effects=tuple(effects))
         _ = machine.physical

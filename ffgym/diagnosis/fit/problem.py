@@ -1,4 +1,8 @@
-"""What all fits of a diagnosis share, and how predictions change with each number that is fitted."""
+"""Problem that all fits of a diagnosis share, and tangents: changes of predictions by each number that is fitted.
+
+The problem is a log with weights and blocks, its nominal replay and bias, and nuisance parameters with their columns.
+Tangents are differences of replays to first order: only what an exchange of effects changes is computed anew.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -44,24 +48,24 @@ class FitProblem:
     blocks: TimeBlocks
     weights: Values
     nuisance_columns: Sequence[Parts]
-    """Columns per standard deviation."""
+    """Columns of nuisance parameters, per standard deviation."""
     nuisances: tuple[NuisanceParameter, ...]
-    """What those columns are."""
+    """Nuisance parameters of those columns."""
     like: Replay
     """Nominal replay of the log, whose parts serve other replays."""
     bias: Mapping[Channel, Array]
-    """What replay and simulation of one model differ by, (R, M, C): steps of time; taken off every residual."""
+    """Difference of replay and simulation of one model, (R, M, C), by steps of time; taken off every residual."""
     floor: Mapping[Channel, Array] = field(default_factory=dict)
-    """RMS of noise alone, (M, C), without what single rows are doubted by; empty where nobody asks."""
+    """RMS of noise alone, (M, C), without uncertainty of single rows; empty where it is not needed."""
     described: Mapping[tuple[Channel, int], float] = field(default_factory=dict)
     """Energy over that of noise, by component, that the model as described leaves, where this one has other numbers."""
 
     def inexact(self, component: tuple[Channel, int]) -> float:
-        """Energy over that of noise that other numbers may leave of what they explain: they are fitted by steps."""
+        """Compute the energy over noise that fitted numbers may leave: they are fitted in steps."""
         return settings().search.inexact_numbers * max(self.described.get(component, 1.0) - 1.0, 0.0)
 
     def certain(self, component: tuple[Channel, int]) -> float:
-        """Share of the energy of noise of a component that is not doubt of single rows, from 0 to 1."""
+        """Compute the share of a component's noise energy that is not uncertainty of single rows, from 0 to 1."""
         channel, c = component
         if channel not in self.floor:
             return 1.0
@@ -71,9 +75,9 @@ class FitProblem:
         return float(np.mean(certain)) if len(certain) else 0.0
 
     def nuisance_priors(self, hypotheses: Sequence[Hypothesis] = ()) -> Priors:
-        """Priors of the calibration's columns beside hypotheses, in standard deviations.
+        """Build priors of nuisance parameters beside hypotheses, in standard deviations.
 
-        A number that is a cause is no calibration error beside it: it is one number, with one prior.
+        A nuisance parameter that is a number of a cause is held: it is one number, with one prior.
         """
         if not self.nuisances:
             bound = np.full(len(self.nuisance_columns), settings().prior.bound)
@@ -87,7 +91,7 @@ class FitProblem:
         return Priors(precision=np.ones(len(low)), low=low, high=high)
 
     def as_described(self, hypotheses: Sequence[Hypothesis]) -> tuple[Hypothesis, ...]:
-        """Hypotheses of the machine as it is described: a number that is one differs by all that it differs by."""
+        """Refer hypotheses to the machine as it is described: add what its numbers were moved by before."""
         n, found = self.log.robot.n_joints, []
         for one in hypotheses:
             values = dict(one.values)
@@ -102,18 +106,18 @@ class FitProblem:
 
     @cached_property
     def design(self) -> DesignMatrix:
-        """The calibration's columns, weighted."""
+        """Design matrix of the nuisance parameters, weighted."""
         return build_design_matrix(self.blocks, self.nuisance_columns, self.weights)
 
     def with_bias(self, bias: Mapping[Channel, Array]) -> Self:
-        """Return the setting with another bias and the same stack, which depends on none and is large."""
+        """Exchange the bias and keep the design matrix, which does not depend on it and is large."""
         other = replace(self, bias=bias)
         other.__dict__["design"] = self.design
         return other
 
 
 def is_parameter_of(nuisance: NuisanceParameter, hypothesis: Hypothesis, n_joints: int) -> bool:
-    """Whether a hypothesis has the number that a calibration error is of."""
+    """Tell whether a nuisance parameter is a number of a hypothesis."""
     column = nuisance.column
     if column.effect is RowOffset:
         return is_row_offset(hypothesis.kind, n_joints)
@@ -122,12 +126,12 @@ def is_parameter_of(nuisance: NuisanceParameter, hypothesis: Hypothesis, n_joint
 
 
 def split_components(residual: Mapping[Channel, Array]) -> Values:
-    """Residuals (R, M, C) by component, (R, M, 1) each."""
+    """Split residuals (R, M, C) by component, (R, M, 1) each."""
     return {(channel, k): rows[..., k : k + 1] for channel, rows in residual.items() for k in range(rows.shape[2])}
 
 
 def compute_exchange_changes(run: Replay, machines: Sequence[Machine]) -> list[Parts]:
-    """Change of all predictions for each of several machines in place of that of the replay."""
+    """Compute the change of all predictions for each of several machines in place of that of the replay."""
     known: dict[TorqueEffect, Perturbation] = {}
     pushes = [_perturb_exchange(run, machine, known) for machine in machines]
     found: list[Parts] = []
@@ -156,13 +160,13 @@ def compute_exchange_changes(run: Replay, machines: Sequence[Machine]) -> list[P
 
 
 def _list_exchange(before: Machine, after: Machine) -> tuple[list[Effect], list[Effect]]:
-    """Effects that go, and effects that come."""
+    """List effects that go, and effects that come."""
     gone = [effect for effect in before.effects if effect not in after.effects]
     return gone, [effect for effect in after.effects if effect not in before.effects]
 
 
 def _perturb_exchange(run: Replay, machine: Machine, known: dict[TorqueEffect, Perturbation]) -> Perturbation:
-    """What the exchange adds to the balance of torques; `known` are pushes of effects, computed once."""
+    """Compute the perturbation by an exchange of machines; perturbations of effects are kept in `known`."""
     gone, come = _list_exchange(run.machine, machine)
     total = Perturbation()
     if any(isinstance(effect, NativeEffect) for effect in (*gone, *come)):
@@ -184,7 +188,7 @@ def _perturb_exchange(run: Replay, machine: Machine, known: dict[TorqueEffect, P
 def compute_tangents(
     run: Replay, before: Machine, hypotheses: Sequence[Hypothesis], known: Mapping[int, Sequence[Parts]] | None = None
 ) -> list[Parts]:
-    """One column per free number of all `hypotheses`, per its practical step.
+    """Compute one column per free number of all `hypotheses`, per its practical step.
 
     `run` is of the machine that has them in that order, `before` the machine without them; columns of some may be
     `known`, by their places.
@@ -208,7 +212,7 @@ def compute_tangents(
 
 
 def _nudge(machine: Machine, place: int, hypothesis: Hypothesis, k: int) -> tuple[Machine, float]:
-    """The machine with number `k` of the hypothesis at `place` a bit higher, or lower if need be; and by how much."""
+    """Nudge number `k` of the hypothesis at `place` up, or down at its bound; return the machine and the change."""
     free = hypothesis.list_free()
     for change in (free[k].nudge, -free[k].nudge):
         changes = [0.0] * len(free)
@@ -216,7 +220,7 @@ def _nudge(machine: Machine, place: int, hypothesis: Hypothesis, k: int) -> tupl
         if not free[k].low <= free[k].value + changes[k] <= free[k].high:
             continue
         effects = list(machine.effects)
-        effects[place] = hypothesis.moved(changes).effect(machine.robot)
+        effects[place] = hypothesis.move(changes).effect(machine.robot)
         beside = exchange_effects(machine, effects)
         if beside is not None:
             return beside, change / free[k].step

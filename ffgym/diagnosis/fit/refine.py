@@ -84,13 +84,13 @@ def polish(problem: FitProblem, found: Fit) -> Fit:
     *others, last = found.hypotheses
 
     def left(log_factor: float) -> float:
-        return compute_rss(problem, [*others, last.scaled(float(np.exp(log_factor)))])
+        return compute_rss(problem, [*others, last.scale(float(np.exp(log_factor)))])
 
     best = scipy.optimize.minimize_scalar(left, bounds=_SOUGHT, method="bounded", options={"xatol": _FINE})
     if not best.fun < found.left:
         return found
     try:
-        return fit(problem, [*others, last.scaled(float(np.exp(best.x)))], begun=True)
+        return fit(problem, [*others, last.scale(float(np.exp(best.x)))], begun=True)
     except FAILED:
         return found
 
@@ -109,7 +109,7 @@ def _choose_start(problem: FitProblem, hypotheses: Sequence[Hypothesis]) -> list
         return first
 
     def sized(factor: float) -> list[Hypothesis]:
-        return [*first[:-1], first[-1].scaled(factor)]
+        return [*first[:-1], first[-1].scale(factor)]
 
     left = {factor: compute_rss(problem, sized(factor)) for factor in _SIZES}
     for _ in range(_FURTHER):

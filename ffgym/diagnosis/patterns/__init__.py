@@ -1,4 +1,4 @@
-"""What residuals depend on, said without any effect: functions, periods, lines, other joints."""
+"""Patterns of residuals without a model: functions of a variable, periods, spectral lines, any dependence."""
 
 import lazy_loader
 

@@ -1,4 +1,4 @@
-"""What residuals depend on, strongest first: each pattern is what the stronger ones leave."""
+"""Search for patterns of residuals, strongest first: each is found in what the stronger ones leave."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -62,7 +62,7 @@ class _Levels:
 
 
 def find_patterns(residual: Residual, rng: np.random.Generator) -> tuple[Pattern, ...]:
-    """What the residuals of all channels depend on, strongest against the noise floor first; none in noise."""
+    """Find patterns in the residuals of all channels, strongest against the noise floor first; none in noise."""
     limits = settings().patterns
     tables = [collect_pattern_rows(residual, channel, rng) for channel in residual.channels]
     enough = [rows for rows in tables if rows is not None and len(rows.block_starts) >= limits.fewest_blocks]
@@ -78,7 +78,7 @@ def find_patterns(residual: Residual, rng: np.random.Generator) -> tuple[Pattern
 
 
 def list_forms(n_joints: int) -> list[VariableFunction | Periodic]:
-    """All forms of dependence on the motion of N joints."""
+    """List all forms of dependence on the motion of N joints."""
     joints = range(n_joints)
     return [
         SpectralLine(),
@@ -91,7 +91,7 @@ def list_forms(n_joints: int) -> list[VariableFunction | Periodic]:
 def _search_channel(
     rows: PatternRows, forms: Sequence[VariableFunction | Periodic], levels: _Levels, rng: np.random.Generator
 ) -> list[_Found]:
-    """Patterns of one channel: the best form of each component, then the best of what that leaves, and so on."""
+    """Search one channel: the best form of each component, then the best of what that leaves, and so on."""
     limits = settings().patterns
     left, found, energy = rows.values.copy(), list[_Found](), np.sum(rows.values**2, axis=0)
     without = active = rows.loud(left)
@@ -129,7 +129,7 @@ def _find_ripple(
     if rows.channel != "torque":
         return
     known, fast = {one.component for _, one in found if one.kind == "periodic"}, remove_slow(rows, left)
-    cuts = [rows, *(rows.redrawn(rng) for _ in range(limits.cuts - 1))]
+    cuts = [rows, *(rows.redraw(rng) for _ in range(limits.cuts - 1))]
     for c in rows.loud(left):
         if rows.components[c] in known:
             continue
@@ -141,14 +141,14 @@ def _find_ripple(
 
 
 def _adopt(trial: FormTest, rows: PatternRows, values: Array, c: int, energy: Array, found: list[_Found]) -> Array:
-    """Part of `values` (R,) that a form explains, fitted to all rows; its pattern joins those that were `found`."""
+    """Fit a form to all rows of `values` (R,), add its pattern to `found`, and return the part that it explains."""
     form, frequency, fitted = trial.candidate, None, np.zeros_like(values)
     if isinstance(form, VariableFunction):
-        columns = rows.centred(form.columns(rows))
+        columns = rows.centre(form.columns(rows))
         fitted = columns @ fit_columns(columns, values)
     elif peaks := form.search(rows, values[:, None], np.ones(len(values), dtype=np.bool_)):
         frequency = form.refine(rows, values, peaks[0])
-        columns = rows.centred(form.columns(rows, frequency))
+        columns = rows.centre(form.columns(rows, frequency))
         fitted = columns @ fit_columns(columns, values)
     gain = float(trial.gain[:, c].sum())
     pattern = _describe(form, rows, c, fitted, gain / float(energy[c]), frequency)
@@ -164,7 +164,7 @@ def _describe(
     share: float = 0.0,
     frequency: float | None = None,
 ) -> Pattern:
-    """Tell what a component depends on, how large that `part` (R,) of it is, and how much of it that explains."""
+    """Describe in words the form of a component, the size of that `part` (R,) of it, and the share that it explains."""
     component, joint = rows.components[c], "" if form.joint is None else rows.joints[form.joint]
     words = "motor angle" if isinstance(form, PerTurn) else "time"
     if isinstance(form, VariableFunction | Dependence) and joint:

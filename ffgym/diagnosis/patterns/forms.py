@@ -16,17 +16,17 @@ class DependenceForm(ABC):
     """One form of dependence."""
 
     joint: int | None
-    """Whose variable it is; None for time."""
+    """Joint whose variable it is; None for time."""
     own_only: bool
     """Whether only residuals of that joint, and of the tool, may depend on it."""
 
     def may_act_on(self, rows: PatternRows, component: int) -> bool:
-        """Whether a component of a channel may depend on it."""
+        """Tell whether a component of a channel may depend on it."""
         return not self.own_only or rows.channel == "tool" or self.joint == component
 
     @abstractmethod
     def complexity(self, rows: PatternRows) -> int:
-        """Number of what is fitted."""
+        """Count the numbers that are fitted."""
 
 
 class Periodic(DependenceForm):
@@ -34,19 +34,19 @@ class Periodic(DependenceForm):
 
     @abstractmethod
     def search(self, rows: PatternRows, values: Array, train: BoolArray) -> list[float] | None:
-        """Frequency that explains most of each column of values (R, C) in the rows of `train` (R,), if it has one."""
+        """Search the frequency that explains most of each column of values (R, C) in the rows of `train` (R,)."""
 
     @abstractmethod
     def refine(self, rows: PatternRows, values: Array, frequency: float) -> float:
-        """The frequency near a found one that explains most of `values` (R,) in all rows."""
+        """Refine a frequency to the one nearby that explains most of `values` (R,) in all rows."""
 
     @abstractmethod
     def columns(self, rows: PatternRows, frequency: float) -> Array:
-        """Its columns (R, P), of size about 1, not centred."""
+        """Compute its columns (R, P), of size about 1, not centred."""
 
 
 def fit_columns(columns: Array, values: Array) -> Array:
-    """Coefficients (P, ...) of centred columns (R, P) for values (R, ...)."""
+    """Fit coefficients (P, ...) of centred columns (R, P) to values (R, ...)."""
     gram: Array = columns.T @ columns + settings().patterns.prior_rows * np.eye(columns.shape[1])
     return np.asarray(np.linalg.solve(gram, columns.T @ values), dtype=np.float64)
 
@@ -88,13 +88,13 @@ class VariableFunction(DependenceForm):
     own_only: bool = False
 
     def may_act_on(self, rows: PatternRows, component: int) -> bool:
-        """Whether a component of a channel may depend on it; friction with the state of another joint is its own."""
+        """Tell whether a component may depend on it; friction by another joint's state shows in its own joint."""
         if self.signed not in (None, self.joint):
             return rows.channel != "tool" and component == self.signed
         return super().may_act_on(rows, component)
 
     def columns(self, rows: PatternRows) -> Array:
-        """Its columns (R, P), of size about 1, not centred."""
+        """Compute its columns (R, P), of size about 1, not centred."""
         if self.variable == "time" or self.joint is None:
             values = rows.t
         elif self.variable == "none":
@@ -107,12 +107,12 @@ class VariableFunction(DependenceForm):
         return hats if self.signed is None else hats * rows.did["sign"][:, self.signed, None]
 
     def complexity(self, rows: PatternRows) -> int:
-        """See base class."""
+        """Count the knots; a constant has one number."""
         return 1 if self.variable == "none" else self.knots
 
 
 def make_hats(values: Array, knots: int, *, evenly: bool) -> Array:
-    """Hat functions (R, P) of values (R,), whose sum is 1; constant values give one column of ones."""
+    """Compute hat functions (R, P) of values (R,), whose sum is 1; constant values give one column of ones."""
     low, high = values.min(), values.max()
     if high - low <= 1e-9 * max(abs(low), abs(high)):
         return np.ones((len(values), 1))
@@ -127,7 +127,7 @@ def make_hats(values: Array, knots: int, *, evenly: bool) -> Array:
 
 
 def list_functions(n_joints: int) -> list[VariableFunction]:
-    """All functions: of time, of the variables of each joint, and of what one joint does for friction of another."""
+    """List all functions: of time, of the variables of each joint, and of one joint for the friction of another."""
     plain: list[Variable] = ["speed", "size of speed", "acceleration", "load"]
     own: list[Variable] = ["temperature", "travel", "rest", "time"]
     of_other: list[Variable] = ["size of speed", "load", "angle"]
@@ -158,5 +158,5 @@ def list_functions(n_joints: int) -> list[VariableFunction]:
 
 
 def _count_knots(variable: Variable) -> int:
-    """A straight line in what hardly changes during a motion: a freer curve could give each motion its own value."""
+    """Count knots: a straight line in what hardly changes during a motion, as a curve would fit each motion alone."""
     return 2 if variable in ("temperature", "time") else COARSE

@@ -1,4 +1,4 @@
-"""What repeats with the angle of a motor, or in time, and what a sine explains by its frequency."""
+"""Periodic forms: sines of a motor's angle or of time, and periodograms of the energy that a sine explains."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -39,7 +39,7 @@ class Spectrum:
 
 
 def refine_frequency(frequency: float, within: float, columns: Callable[[float], Array], values: Array) -> float:
-    """Frequency at most `within` from a peak whose centred columns (R, P) leave least of values (R,)."""
+    """Refine a frequency, at most `within` from a peak, so that its columns (R, P) leave least of values (R,)."""
 
     def left(trial: float) -> float:
         fitted = columns(trial)
@@ -52,7 +52,7 @@ def refine_frequency(frequency: float, within: float, columns: Callable[[float],
 
 
 Amplitude = Literal["constant", "torque", "sign", "speed squared"]
-"""What the amplitude goes with: nothing, the motor torque, the sign of the speed, or its square."""
+"""Factor of the amplitude: one, the motor torque, the sign of the speed, or its square."""
 
 LEAST_CYCLES, MOST_CYCLES = 0.5, 72.0
 """Cycles per motor turn that are looked for: from half a turn of a two-pole-pair resolver's error to slots of a large
@@ -60,7 +60,7 @@ motor times two; what rows cannot show is left out."""
 
 
 def find_slow_rows(speed: Array, frequency: float, highest: float) -> BoolArray:
-    """Rows in which `frequency` cycles per turn are slow enough to be seen."""
+    """Find rows in which `frequency` cycles per turn are slow enough to be seen."""
     slow: BoolArray = frequency * np.abs(speed) / (2 * np.pi) < highest
     return slow
 
@@ -75,7 +75,7 @@ class PerTurn(Periodic):
     own_only: bool = True
 
     def may_act_on(self, rows: PatternRows, component: int) -> bool:
-        """Whether a component of a channel may depend on it; a gear that errs moves the tool as it turns, no more."""
+        """Tell whether a component may depend on it; a gear error moves the tool at constant amplitude."""
         return super().may_act_on(rows, component) and (rows.channel != "tool" or self.amplitude == "constant")
 
     def spectra(self, rows: PatternRows, values: Array, train: BoolArray) -> list[Spectrum] | None:
@@ -143,7 +143,7 @@ class PerTurn(Periodic):
     def refine(self, rows: PatternRows, values: Array, frequency: float) -> float:
         """See base class."""
         width = 1 / max(np.ptp(rows.did["angle"][:, self.joint]) / (2 * np.pi), 1.0)
-        return refine_frequency(frequency, width / 2, lambda n: rows.centred(self.columns(rows, n)), values)
+        return refine_frequency(frequency, width / 2, lambda n: rows.centre(self.columns(rows, n)), values)
 
     def columns(self, rows: PatternRows, frequency: float) -> Array:
         """See base class."""
@@ -177,7 +177,7 @@ class SpectralLine(Periodic):
     own_only: bool = False
 
     def may_act_on(self, rows: PatternRows, component: int) -> bool:
-        """Whether a component of a channel may depend on it; what drags at a motor takes torque."""
+        """Tell whether a component may depend on it; what drags at a motor takes torque, and moves no tool."""
         return super().may_act_on(rows, component) and (self.joint is None or rows.channel != "tool")
 
     def search(self, rows: PatternRows, values: Array, train: BoolArray) -> list[float] | None:
@@ -207,7 +207,7 @@ class SpectralLine(Periodic):
     def refine(self, rows: PatternRows, values: Array, frequency: float) -> float:
         """See base class."""
         longest = max(np.ptp(rows.t[rows.motion == m]) for m in range(len(rows.motion_starts)))
-        return refine_frequency(frequency, 0.5 / longest, lambda f: rows.centred(self.columns(rows, f)), values)
+        return refine_frequency(frequency, 0.5 / longest, lambda f: rows.centre(self.columns(rows, f)), values)
 
     def columns(self, rows: PatternRows, frequency: float) -> Array:
         """See base class."""
@@ -221,7 +221,7 @@ class SpectralLine(Periodic):
         return 2 * len(rows.motion_starts) + 1
 
     def _sign(self, rows: PatternRows) -> Array:
-        """What turns it over, (R,)."""
+        """Compute the sign (R,) that turns the vibration over."""
         return np.ones(len(rows.t)) if self.joint is None else rows.did["sign"][:, self.joint]
 
 

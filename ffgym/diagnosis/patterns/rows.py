@@ -69,27 +69,27 @@ class PatternRows:
         return np.maximum(counts * np.square(self.floor), np.finfo(np.float64).tiny)
 
     def loud(self, values: Array) -> list[int]:
-        """Components of which values (R, C) have more energy than noise in a motion."""
+        """Find components of which values (R, C) have more energy than noise in a motion."""
         energy = np.add.reduceat(values**2, self.motion_starts, axis=0)
         return np.flatnonzero(np.any(energy > settings().significance.quiet * self.noise, axis=0)).tolist()
 
-    def centred(self, columns: Array) -> Array:
-        """Columns (R, P) less their mean over each motion: what differs between motions shows no dependence."""
+    def centre(self, columns: Array) -> Array:
+        """Subtract the mean over each motion from columns (R, P): differences between motions show no dependence."""
         if not columns.size:
             return columns
         means = np.add.reduceat(columns, self.motion_starts, axis=0) / np.bincount(self.motion)[:, None]
         centred: Array = columns - means[self.motion]
         return centred
 
-    def redrawn(self, rng: np.random.Generator) -> "PatternRows":
-        """The same rows cut into other halves."""
+    def redraw(self, rng: np.random.Generator) -> "PatternRows":
+        """Draw other halves of the same rows."""
         limits = settings().patterns
         return replace(
             self, half=_draw_halves(self.motion, np.rint(self.t / self.dt) // (limits.chunk * limits.block), rng)
         )
 
     def by_block(self, columns: Array) -> Array:
-        """Sums over each block, shape (B, P)."""
+        """Sum columns over each block, shape (B, P)."""
         sums: Array = np.add.reduceat(columns, self.block_starts, axis=0)
         return sums
 
@@ -100,7 +100,7 @@ class PatternRows:
 
 
 def collect_pattern_rows(residual: Residual, channel: Channel, rng: np.random.Generator) -> PatternRows | None:
-    """Rows of a channel that count, with halves drawn by `rng`; None if there are none."""
+    """Collect rows of a channel that count, with halves drawn by `rng`; None without such rows."""
     limits = settings().patterns
     pairs, there = [], []
     for i, of in enumerate(residual.motions):
@@ -135,17 +135,17 @@ def collect_pattern_rows(residual: Residual, channel: Channel, rng: np.random.Ge
 
 
 def remove_slow(rows: PatternRows, values: Array) -> Array:
-    """Values (R, C) less what changes slowly in each motion, with their means over motions at 0."""
+    """Remove from values (R, C) what changes slowly in each motion, and the mean of each motion."""
     width = TO_HALF / (settings().patterns.slow * rows.highest * rows.dt)
     smooth = np.empty_like(values)
     for motion in range(len(rows.motion_starts)):
         own = rows.motion == motion
         smooth[own] = scipy.ndimage.gaussian_filter1d(values[own], width, axis=0, mode="nearest")
-    return rows.centred(values - smooth)
+    return rows.centre(values - smooth)
 
 
 def _centre(values: Array) -> Array:
-    """Rows (R, C) less their mean; 0 where they are not judged."""
+    """Subtract their mean from rows (R, C); 0 where they are not judged."""
     judged = np.isfinite(values)
     known = np.where(judged, values, 0.0)
     mean = known.sum(axis=0) / np.maximum(judged.sum(axis=0), 1)
@@ -153,7 +153,7 @@ def _centre(values: Array) -> Array:
 
 
 def _collect_states(pairs: list[tuple[MotionResidual, BoolArray]]) -> dict[str, Array]:
-    """What motors have done in the rows that count."""
+    """Collect states of the motors in the rows that count."""
     parts = []
     for motion, rows in pairs:
         shape = motion.motor_acceleration.shape
@@ -166,13 +166,13 @@ def _collect_states(pairs: list[tuple[MotionResidual, BoolArray]]) -> dict[str, 
 
 
 def _find_starts(motion: IntArray, number: Array) -> IntArray:
-    """Rows at which another motion or another number begins."""
+    """Find rows at which another motion or another number begins."""
     changes = (np.diff(motion) != 0) | (np.diff(number) != 0)
     return np.concatenate([[0], 1 + np.flatnonzero(changes)])
 
 
 def _draw_halves(motion: IntArray, chunk: Array, rng: np.random.Generator) -> IntArray:
-    """Half of each row: of the chunks of each motion one half, drawn, so that no rhythm of the motion falls in step."""
+    """Draw one half of the chunks of each motion, so that no rhythm of the motion falls in step with the halves."""
     starts = _find_starts(motion, chunk)
     counts = np.diff([*starts, len(motion)])
     of_chunk = np.concatenate([rng.permutation(np.arange(n) % 2) for n in np.bincount(motion[starts])])

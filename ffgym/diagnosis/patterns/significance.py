@@ -14,7 +14,7 @@ from ffgym.diagnosis.settings import settings
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FormTest:
-    """How well one form of dependence foretells C residuals in B blocks that it was not fitted to."""
+    """Held-out test of one form of dependence on C residuals in B blocks that it was not fitted to."""
 
     candidate: VariableFunction | Periodic
     gain: Array
@@ -36,7 +36,7 @@ def judge_form(
     if not open_to:
         return FormTest(candidate=candidate, gain=gain, p=p[0])
     measured = values[:, open_to]
-    columns = rows.centred(candidate.columns(rows)) if isinstance(candidate, VariableFunction) else np.zeros((0, 0))
+    columns = rows.centre(candidate.columns(rows)) if isinstance(candidate, VariableFunction) else np.zeros((0, 0))
     for judged in (0, 1):
         train, blocks = rows.half != judged, rows.block_half == judged
         if train.any() and blocks.any():
@@ -55,16 +55,16 @@ def judge_form(
 
 
 def _predict_waves(candidate: Periodic, rows: PatternRows, values: Array, train: BoolArray) -> Array:
-    """Sines (R, C) whose frequencies and amplitudes are those of some rows."""
+    """Predict sines (R, C) with frequencies and amplitudes fitted to the rows of `train`."""
     foretold = np.zeros_like(values)
     for c, frequency in enumerate(candidate.search(rows, values, train) or ()):
-        columns = rows.centred(candidate.columns(rows, frequency))
+        columns = rows.centre(candidate.columns(rows, frequency))
         foretold[:, c] = columns @ fit_columns(columns[train], values[train, c])
     return foretold
 
 
 def compute_sign_probability(agreement: Array) -> Array:
-    """Probability (C,) that sums of (B, C) come out as large if each block's sign were even chance.
+    """Compute the probability (C,) of sums of (B, C) as large if each block's sign were even chance.
 
     Without dependence a prediction agrees with a block as often as it disagrees, however large the block's residual is,
     so that the self-normalised sum is about Student's t. Blocks in which nothing is predicted do not count.
@@ -81,7 +81,7 @@ def compute_sign_probability(agreement: Array) -> Array:
 def choose_simplest(
     trials: Sequence[FormTest], rows: PatternRows, c: int, *, least: float, level: float
 ) -> FormTest | None:
-    """The simplest of the forms that explain component `c` as well as the best one; None if none is sure.
+    """Choose the simplest of the forms that explain component `c` as well as the best one; None if none is sure.
 
     A form that is sure removes the `least` energy or more, and does so by chance with a probability below `level`.
     """
@@ -101,17 +101,17 @@ _VARIABLES: tuple[Variable, ...] = ("angle", "speed", "acceleration", "load")
 
 @dataclass(frozen=True, kw_only=True)
 class Dependence:
-    """A variable that a residual depends on, in a form that nobody knows."""
+    """Variable that a residual depends on, in an unknown form."""
 
     variable: Variable
     joint: int | None
-    """Whose variable it is; None for time."""
+    """Joint whose variable it is; None for time."""
     correlation: float
     """Distance correlation, or that of neighbours in time, 0 to 1."""
 
 
 def find_dependence(rows: PatternRows, values: Array, level: float, rng: np.random.Generator) -> Dependence | None:
-    """The variable that values (R,) depend on most surely; None if shuffled values do as well with probability `level`.
+    """Find the variable that values (R,) depend on most surely; None if shuffled values reach as much by chance.
 
     All variables, for the residual and for its size (noise may grow), are tested at once: the largest of their
     standardised covariances must be rare among those of shuffles, which follow the law of largest values. One row of
@@ -149,7 +149,7 @@ def find_dependence(rows: PatternRows, values: Array, level: float, rng: np.rand
 
 
 def _rank(values: Array, motion: IntArray) -> Array:
-    """Place of each value (R,) among those of its motion, 0 to 1, so that no motion's range hides the others'."""
+    """Rank each value (R,) among those of its motion, 0 to 1, so that no motion's range hides the others'."""
     order = np.lexsort([values, motion])
     counts = np.bincount(motion)[motion]
     first = np.searchsorted(motion, motion)
@@ -160,7 +160,7 @@ def _rank(values: Array, motion: IntArray) -> Array:
 
 
 def _compute_distances(values: Array) -> Array:
-    """Distances between all pairs of values (R,), less the means of rows and columns."""
+    """Compute distances between all pairs of values (R,), less the means of rows and columns."""
     apart = np.abs(values[:, None] - values)
     mean = apart.mean(axis=0)
     centred: Array = apart - mean - mean[:, None] + mean.mean()
@@ -168,7 +168,7 @@ def _compute_distances(values: Array) -> Array:
 
 
 def find_wandering(rows: PatternRows, values: Array, level: float) -> Dependence | None:
-    """Whether values (R,) wander: blocks of a motion, a fifth of a second apart, agree in sign more than by chance."""
+    """Find wandering of values (R,): blocks of a motion, some apart, agree in sign more than by chance; None if not."""
     limits = settings().patterns
     means, motion = rows.by_block(values[:, None])[:, 0], rows.motion[rows.block_starts]
     pairs = np.flatnonzero(motion[limits.apart :] == motion[: -limits.apart])

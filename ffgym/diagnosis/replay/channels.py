@@ -1,4 +1,4 @@
-"""What the channels of a log would show of a replay, some of them written late."""
+"""Predictions of a replay in the channels of a log, some of which are written late."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -39,7 +39,7 @@ def undo_delay(values: Array, channel: str, effects: Sequence[Effect], dt: float
 
 
 def predict(run: Replay) -> dict[Channel, Array]:
-    """What the log's channels would show, R rows each, through the log's low-pass."""
+    """Predict the log's channels, R rows each, through the log's low-pass."""
     log, sampling = run.log, run.log.sampling
     effects = run.machine.effects
     found: dict[Channel, Array] = {"torque": sampling(delay(run.torque, "torque", effects, log))}
@@ -59,7 +59,7 @@ def predict_tracker(run: Replay, machine: Machine | None = None, every: int = 1)
     """
     q = run.link_q[::every]
     position = run.arm.tcp_position(q.reshape(-1, q.shape[-1])).reshape(*q.shape[:2], 3)
-    position = position if run.tilt is None else run.tilt.moved(position, every)
+    position = position if run.tilt is None else run.tilt.move(position, every)
     effects = [effect for effect in (machine or run.machine).effects if isinstance(effect, TrackerEffect)]
     for i, recording in enumerate(run.log.recordings) if effects else ():
         n = -(-len(recording) // every)

@@ -63,7 +63,7 @@ def bending_of(arm: RigidArm, q: Array, dq: Array, ddq: Array, dt: float, joints
 
 
 def _slopes(arm: RigidArm, q: Array, dq: Array, ddq: Array, places: IntArray, joints: IntArray) -> tuple[Array, Array]:
-    """What bending adds per rate and per deflection of `joints` at P places, (P, M, N, N) each."""
+    """Compute the torque by bending per rate and per deflection of `joints` at P samples, (P, M, N, N) each."""
     shape, n = (len(places), *q.shape[1:], q.shape[-1]), q.shape[-1]
     at = [x[places].reshape(-1, n) for x in (q, dq, ddq)]
     rate, place = np.zeros((2, len(at[0]), n, n))
@@ -82,7 +82,7 @@ def _slopes(arm: RigidArm, q: Array, dq: Array, ddq: Array, places: IntArray, jo
 
 
 def _between(places: IntArray, rate: Array, place: Array) -> Bending:
-    """What bending adds at all samples by what it adds at `places`, (P, M, N, N) each."""
+    """Interpolate the terms of bending, (P, M, N, N) each, from the samples `places` to all."""
     return Bending(rate=along(places, rate), place=along(places, place))
 
 
@@ -139,21 +139,21 @@ _LEAN = 1e-3
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Tilt:
-    """Of a base, along M motions of T samples."""
+    """Tilt of a base, along M motions of T samples."""
 
     angle: Array
     """About the axes of the world [rad], shape (T, M, 3)."""
     torque: Array
     """What it asks of the joints of the arm, link side [N m], shape (T, M, N)."""
 
-    def moved(self, points: Array, every: int = 1) -> Array:
-        """Where it takes points (T', M, 3) [m] of the arm; `every` so many samples."""
+    def move(self, points: Array, every: int = 1) -> Array:
+        """Move points (T', M, 3) [m] of the arm with the base; `every` so many samples."""
         return points + np.cross(self.angle[::every], points)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class BaseTerms:
-    """What links ask for on a base that may turn about three axes; joints of the base come first."""
+    """Terms of the links on a base that may turn about three axes; joints of the base come first."""
 
     upright: LinkTerms
     """(T, M, 3 + N)."""
@@ -176,7 +176,7 @@ def base_terms(log: Log, robot: RobotDescription) -> BaseTerms:
 
 
 def tilt_of(log: Log, robot: RobotDescription, base: BaseFlexibility, terms: BaseTerms) -> Tilt:
-    """How a base tilts under a robot whose motors move as measured."""
+    """Compute the tilt of a base under a robot whose motors move as measured."""
     # stiffness [N m/rad] and damping [N m s/rad] about each axis; inf and 0 where nothing gives way
     gives_way = base.compliance > 0
     stiffness = np.divide(1.0, base.compliance, out=np.full(_AXES, np.inf), where=gives_way)

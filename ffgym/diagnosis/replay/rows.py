@@ -48,12 +48,12 @@ _OF_LINKS = ("bodies", "tool", "springs", "gravity", "kinematics")
 
 
 def have_same_links(one: RobotDescription, other: RobotDescription) -> bool:
-    """Whether links ask for the same in the same motion."""
+    """Tell whether links of two robots take the same torque in the same motion."""
     return all(have_same_numbers(getattr(one, part), getattr(other, part)) for part in _OF_LINKS)
 
 
 def have_same_numbers(one: Any, other: Any) -> bool:
-    """Whether two parts of a description have the same numbers."""
+    """Tell whether two parts of a description have the same numbers."""
     if one is other:
         return True
     if is_dataclass(one) and is_dataclass(other) and type(one) is type(other):
@@ -65,7 +65,7 @@ def have_same_numbers(one: Any, other: Any) -> bool:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Replay:
-    """What a machine does when its motors move as measured; (T, M, N) each."""
+    """Motion and torques of a machine whose motors move as measured; (T, M, N) each."""
 
     read: Log
     """As resolvers read the motors, which is what the servo acts on."""
@@ -97,11 +97,11 @@ class Replay:
 
     @cached_property
     def link_q(self) -> Array:
-        """Where the links are [rad], link side."""
+        """Angle of the links [rad], link side."""
         return self.log.q + self.deflection.angle
 
     def link_torque(self, robot: RobotDescription) -> Array:
-        """What the links of a robot ask for where they are [N m], link side, (T, M, N)."""
+        """Compute the torque that the links of a robot take in this motion [N m], link side, (T, M, N)."""
         terms = link_terms(RigidArm(robot), self.link_q, self.log.dq + self.deflection.rate, self.log.dt)
         return terms.torque(self.log.ddq + self.deflection.acceleration)
 
@@ -112,7 +112,7 @@ class Replay:
 
     @cached_property
     def base_terms(self) -> BaseTerms:
-        """What the links would ask for on a base that gives way."""
+        """Terms of the links on a base that gives way."""
         return base_terms(self.log, self.robot)
 
     @cached_property
@@ -122,7 +122,7 @@ class Replay:
 
     @cached_property
     def tool_jacobian(self) -> Array:
-        """Of the tool's place by the joints at the rows that are compared, (R, M, 3, N)."""
+        """Jacobian of the tool's position by the joints at the rows that are compared, (R, M, 3, N)."""
         q = self.link_q[self.log.sampling.at]
         jacobian = self.arm.jacobian(q.reshape(-1, q.shape[-1]))[:, :3]
         return jacobian.reshape(*q.shape[:2], 3, q.shape[-1])

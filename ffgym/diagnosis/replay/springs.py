@@ -214,7 +214,7 @@ class Springs:
         inverse = np.linalg.inv(mass - self._late(places) + dt / 2 * rate + dt**2 / 4 * place)
         return cubics(places), np.stack([inverse, np.matmul(inverse, place), np.matmul(inverse, rate)], axis=2)
 
-    def pushed_by(self, torque: Array, push: Push, start: Array) -> Deflection:
+    def integrate(self, torque: Array, push: Push, start: Array) -> Deflection:
         """Deflections under `torque` (T, M, N) and a `push` that depends on them, from rest at `start` (M, N).
 
         The push is evaluated where the arm is expected after the step, so that it does not lag behind.

@@ -115,7 +115,7 @@ def flown(
     each = list(samples(state))
 
     def pull(angle: Array) -> Array:
-        """What is left of the balance at rest; grows with the deflection."""
+        """Compute the imbalance of torques at rest; it grows with the deflection."""
         now = each[0].with_values(deflection=angle, deflection_rate=np.zeros_like(angle))
         return springs.restoring(angle) - torque[0] - _behind(step(effects, now, relaxed(effects, now), dt)[0], angle)
 
@@ -128,8 +128,8 @@ def flown(
         return _behind(added, angle)
 
     if every == 1:
-        return springs.pushed_by(torque, push, rest)
-    return springs.finer.pushed_by(between(torque, every), push, rest).at_every(every)
+        return springs.integrate(torque, push, rest)
+    return springs.finer.integrate(between(torque, every), push, rest).at_every(every)
 
 
 def _behind(added: Torques, angle: Array) -> Array:

@@ -1,1 +1,1 @@
-"""Which effects explain a log, one after the other, and how sure that is."""
+"""Search for the effects that explain a log, one after the other, and comparison with their rivals."""

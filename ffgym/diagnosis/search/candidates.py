@@ -1,4 +1,4 @@
-"""Candidates: every effect on every joint that can have it, beside calibration, and what chance makes of them."""
+"""Candidates: every effect on every joint that can have it, beside nuisance parameters, and surrogate residuals."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -19,10 +19,10 @@ from ffgym.diagnosis.variant import compute_step
 def draw_surrogates(
     draws: Mapping[Channel, Array], blocks: TimeBlocks, nuisance_columns: Sequence[Parts], rng: np.random.Generator
 ) -> Values:
-    """Residuals (R, M, K) by component of K faultless logs.
+    """Draw residuals (R, M, K) by component of K surrogate logs without fault.
 
     Each is a replay of the nominal model over its own simulation, with the sign of every block drawn, which keeps size
-    and spectrum; and with calibration errors within their bounds.
+    and spectrum; nuisance parameters are drawn from their priors, within their bounds.
 
     Args:
         draws: residuals of faultless replays (R, M, C, D).
@@ -56,34 +56,34 @@ _WIDE = 10.0
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Candidates:
-    """Columns of calibration and effects, scaled to standard deviations and practical steps."""
+    """Columns of nuisance parameters and effects, scaled to standard deviations and practical steps."""
 
     nuisances: tuple[NuisanceParameter, ...]
     columns: tuple[Sensitivity, ...]
-    """Of effects, without their rows, which are hundreds of megabytes."""
+    """Sensitivities of effects, without their rows, which are hundreds of megabytes."""
     groups: tuple[Candidate, ...]
-    """Effect, joint and shape, with places among all columns: calibration first."""
+    """Effect, joint and shape, with places among all columns: nuisance parameters first."""
     scale: Array
     """Standard deviation or step of each column, in its parameter's unit, shape (P,)."""
     priors: Priors
     design: DesignMatrix
-    """Of all columns, scaled."""
+    """Design matrix of all columns, scaled."""
 
     @property
     def nuisance_places(self) -> IntArray:
-        """Places of the calibration's columns."""
+        """Places of the columns of nuisance parameters."""
         return np.arange(len(self.nuisances))
 
     def first(self, group: Candidate) -> Sensitivity:
-        """A column of a candidate: all have its effect and joint."""
+        """Return one column of a candidate: all have its effect and joint."""
         return self.columns[int(group.columns[0]) - len(self.nuisances)]
 
     def of(self, group: Candidate) -> list[Sensitivity]:
-        """All columns of a candidate."""
+        """List all columns of a candidate."""
         return [self.columns[int(i) - len(self.nuisances)] for i in group.columns]
 
     def beside(self, columns: Sequence[Sensitivity]) -> "Candidates":
-        """These, and those that other columns make, which are adopted together."""
+        """Append candidates of other columns; those of one effect, joint and shape are adopted together."""
         groups = []
         for places in group_candidates(columns):
             first = columns[places[0]]
@@ -109,7 +109,7 @@ class Candidates:
 def build_candidates(
     nuisances: Sequence[NuisanceParameter], columns: Sequence[Sensitivity], blocks: TimeBlocks, weights: Values
 ) -> Candidates:
-    """Candidates that columns make, beside calibration errors; weighted as evidence is."""
+    """Build candidates from columns, beside nuisance parameters."""
     sigma = np.array([nuisance.sigma for nuisance in nuisances])
     none = Candidates(
         nuisances=tuple(nuisances),

@@ -1,6 +1,6 @@
-"""Which effects are tried: all of the library, those that repeat with the motor angle as often as the residual does.
+"""Generator of candidates: all effects of the library, periodic ones at the frequencies that the residual has.
 
-Where a joint is far from what is described, springs that are much stiffer or softer are tried, too.
+Where a joint is far from its description, much stiffer and softer springs are candidates, too.
 """
 
 from collections.abc import Mapping, Sequence
@@ -35,7 +35,7 @@ changes with the speed lies beside it, by up to 0.16 in a log of small turns."""
 
 
 class CandidateGenerator:
-    """Effects to try beside those of a fit; what was made for one fit is kept for the next."""
+    """Generator of candidates beside the causes of a fit; candidates of one fit are kept for the next."""
 
     def __init__(self, ready: PreparedSearch, kinds: Sequence[type[Effect]], cache: DiagnosisCache | None) -> None:
         self._ready, self._kinds, self._cache = ready, kinds, cache
@@ -44,7 +44,7 @@ class CandidateGenerator:
         self._made: Candidates | None = None
 
     def __call__(self, fit: Fit) -> Candidates:
-        """Candidates beside those of a fit: those that there were before it, new frequencies, and other springs."""
+        """Return candidates beside the causes of a fit: those from before, new frequencies, and other springs."""
         made = self._made or list_candidates(self._ready, self._kinds, self._cache)
         problem = self._ready.problem
         rest = subtract_nuisances(problem, fit)
@@ -63,7 +63,7 @@ class CandidateGenerator:
         return made
 
     def _cycles(self, fit: Fit, rest: Mapping[Channel, Array], energies: Loudness) -> Cycles:
-        """Frequencies per motor turn of each joint that what is left has, the strongest first."""
+        """Find frequencies per motor turn in the residual of each joint, the strongest first."""
         problem = self._ready.problem
         share = self._ready.null.sensor_share
         loud = {
@@ -92,7 +92,7 @@ class CandidateGenerator:
 
 
 def _exclude_tried(cycles: Cycles, tried: Cycles) -> dict[str, tuple[float, ...]]:
-    """Frequencies that were not tried, nor one nearby, each once; joints without any are left out."""
+    """Keep frequencies that were not tried, nor one nearby, each once; joints without any are left out."""
     new: dict[str, tuple[float, ...]] = {}
     for joint, frequencies in cycles.items():
         for frequency in frequencies:
@@ -104,7 +104,7 @@ def _exclude_tried(cycles: Cycles, tried: Cycles) -> dict[str, tuple[float, ...]
 
 
 def _find_peaks(spectrum: Spectrum | None, count: int) -> list[tuple[float, float]]:
-    """The highest peaks of a spectrum, as share and frequency; none where a motor turns too little for one."""
+    """Find the highest peaks of a spectrum, as share and frequency; empty where a motor turns too little for one."""
     if spectrum is None:
         return []
     frequency, share = spectrum.frequency, spectrum.share

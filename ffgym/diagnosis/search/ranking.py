@@ -1,4 +1,4 @@
-"""Which candidates explain a residual on rows that they were not fitted to, and how much of that is chance."""
+"""Ranking of candidates by the energy that they explain on held-out rows, with a threshold from surrogate data."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -20,7 +20,7 @@ from ffgym.robot import RobotDescription
 
 
 def build_hypothesis(columns: Sequence[Sensitivity], sizes: Array, robot: RobotDescription) -> Hypothesis:
-    """A hypothesis from the columns of a candidate and what a linear fit gives them, in units of their parameters.
+    """Build a hypothesis from the columns of a candidate and their sizes in a linear fit, in units of parameters.
 
     What spans a phase gives amplitude and phase; what spans a linear shape gives its mean, weighted by sizes. Shares
     begin within what is plausible, whatever the robot: one that acts through another number, as the width of a peak
@@ -47,7 +47,7 @@ def build_hypothesis(columns: Sequence[Sensitivity], sizes: Array, robot: RobotD
 
 
 def _choose_shape(p: Parameter, columns: Sequence[Sensitivity], sizes: Array) -> Array:
-    """Value of a shape parameter: chosen, or what the fit says of the values that span it."""
+    """Choose the value of a shape parameter: as in the columns, or the mean of the values that span it."""
     default = p.neutral if p.default is None else p.default
     neutral = np.full(3, default) if p.per == "vector" else np.array(default)
     if p.role == "phase":
@@ -77,10 +77,10 @@ class Ranking:
     threshold: float
     """Largest score by chance."""
     most: Array
-    """Score that each would have at the largest size that is plausible, shape (C,); none if nobody asks."""
+    """Score that each would have at the largest size that is plausible, shape (C,); empty if not wanted."""
 
     def is_significant(self, i: int) -> bool:
-        """Whether a candidate explains more than chance would."""
+        """Tell whether a candidate explains more than chance would."""
         return bool(self.score[i] > self.threshold)
 
 
@@ -88,7 +88,7 @@ def rank(equations: NormalEquations, candidates: Candidates, nuisances: IntArray
     """Rank candidates by what they remove from halves and motions that were left out.
 
     Args:
-        equations: of the log's residual first, then of those of faultless logs.
+        equations: of the log's residual first, then of surrogate residuals.
         candidates: with the columns of the evidence.
         nuisances: places of columns that are fitted beside each candidate.
         with_most: whether scores at the largest plausible sizes are wanted, too.
@@ -109,9 +109,9 @@ def rank(equations: NormalEquations, candidates: Candidates, nuisances: IntArray
 
 
 def _compute_largest(equations: NormalEquations, candidates: Candidates, nuisances: IntArray) -> Array:
-    """Energy that calibration cannot imitate of each candidate's loudest column, at the end of its range.
+    """Compute the energy of each candidate's largest column, at the end of its range, that no nuisance can imitate.
 
-    Calibration errors have bounds: what is as large as a plausible effect may be beyond all of them together.
+    Nuisance parameters have bounds: what is as large as a plausible effect may be beyond all of them together.
     """
     limits = settings().screening
     gram, priors = equations.gram.sum(axis=0), candidates.priors
@@ -126,7 +126,7 @@ def _compute_largest(equations: NormalEquations, candidates: Candidates, nuisanc
 
 
 def _estimate_extreme(largest: Array) -> float:
-    """The LEVEL quantile of largest scores, by the distribution that largest values have (Gumbel's)."""
+    """Estimate a high quantile of largest scores by the distribution of largest values (Gumbel's)."""
     spread = max(float(np.std(largest)), 1e-12) * np.sqrt(6) / np.pi
     middle = float(np.mean(largest)) - np.euler_gamma * spread
     return float(max(middle - spread * np.log(-np.log(settings().screening.level)), largest.max()))
@@ -135,7 +135,7 @@ def _estimate_extreme(largest: Array) -> float:
 def propose_start(
     equations: NormalEquations, candidates: Candidates, i: int, nuisances: IntArray, robot: RobotDescription
 ) -> Hypothesis:
-    """The hypothesis that a candidate begins with: the linear fit beside the calibration."""
+    """Propose the hypothesis that a candidate begins with: the linear fit beside nuisance parameters."""
     group = candidates.groups[i]
     sizes = _fit_linearly(equations, candidates, i, nuisances) * candidates.scale[group.columns]
     return build_hypothesis(candidates.of(group), sizes, robot)
@@ -144,7 +144,7 @@ def propose_start(
 def find_changed_components(
     equations: NormalEquations, candidates: Candidates, i: int, nuisances: IntArray
 ) -> dict[Component, float]:
-    """In which components a candidate changes the predictions, by a linear fit: shares of the energy of that."""
+    """Find components that a candidate changes, by a linear fit, with shares of the energy of that change."""
     energy = equations.design.energy_of(
         candidates.groups[i].columns, _fit_linearly(equations, candidates, i, nuisances)
     )
@@ -153,12 +153,12 @@ def find_changed_components(
 
 
 def compute_overlap(one: Mapping[Component, float], other: Mapping[Component, float]) -> float:
-    """Share of what two candidates change that both of them change."""
+    """Compute the share of what two candidates change that both of them change."""
     return sum(min(value, other.get(key, 0.0)) for key, value in one.items())
 
 
 def _fit_linearly(equations: NormalEquations, candidates: Candidates, i: int, nuisances: IntArray) -> Array:
-    """Of a candidate's columns beside the calibration, scaled as they are, small where they are alike."""
+    """Fit a candidate's columns linearly beside nuisance parameters, with a ridge where they are alike."""
     own = candidates.groups[i].columns
     precision = candidates.priors.precision.copy()
     precision[own] = np.maximum(precision[own], settings().screening.ridge * equations.gram[:, own, own].sum(axis=0))

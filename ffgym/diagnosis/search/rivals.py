@@ -1,6 +1,6 @@
-"""Candidates fitted in the place of a cause: what they explain, and whether the log rules them out.
+"""Rivals: candidates fitted in the place of a cause, and whether the log rules them out.
 
-A reader who expects one of them sees that it was looked at, and how much less it explains.
+A reader who expects one of them sees that it was tried, and how much less it explains.
 """
 
 from collections.abc import Container, Sequence
@@ -35,7 +35,7 @@ class RivalComparison:
 def compare_rivals(
     problem: FitProblem, nominal: ScoredFit, fitted: ScoredFit, rounds: Sequence[SearchRound], rng: np.random.Generator
 ) -> RivalComparison:
-    """What was fitted in the place of each cause that stayed; what was adopted beside it is no rival."""
+    """Compare each cause that stayed with what was fitted in its place; what was adopted beside it is no rival."""
     found = []
     for one in rounds:
         stands = one.of(fitted.fit.hypotheses)
@@ -51,13 +51,13 @@ def compare_rivals(
 
 
 def _count_oddities(tried: ScoredFit) -> tuple[int, int]:
-    """Sizes that are not plausible, then effects: of explanations that tie, the one with fewer stands."""
+    """Count sizes that are not plausible, then effects: of explanations that tie, the one with fewer stands."""
     hypotheses = tried.fit.hypotheses
     return sum(h.implausible is not None for h in hypotheses), len({h.place for h in hypotheses})
 
 
 def _describe_implausible(instead: ScoredFit, fitted: ScoredFit) -> str:
-    """A size that is not plausible beside a rival, but is with the cause; in words."""
+    """Describe a size that is not plausible beside a rival, but is with the cause."""
     known = {h.place for h in fitted.fit.hypotheses if h.implausible is not None}
     odd = (h for h in reversed(instead.fit.hypotheses) if h.implausible is not None and h.place not in known)
     own = next(odd)
@@ -86,7 +86,7 @@ class _Contest:
     """All causes with it in the place of the best, if they were fitted."""
 
     def rival(self, sure: Container[HypothesisKey], fitted: ScoredFit) -> Rival:
-        """As it is told, where causes of the places `sure` have a wave with which nothing ties."""
+        """Report it as a rival; causes of the places `sure` have a wave with which nothing ties."""
         tied, reason = self.tied, ALIKE_TEXT if self.tied else self.lost
         if tied and self.best.place in sure:
             tied, reason = False, "explains this wave as well, and no other wave of the cause"
@@ -137,7 +137,7 @@ def _contest(
 
 
 def _compute_share(problem: FitProblem, before: ScoredFit, best: ScoredFit, other: ScoredFit) -> float:
-    """What a rival removes where the best acts, as a share of what that removes there."""
+    """Compute what a rival explains where the best acts, as a share of what the best explains there."""
     loud, by_best, by_other = (loudness(problem, subtract_nuisances(problem, one.fit)) for one in (before, best, other))
     where = find_touched(problem, list(best.fit.columns[-len(best.hypothesis.list_free()) :]))
     gone = compute_explained(loud, by_best, where).of_excess
@@ -147,7 +147,7 @@ def _compute_share(problem: FitProblem, before: ScoredFit, best: ScoredFit, othe
 def _is_tied(
     problem: FitProblem, before: ScoredFit, best: ScoredFit, other: ScoredFit, rng: np.random.Generator
 ) -> bool:
-    """Whether another explanation is as good, by resamples or as good as an inexact equation can tell."""
+    """Tell whether another explanation is as good, by resampled blocks or within what inexact equations leave."""
     # resamples of what it leaves more in each block
     limits = settings().rivals
     more = other.left - best.left
@@ -161,7 +161,7 @@ def _is_tied(
 
 
 def _compute_inexactness(problem: FitProblem, best: ScoredFit) -> float:
-    """Energy above that of noise that an explanation leaves where its causes act, or that the floor leaves open."""
+    """Compute the energy above noise that an explanation leaves where its causes act, or that the floor leaves open."""
     loud, total = loudness(problem, subtract_nuisances(problem, best.fit)), 0.0
     for key in find_touched(problem, list(best.fit.columns)):
         rows = np.count_nonzero(np.broadcast_to(problem.weights[key], problem.blocks.of_row.shape))
@@ -170,12 +170,12 @@ def _compute_inexactness(problem: FitProblem, best: ScoredFit) -> float:
 
 
 def _count_numbers(tried: ScoredFit) -> int:
-    """Numbers that were fitted."""
+    """Count the numbers that were fitted."""
     return sum(len(hypothesis.list_free()) for hypothesis in tried.fit.hypotheses)
 
 
 def select_tied(hypotheses: Sequence[Hypothesis], rivals: Sequence[Rival]) -> list[Hypothesis]:
-    """Hypotheses that a rival cannot be told from."""
+    """Select hypotheses with which a rival ties."""
     against = {rival.against for rival in rivals if rival.tied}
     return [hypothesis for hypothesis in hypotheses if hypothesis.label in against]
 
@@ -183,7 +183,7 @@ def select_tied(hypotheses: Sequence[Hypothesis], rivals: Sequence[Rival]) -> li
 def turn_into_rivals(
     unsure: Sequence[Hypothesis], rivals: Sequence[Rival], rounds: Sequence[SearchRound]
 ) -> tuple[Rival, ...]:
-    """Causes that were dropped because a rival cannot be told from them, as rivals of that one."""
+    """Turn causes that were dropped because a rival ties with them into rivals of that one."""
     against = {rival.against: make_label(rival.effect, rival.joint) for rival in rivals if rival.tied}
     found = []
     for one in unsure:
@@ -205,7 +205,7 @@ def turn_into_rivals(
 def find_lookalikes(
     problem: FitProblem, candidates: Candidates, ranking: Ranking, before: ScoredFit, adopted: ScoredFit
 ) -> tuple[Rival, ...]:
-    """Rivals of a cause by the library's list of confusable effects, each with the best of its shapes."""
+    """Find rivals of a cause by the library's list of confusable effects, each with the best of its shapes."""
     cause, scores = adopted.hypothesis, dict[tuple[str, str], float]()
     for i in ranking.order.tolist():  # the best shape of an effect comes first
         column = candidates.first(candidates.groups[i])
@@ -229,7 +229,7 @@ def find_lookalikes(
 
 
 def list_uncompared(rounds: tuple[SearchRound, ...], final: ScoredFit, rivals: tuple[Rival, ...]) -> tuple[Rival, ...]:
-    """Lookalikes of the causes that nothing was compared with."""
+    """List lookalikes of the causes that were compared with nothing."""
     compared = {rival.against for rival in rivals}
     causes = {hypothesis.label for hypothesis in final.fit.hypotheses}
     names = {(hypothesis.kind.name, hypothesis.joint) for hypothesis in final.fit.hypotheses}

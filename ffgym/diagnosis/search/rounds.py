@@ -1,4 +1,4 @@
-"""What a search finds: rounds of fits that are judged by blocks left out, kept, slimmed or dropped.
+"""Rounds of a search: fits that are scored by held-out blocks, pruned, refitted, kept or dropped.
 
 Friction that depends on temperature has three sizes, of Coulomb, breakaway and viscous torque. Where one of them is in
 the log, the other two bend around noise, and lose against another effect of a single size that looks alike.
@@ -25,7 +25,7 @@ from ffgym.diagnosis.solving import Priors, compute_block_rss
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ScoredFit:
-    """A candidate, fitted."""
+    """Fit of a candidate with its score on held-out blocks."""
 
     fit: Fit
     left: Array
@@ -33,18 +33,18 @@ class ScoredFit:
 
     @property
     def hypothesis(self) -> Hypothesis:
-        """The last one, that was tried."""
+        """Newest hypothesis, which was tried."""
         return self.fit.hypotheses[-1]
 
     @property
     def total(self) -> float:
-        """Energy left."""
+        """Energy left in all blocks."""
         return float(self.left.sum())
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SearchRound:
-    """One look at what is left: candidates by score, and those that were fitted, best first."""
+    """One round of the search: candidates by score, and those that were fitted, best first."""
 
     before: ScoredFit
     ranking: Ranking
@@ -54,13 +54,13 @@ class SearchRound:
     """Effects that are easily taken for what was adopted, by their scores."""
 
     def of(self, hypotheses: Iterable[Hypothesis]) -> ScoredFit | None:
-        """The first that was tried of some hypotheses, whatever values they came to have; None if none was."""
+        """Return the first fit of one of some hypotheses, whatever their values; None if none was tried."""
         known = tuple(hypotheses)
         return next((tried for tried in self.tried if tried.hypothesis.is_among(known)), None)
 
 
 def find_adoption(rounds: Iterable[SearchRound], hypothesis: Hypothesis) -> tuple[SearchRound, ScoredFit]:
-    """The round in which a cause was found, and how it was tried there; of a wave that moved far, one of its effect."""
+    """Find the round in which a cause was adopted, and its fit there; for a wave that moved far, one of its effect."""
     tried = [(one, other) for one in rounds if one.adopted for other in one.tried]
     of_effect = [pair for pair in tried if pair[1].hypothesis.place == hypothesis.place]
     return next((pair for pair in of_effect if pair[1].hypothesis.repeats(hypothesis)), of_effect[0])
@@ -68,44 +68,44 @@ def find_adoption(rounds: Iterable[SearchRound], hypothesis: Hypothesis) -> tupl
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SearchResult:
-    """What a search found."""
+    """Result of a search: models, rounds, rivals and ties."""
 
     nominal: ScoredFit
     candidates: Candidates
-    """Of the first round; those of later ones take much memory, and nothing is asked of them."""
+    """Candidates of the first round; those of later ones take much memory, and are not needed."""
     final: ScoredFit
-    """With all causes that are sure, or with all if none is; the nominal model if they explain too little."""
+    """Model with all causes that are sure, or with all if none is; the nominal model if they explain too little."""
     whole: ScoredFit
-    """With those causes too that cannot be told from a rival: what it leaves, neither of them explains."""
+    """Model with those causes, too, that tie with a rival: what it leaves, neither of them explains."""
     rounds: tuple[SearchRound, ...]
     rivals: tuple[Rival, ...]
     unsure: tuple[Hypothesis, ...]
-    """Further causes that cannot be told from a rival, beside others that are sure; not in the final model."""
+    """Further causes that tie with a rival, beside others that are sure; not in the final model."""
     rows: float
     """Energy of noise alone."""
 
     @property
     def without_causes(self) -> "SearchResult":
-        """The same search with nothing found."""
+        """Same search with nothing found."""
         return replace(self, final=self.nominal, whole=self.nominal, rivals=(), unsure=())
 
 
 def fit_and_score(
     problem: FitProblem, hypotheses: Sequence[Hypothesis], like: Fit | None = None, *, begun: bool = False
 ) -> ScoredFit:
-    """Fit, with tangents of others from a fit `like` it, then judge by blocks that were left out."""
+    """Fit hypotheses, with tangents of others from a fit `like` it, and score the fit."""
     if not hypotheses:
         return score(problem, evaluate(problem, ()))
     return score(problem, fit(problem, hypotheses, begun=begun, like=like))
 
 
 def score(problem: FitProblem, found: Fit) -> ScoredFit:
-    """A fit with what it leaves in blocks that were left out."""
+    """Score a fit by what it leaves in held-out blocks."""
     return ScoredFit(fit=found, left=compute_held_out_rss(problem, found, found.priors))
 
 
 def compute_held_out_rss(problem: FitProblem, found: Fit, priors: Priors) -> Array:
-    """Energy that a fit leaves in blocks that were left out, both splits in mean, shape (B,)."""
+    """Compute the energy that a fit leaves in held-out blocks, mean of both splits, shape (B,)."""
     halves, motions = make_half_folds(problem.blocks), make_motion_folds(problem.blocks)
     left = [
         compute_block_rss(found.equations, folds, found.fold_columns, priors) for folds in (halves, motions) if folds
@@ -119,7 +119,7 @@ _THERE = 1e-6
 
 
 def prune(problem: FitProblem, tried: ScoredFit, like: Fit | None = None) -> ScoredFit:
-    """The newest hypothesis without sizes whose absence leaves less on rows that were left out."""
+    """Prune the newest hypothesis: drop sizes without which less is left on held-out rows."""
     while True:
         known = tried.hypothesis.kind.parameters()
         sizes = list(dict.fromkeys(f.name for f in tried.hypothesis.list_free() if known[f.name].role == "size"))
@@ -131,7 +131,7 @@ def prune(problem: FitProblem, tried: ScoredFit, like: Fit | None = None) -> Sco
             break
         *others, newest = tried.fit.hypotheses
         try:
-            fewer = score(problem, refine(problem, evaluate(problem, (*others, newest.without(least)), like), like))
+            fewer = score(problem, refine(problem, evaluate(problem, (*others, newest.fix_at_null(least)), like), like))
         except FAILED:
             break
         if fewer.total >= tried.total:
@@ -141,7 +141,7 @@ def prune(problem: FitProblem, tried: ScoredFit, like: Fit | None = None) -> Sco
 
 
 def _compute_rss_without(problem: FitProblem, fit: Fit, size: str) -> float:
-    """Energy on rows that were left out with one size at its null value, by slopes."""
+    """Compute the held-out energy with one size at its null value, by slopes."""
     free, known = fit.hypotheses[-1].list_free(), fit.hypotheses[-1].kind.parameters()
     first = len(fit.priors.low) - len(free)
     low, high = fit.priors.low.copy(), fit.priors.high.copy()
@@ -154,7 +154,7 @@ def _compute_rss_without(problem: FitProblem, fit: Fit, size: str) -> float:
 
 
 def refit(problem: FitProblem, adopted: ScoredFit) -> ScoredFit:
-    """The adopted cause, fitted with tangents of all, and more finely if there is anything left to explain."""
+    """Refit with tangents of all causes, and more finely if anything is left to explain."""
     if len(adopted.fit.hypotheses) > 1:
         try:
             adopted = fit_and_score(problem, adopted.fit.hypotheses, begun=True)
@@ -167,7 +167,7 @@ def refit(problem: FitProblem, adopted: ScoredFit) -> ScoredFit:
 
 
 def _fit_without(problem: FitProblem, now: ScoredFit, others: Sequence[Hypothesis]) -> ScoredFit | None:
-    """The other causes alone; None if they do not make up for the one that is left out."""
+    """Fit the other causes alone; None if they do not make up for the one that is left out."""
     limits = settings().search
     begun = evaluate(problem, others, now.fit)
     if score(problem, begun).total > now.total * (1 + limits.clearly_needed):

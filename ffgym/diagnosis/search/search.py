@@ -1,4 +1,8 @@
-"""The search: adopt what explains most, fit it by replaying, look again at what is left, drop what is not needed."""
+"""Search for causes by forward selection with pruning.
+
+Each round adopts the candidate that explains most, fits it by replaying, and searches what is left; causes that the
+others make up for are dropped. In the end each cause is compared with its rivals.
+"""
 
 from collections.abc import Callable, Container, Sequence
 from dataclasses import replace
@@ -105,7 +109,7 @@ def search(
 def _conclude(
     problem: FitProblem, nominal: ScoredFit, now: ScoredFit, kept: Sequence[Hypothesis], report: Report
 ) -> ScoredFit:
-    """The model with those causes that are kept; the nominal one if all together explain too little.
+    """Choose the final model: that with the causes that are kept, or the nominal one if all explain too little.
 
     What a cause explains that ties with a rival is explained by one of both, whoever it is. A cause of which nothing is
     left once all of it is fitted together is none.
@@ -128,7 +132,7 @@ def _run_round(
     needless: Sequence[Hypothesis],
     report: Report,
 ) -> SearchRound:
-    """Rank, fit the best, and see whether the best of those is to be adopted; if not, look at other joints."""
+    """Rank candidates, fit the best, and adopt the first significant one; if there is none, go on to other joints."""
     residual = split_components(now.fit.residual)
     together = {key: np.concatenate([rows, null_residuals[key]], axis=2) for key, rows in residual.items()}
     equations = candidates.design.form_equations(together)
@@ -159,7 +163,7 @@ def _fit_best(
     beaten: Container[str],
     report: Report,
 ) -> list[ScoredFit]:
-    """The best candidate on joints where none was beaten, and its rivals, fitted beside the causes; the best first.
+    """Fit the best candidate on joints where none was beaten, and its rivals, beside the causes; the best first.
 
     What others once made up for is not tried again: it would come and go for ever.
     """
@@ -191,7 +195,7 @@ def _fit_best(
             continue  # what cannot be computed loses
 
     def price(one: ScoredFit) -> float:
-        """Energy that is left, and what each number costs: a share of that, or of what is removed if that is less."""
+        """Compute the energy left and a price of each number: a share of that, or of what is explained if less."""
         share = max(0.0, min(one.total, now.total - one.total))
         return one.total + limits.slack * len(one.hypothesis.list_free()) * share
 
@@ -199,7 +203,7 @@ def _fit_best(
 
 
 def _shrink_to_possible(problem: FitProblem, others: Sequence[Hypothesis], start: Hypothesis) -> Hypothesis | None:
-    """A hypothesis as large as a machine can have it, at most as it is; None if none can, however little of it.
+    """Shrink a hypothesis until a machine can have it; None if no machine can, however small it is.
 
     What pushes the arm away from its springs must be tried: the arm may not stay where it is.
     """
@@ -207,5 +211,5 @@ def _shrink_to_possible(problem: FitProblem, others: Sequence[Hypothesis], start
         can_be = build_machine(problem.nominal, (*others, start)) is not None
         if can_be and (start.kind.side != "link" or compute_rss(problem, (*others, start)) < np.inf):
             return start
-        start = start.scaled(0.5)
+        start = start.scale(0.5)
     return None

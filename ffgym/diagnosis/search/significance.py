@@ -1,4 +1,4 @@
-"""What a cause is worth: how much of what it acts on it removes, and whether that is enough."""
+"""Significance of a cause: the variance that it explains where it acts, and whether that suffices to adopt it."""
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from ffgym.diagnosis.settings import settings
 
 
 def find_shapes_at_limit(problem: FitProblem, fit: Fit) -> tuple[tuple[Hypothesis, str], ...]:
-    """Causes with shapes that the fit moved to the end of their plausible range, where they change what is seen."""
+    """Find causes with shapes that the fit moved to the end of their plausible range, if they matter to the log."""
     limits = settings().significance
     found, at = [], 0
     for hypothesis in fit.hypotheses:
@@ -42,7 +42,7 @@ def find_shapes_at_limit(problem: FitProblem, fit: Fit) -> tuple[tuple[Hypothesi
 def compute_explained_by_newest(
     problem: FitProblem, before: ScoredFit, after: ScoredFit, nominal: ScoredFit | None = None
 ) -> ExplainedVariance:
-    """What the newest cause removes where it acts, by fits to all rows.
+    """Compute the variance that the newest cause explains where it acts, by fits to all rows.
 
     Beyond what inexact causes before it would leave, if the `nominal` model is given, from which those were taken; but
     another wave of one of them names nothing new.
@@ -70,7 +70,7 @@ def compute_explained_by_newest(
 
 
 def _exceeds_allowance(loud: Loudness, where: set[tuple[Channel, int]], allowed: Loudness) -> bool:
-    """Whether any of some components has more above the noise than is allowed for."""
+    """Tell whether any of some components has more above the noise than is allowed for."""
     return any(loud[key] - 1.0 > allowed[key] for key in where)
 
 
@@ -113,7 +113,7 @@ def is_sizeable(cause: Hypothesis) -> bool:
 
 
 def is_within_prior(problem: FitProblem, cause: Hypothesis) -> bool:
-    """Whether a cause is a number of the model that is within its calibration."""
+    """Tell whether a cause is a number of the model within the bounds of its prior."""
     n = problem.log.robot.n_joints
     nuisances = {
         nuisance.column.parameter: nuisance for nuisance in problem.nuisances if is_parameter_of(nuisance, cause, n)
@@ -125,7 +125,7 @@ def is_within_prior(problem: FitProblem, cause: Hypothesis) -> bool:
 
 
 def _imitates(problem: FitProblem, before: ScoredFit, after: ScoredFit) -> bool:
-    """Whether the newest cause bends to the end of what is plausible to explain what a clean log may have."""
+    """Tell whether the newest cause has a shape at the end of its range, and acts only where clean logs are as loud."""
     if all(hypothesis is not after.hypothesis for hypothesis, _ in find_shapes_at_limit(problem, after.fit)):
         return False
     own = after.fit.columns[-len(after.hypothesis.list_free()) :]
@@ -134,7 +134,7 @@ def _imitates(problem: FitProblem, before: ScoredFit, after: ScoredFit) -> bool:
 
 
 def explains_most(problem: FitProblem, nominal: ScoredFit, now: ScoredFit) -> bool:
-    """Whether all causes together explain most of what is where they act."""
+    """Tell whether all causes together explain most of the energy above noise where they act."""
     first, then = (loudness(problem, subtract_nuisances(problem, one.fit)) for one in (nominal, now))
     gone = compute_explained(first, then, find_touched(problem, list(now.fit.columns)))
     return max(gone.of_excess, gone.best) >= settings().significance.together

@@ -64,7 +64,7 @@ def test_a_moved_hypothesis_stays_within_its_bounds_and_can_be_built(name, chang
     values = {n: np.array(_usual(p)) for n, p in kind.parameters().items()}
     joint = robot.joints[0] if any(p.per == "joint" for p in kind.parameters().values()) else ""
     begun = Hypothesis(kind=kind, joint=joint, source=None, values=values)
-    moved = begun.moved([change] * len(begun.list_free()))
+    moved = begun.move([change] * len(begun.list_free()))
     for before, after in zip(begun.list_free(), moved.list_free(), strict=True):
         assert before.low <= after.value <= before.high
         assert after.value == pytest.approx(np.clip(before.value + change, before.low, before.high))
@@ -81,7 +81,7 @@ def test_a_shape_is_fitted_within_its_plausible_range_as_a_drift_of_a_second_is_
         values={"share": np.array(0.1), "duration": np.array(known.default)},
     )
     for change in (-1e6, 1e6):
-        assert known.low <= float(begun.moved([0.0, change]).values["duration"]) <= known.high
+        assert known.low <= float(begun.move([0.0, change]).values["duration"]) <= known.high
 
 
 def test_friction_that_repeats_after_many_turns_is_a_level_so_that_it_is_not_fitted_that_far(robot):
@@ -92,7 +92,7 @@ def test_friction_that_repeats_after_many_turns_is_a_level_so_that_it_is_not_fit
     for change in (-1e6, 1e6):
         moved = begun
         for _ in range(20):  # each step is bounded by the one before
-            moved = moved.moved([0.0, change, 0.0])
+            moved = moved.move([0.0, change, 0.0])
         assert known.low <= float(moved.values["cycles"]) <= known.high
 
 

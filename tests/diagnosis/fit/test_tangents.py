@@ -47,7 +47,7 @@ def test_tangents_are_difference_quotients_of_replays(log):
     for i, one in enumerate(all_of_them):
         for k, free in enumerate(one.list_free()):
             share = 0.2 * free.nudge / free.step
-            moved = one.moved([share * free.step if n == k else 0.0 for n in range(len(one.list_free()))])
+            moved = one.move([share * free.step if n == k else 0.0 for n in range(len(one.list_free()))])
             other = nominal()
             for j, hypothesis in enumerate(all_of_them):
                 other = (moved if j == i else hypothesis).on(other)

@@ -74,9 +74,9 @@ def test_tangents_of_a_base_are_difference_quotients_of_replays():
     machine = one.on(nominal())
     run = replay(log, machine)
     columns, before = compute_tangents(run, nominal(), [one]), predict(run)
-    for k, (free, column) in enumerate(zip(one.free(), columns, strict=True)):
+    for k, (free, column) in enumerate(zip(one.list_free(), columns, strict=True)):
         changes = [0.2 * free.nudge if n == k else 0.0 for n in range(len(columns))]
-        then = predict(replay(log, one.moved(changes).on(nominal())))
+        then = predict(replay(log, one.move(changes).on(nominal())))
         quotient = (then["torque"] - before["torque"])[..., 0] / (0.2 * free.nudge / free.step)
         assert np.abs(column["torque", 0] - quotient).max() <= 0.1 * np.abs(quotient).max() + 1e-9, free
 

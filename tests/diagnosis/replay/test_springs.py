@@ -97,7 +97,7 @@ def test_a_push_that_is_a_spring_is_a_stiffer_spring(solved):
     more = np.array([3e3, 0.0])
     n, torque = len(t), load(t)[:, None]
     stiffer = springs(n, STIFFNESS + more).bent_by(torque[..., None])
-    pushed = springs(n).pushed_by(torque, lambda k, angle, rate: -more * angle, torque[0] / (STIFFNESS + more))
+    pushed = springs(n).integrate(torque, lambda k, angle, rate: -more * angle, torque[0] / (STIFFNESS + more))
     size = np.abs(stiffer.angle).max()
     assert np.abs(pushed.angle - stiffer.angle[..., 0]).max() < 5e-3 * size
 
@@ -111,20 +111,20 @@ def test_an_arm_that_is_pushed_away_harder_than_its_springs_hold_it_flies_away(s
         return share * STIFFNESS * angle
 
     if stays:
-        assert np.abs(springs(n).pushed_by(still, away, start).angle).max() < 1e-5
+        assert np.abs(springs(n).integrate(still, away, start).angle).max() < 1e-5
     else:
         with pytest.raises(FlownAwayError, match="does not stay where its motors are"):
-            springs(n).pushed_by(still, away, start)
+            springs(n).integrate(still, away, start)
 
 
 def test_what_is_not_a_number_has_flown_away_too():
     with pytest.raises(FlownAwayError, match="nan"):
-        springs(10).pushed_by(np.zeros((10, 1, 2)), lambda k, angle, rate: np.full((1, 2), np.nan), np.zeros((1, 2)))
+        springs(10).integrate(np.zeros((10, 1, 2)), lambda k, angle, rate: np.full((1, 2), np.nan), np.zeros((1, 2)))
 
 
 def test_rigid_joints_cannot_fly_away():
     rigid = springs(10, stiffness=np.full(2, np.inf))
-    found = rigid.pushed_by(np.ones((10, 1, 2)), lambda k, angle, rate: 1e9 + angle, np.zeros((1, 2)))
+    found = rigid.integrate(np.ones((10, 1, 2)), lambda k, angle, rate: 1e9 + angle, np.zeros((1, 2)))
     np.testing.assert_array_equal(found.angle, 0.0)
 
 

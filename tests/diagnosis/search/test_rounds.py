@@ -96,4 +96,4 @@ def test_a_size_that_rows_left_out_do_not_ask_for_is_null(needed, monkeypatch):
     assert {free.name for free in slim.list_free()} & SIZES == needed
     assert slim.null == SIZES - needed
     assert all(slim.values[name] == 0.0 for name in slim.null)
-    assert slim.moved([0.1] * len(slim.list_free())).null == slim.null
+    assert slim.move([0.1] * len(slim.list_free())).null == slim.null

@@ -69,7 +69,7 @@ def test_a_cause_of_which_nothing_is_left_once_all_is_fitted_together_is_none(mo
     model = lambda setting, kept: SimpleNamespace(fit=SimpleNamespace(hypotheses=tuple(kept)))  # noqa: E731
 
     def corrected(setting, fit):
-        left = (h.without("amplitude") if h.joint == "j2" else h for h in fit.hypotheses)
+        left = (h.fix_at_null("amplitude") if h.joint == "j2" else h for h in fit.hypotheses)
         return SimpleNamespace(hypotheses=tuple(left))
 
     monkeypatch.setattr(module, "explains_most", lambda setting, nominal, now: True)

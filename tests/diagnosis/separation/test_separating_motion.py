@@ -97,7 +97,7 @@ def test_rests_separate_breakaway_that_grows_from_one_that_does_not(tmp_path, ca
 @pytest.mark.slow
 def test_nothing_is_proposed_for_causes_that_no_motion_tells_apart():
     arm = arm_of("one_axis")
-    twins = [cause("coulomb_level", "j1"), cause("coulomb_level", "j1").moved([0.01])]
+    twins = [cause("coulomb_level", "j1"), cause("coulomb_level", "j1").move([0.01])]
     assert design_separating_motion(arm, Machine.of(arm.robot), twins, noise_of(arm.robot)) is None
 
 
