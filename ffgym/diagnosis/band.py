@@ -50,6 +50,7 @@ def choose_cutoff(log: Log, machine: Machine) -> float:
 def compute_motion_bandwidth(log: Log) -> float:
     """Frequency [Hz] below which nearly all power of the speed of every joint lies, noise of the reading taken off."""
     limits = settings().sampling
+    # mean spectrum of the angles, less that of white noise
     total, frequency = 0.0, np.zeros(1)
     longest = max(log.lengths)
     width = min(round(limits.spectrum_segment / log.dt), longest)
@@ -61,6 +62,7 @@ def compute_motion_bandwidth(log: Log) -> float:
         frequency, power = scipy.signal.welch(padded, fs=1 / log.dt, nperseg=width, axis=0, detrend="constant")
         white = 2 * log.dt * white_noise(q, log.sampling.motion_filter, log.dt) ** 2
         total = total + n * np.maximum(power - white, 0.0)
+    # frequency below which nearly all power of every joint's speed lies
     speed = np.asarray(total) * frequency[:, None] ** 2
     speed = speed[:, speed.sum(axis=0) > 0]
     if not speed.size:

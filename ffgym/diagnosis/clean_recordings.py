@@ -45,6 +45,7 @@ def has_foreign_servo(log: Log) -> bool:
     """Tell whether the feedback torque of most joints is not that of the documented servo on the measured error."""
     if log.feedback is None or not log.shows_servo:
         return False
+    # correlation of measured and predicted feedback torque, whatever the gains
     rows, valid = log.sampling, find_valid_rows(log)
 
     def about_mean(values: Array) -> Array:
@@ -72,6 +73,7 @@ a step that is twice as long as they were described with."""
 
 def _simulate(log: Log, run: Replay, longest: float) -> list[Recording]:
     """Simulate with steps of `longest` physics steps and of half of that, and extrapolate to a step of zero."""
+    # the same runs with a coarse and a fine step
     robot = widen_limits(run.machine.robot, log.recordings)
     machine = replace(run.machine, robot=robot)
     runs = [Run(reference=build_reference(robot, recording)) for recording in log.recordings]
@@ -86,6 +88,7 @@ def _simulate(log: Log, run: Replay, longest: float) -> list[Recording]:
         )
         for step in steps
     )
+    # Richardson's extrapolation to a step of zero
     found = []
     for one, other, like in zip(coarse, fine, log.recordings, strict=True):
         columns = {name: 2 * other[name] - values for name, values in one.columns.items()}
@@ -107,6 +110,7 @@ def _choose_record_dt(robot: RobotDescription, step: float, dt: float) -> float:
 
 def _resample(exact: Recording, like: Recording) -> Recording:
     """Take the rows and columns of another recording, so that both are processed alike."""
+    # nothing is to be interpolated where the times are the same
     columns = {name: values for name, values in exact.columns.items() if name in like.columns}
     since, dt = like.t - like.t[0] + exact.t[0], like.dt
     n = int(np.searchsorted(since, exact.t[-1] + 0.5 * dt))

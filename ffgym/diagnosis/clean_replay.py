@@ -41,6 +41,7 @@ def replay_finely(log: Log, run: Replay, *, smooth: bool = False) -> list[Record
         for n in range(1, parts + 1)
         if parts % n == 0 and (n == parts or log.dt / n <= limits.link_step * (1 + 1e-09))
     )
+    # friction in the finest steps, links and springs in coarser ones
     if few == parts or run.machine.resolver_effects:  # friction slips as motors truly move, which replays tell
         fine, few = replay(_refine(log, parts, smooth), run.machine, exact=True), parts
     else:
@@ -55,6 +56,7 @@ def replay_finely(log: Log, run: Replay, *, smooth: bool = False) -> list[Record
 def _refine(log: Log, every: int, smooth: bool) -> Log:
     """Sample the motion of a log without its noise `every` times as finely, with temperatures and set-points."""
     dt, still, low_pass = log.dt, without_trembling(log.q, log.trembling), log.sampling.motion_filter
+    # undo the low-pass of each motion, or smooth it
     q = np.empty_like(log.q)
     for i, n in enumerate(log.lengths):
         measured = still[:n, i]
@@ -120,6 +122,7 @@ def _record(log: Log, run: Replay, fine: Replay, every: int, i: int) -> Recordin
     """Record one motion at the samples of the log, motor side."""
     recording, n = log.recordings[i], log.lengths[i]
     rows = slice(0, (n - 1) * every + 1, every)
+    # columns that the log has, at its samples
     link = fine.link_q[rows, i]
     families = {
         "motor.position": log.robot.drive.motor_angle(fine.read.q[rows, i]),

@@ -46,6 +46,7 @@ def find_drifts(log: Log, run: Replay, rest: Mapping[Channel, Array], blocks: Ti
     days = read_days(log.recordings)
     if len(log.recordings) < limits.drift_recordings or days is None or np.ptp(days) < limits.drift_days:
         return ()
+    # levels of both kinds in each recording, by joint
     counting = find_counting_rows(log)
     columns = {(c.effect.name, c.joint): c.parts for c in compute_sensitivities(run, _LEVELS, {})}
     found: list[Drift] = []
@@ -110,6 +111,7 @@ def _fit_levels(column: Array, rest: Array, counting: BoolArray, blocks: TimeBlo
     """
     values, errors, left = np.full(rest.shape[1], np.nan), np.full(rest.shape[1], np.nan), 0.0
     for m in range(rest.shape[1]):
+        # least squares of the level and a constant in one motion
         rows = counting[:, m] & (blocks.of_row[:, m] >= 0)
         x = np.stack([column[rows, m], np.ones(np.count_nonzero(rows))], axis=1)
         y, block = rest[rows, m], blocks.of_row[rows, m]
@@ -117,6 +119,7 @@ def _fit_levels(column: Array, rest: Array, counting: BoolArray, blocks: TimeBlo
             continue
         inverse = np.linalg.inv(x.T @ x)
         size = inverse @ x.T @ y
+        # error from sums over blocks
         scores = np.stack([x[block == b].T @ (y - x @ size)[block == b] for b in np.unique(block)])
         n = len(scores)
         covariance = inverse @ (scores.T @ scores) @ inverse * n / (n - x.shape[1])

@@ -175,6 +175,7 @@ class Preview:
 
 def preview(log: Log, nominal: Machine, prior: ParameterPrior) -> Preview:
     """Screen the effects before the gearbox on the torque of a log."""
+    # residual of torque in units of its noise
     run = replay(log.torque_alone, nominal)
     residual = compute_residuals(run.log, predict(run))["torque"]
     values: Values = {("torque", j): residual[..., j : j + 1] for j in range(residual.shape[2])}
@@ -188,6 +189,7 @@ def preview(log: Log, nominal: Machine, prior: ParameterPrior) -> Preview:
     )
     if not len(blocks) or not candidates.groups:
         return Preview(effect=None, joint="", share=0.0)
+    # held-out gain of the best effect as a share of what is above the noise
     equations = candidates.design.form_equations(values)
     gain, left = screen(
         equations, make_half_folds(blocks), candidates.nuisance_places, candidates.groups, candidates.priors

@@ -75,6 +75,7 @@ def compare_in_closed_loop(
     """
     if not recordings:
         raise FFGymError("There is nothing to compare: name recordings that were not diagnosed.")
+    # runs of the recorded motions, on both models in the climate of each recording
     robot = nominal.robot
     runs = [_run_again(nominal, recording) for recording in recordings]
     starts = [recording.header.meta.get("session_start", 0.0) for recording in recordings]
@@ -89,6 +90,7 @@ def compare_in_closed_loop(
             lambda done, total: progress(total + done, 2 * total),
         )
     before, after = (_simulate(runs, each, n_threads, half) for each, half in zip(machines, halves, strict=True))
+    # RMS of measured and simulated over all recordings, by quantity and component
     has_tool = robot.tool is not None and all(recording.has("tcp.position") for recording in recordings)
     levels: list[LoopLevel] = []
     for quantity, unit in LOOP_UNITS.items():
@@ -221,6 +223,7 @@ def compare_replays(
     """
     if not recordings:
         raise FFGymError("There is nothing to compare: name recordings that were not diagnosed.")
+    # replay both models
     log = assemble_log(before.physical, recordings, cutoff=cutoff)
     rest = [compute_residuals(log, predict(replay(log, model))) for model in (before, after)]
     counting, measured = find_counting_rows(log), filter_measured(log)

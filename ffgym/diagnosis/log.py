@@ -176,6 +176,7 @@ def assemble_log(
         reference=read_set_points(robot, recordings, sampling.n_samples),
         temperature=where_all("temperature", read_temperatures),
     )
+    # leave out channels that the other log lacks
     if like is None:
         return found
     missing: dict[str, Any] = {

@@ -208,11 +208,13 @@ def simulate_null_residuals(
         seen = [add_noise(recording, noise, i, rng) for i, recording in enumerate(own.read.recordings)]
         return replay(assemble_log(log.robot, seen, like=log), like.machine, nearby=own)
 
+    # one draw with white noise; its residual shows what else is in that of the log
     runs = [drawn()]
     noise = _add_spectra(noise, log, like, runs[0])
     if noise.colours:
         runs.clear()
     runs += [drawn() for _ in range(limits.draws - len(runs))]
+    # residuals of all draws, without the bias of the replay
     draws: dict[Channel, list[Array]] = {}
     for run in runs:
         for channel, rows in compute_residuals(run.read, predict(run)).items():

@@ -83,6 +83,7 @@ def estimate_noise_spectrum(
         level: standard deviation (N,) that white noise would have with as much above the band; None is looked for here.
         alike: whether components are axes of one sensor, whose noise has one memory.
     """
+    # energies of quiet parts: of the signal above the band, of both residuals inside it
     limits = settings().noise
     n = signal[0].shape[1]
     none = NoiseSpectrum(fresh=np.zeros(n), stays=np.zeros(n), white=np.zeros(n))
@@ -104,6 +105,7 @@ def estimate_noise_spectrum(
         _estimate_floor(above[:, high]) / (1 - low_pass.gain(frequency[high], dt)) ** 2, dtype=np.float64
     )
     of_band = frequency[low], _estimate_floor(inside[:, low]), _estimate_floor(known[:, low])
+    # too few or too high frequencies above the band: extend noise from there into the band; else fit its fall
     found = np.zeros((3, n))
     if high.sum() < limits.fewest_groups or frequency[high][0] * dt > limits.flat_from:
         if level is not None:  # known better than from so few frequencies
@@ -121,6 +123,7 @@ def estimate_noise_spectrum(
         for j in np.flatnonzero(heard.mean(axis=1) < limits.steady * 2 * dt * shortest):
             fresh_j, flat = _fit_falling(frequency[high], heard[j], dt)
             found[:, j] = fresh_j, _fit_memory(of_band[0], of_band[1][j], of_band[2][j], fresh_j, flat, dt), flat
+    # what is as small as rounding is no noise
     rounding = limits.rounding_share * np.max([values.std(axis=0) for values in signal], axis=0)
     found[:, found[0] < rounding] = 0.0
     return NoiseSpectrum(fresh=found[0], stays=found[1], white=found[2])

@@ -66,6 +66,7 @@ def cut_blocks(valid: BoolArray, row_dt: float) -> TimeBlocks:
     of_row = np.full(valid.shape, -1, dtype=np.intp)
     motions, halves, guards, count = [], [], [], 0
     for m in range(valid.shape[1]):
+        # blocks of equal numbers of rows, of a second or so; two at least
         rows = np.flatnonzero(valid[:, m])
         if not len(rows):
             continue
@@ -73,6 +74,7 @@ def cut_blocks(valid: BoolArray, row_dt: float) -> TimeBlocks:
         n = max(2 if len(rows) > 1 else 1, round(len(rows) / per_block))
         place = np.minimum(np.arange(len(rows)) * n // len(rows), n - 1)
         of_row[rows, m] = count + place
+        # halves of the motion, and guards on both sides of the cut
         first = (n + 1) // 2
         motions += [m] * n
         halves += [0] * first + [1] * (n - first)
@@ -108,6 +110,7 @@ class DesignMatrix:
         gram = np.zeros((len(self.blocks), n + more, n + more))
         gram[:, :n, :n] = self.gram
         parts = dict(self.parts)
+        # products of new columns with old and new ones, one component after the other
         for key, weight in self.weights.items():
             have = [i for i, column in enumerate(columns) if key in column]
             if not have:

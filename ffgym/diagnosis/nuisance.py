@@ -212,6 +212,7 @@ def list_nuisance_parameters(run: Replay, prior: ParameterPrior) -> list[Nuisanc
         return [NuisanceParameter(column=column, sigma=sigma) for column in compute_sensitivities(run, kinds, {})]
 
     elastic = () if robot.drive.is_rigid.all() else (JointStiffness, JointDamping)
+    # friction levels, bristles, springs and torque constants
     found = each(prior.of_levels, CoulombLevel, ViscousLevel) + each(share, PreslidingStiffness, *elastic)
     if prior.torque_constant > 0:
         constants = each(prior.torque_constant, TorqueConstant)
@@ -220,6 +221,7 @@ def list_nuisance_parameters(run: Replay, prior: ParameterPrior) -> list[Nuisanc
     for column in compute_sensitivities(run, [StribeckPeak], {}):
         of_level = static[column.joint] / coulomb[column.joint] if column.parameter == "level" else 1.0
         found.append(NuisanceParameter(column=column, sigma=share * of_level))
+    # masses and rotors: by base parameters where they were fitted to torque, else one by one
     if prior.base > 0:
         found += _list_base_parameters(run, prior.base)
     else:
@@ -230,6 +232,7 @@ def list_nuisance_parameters(run: Replay, prior: ParameterPrior) -> list[Nuisanc
                 run, list(zip(robot.joints, of_link, strict=True)), "change", _MASS_STEP
             )
             found += [NuisanceParameter(column=column, sigma=share) for column in columns]
+    # offsets, latencies and the place of the tool
     for column in compute_sensitivities(run, [TorqueOffset], {}):
         found.append(NuisanceParameter(column=column, sigma=prior.offset * coulomb[column.joint]))
     found += _list_latencies(run)

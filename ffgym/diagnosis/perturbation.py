@@ -137,6 +137,7 @@ def _bend_springs(run: Replay, pushes: Sequence[Perturbation]) -> dict[int, tupl
     """
     if not pushes:
         return {}
+    # loads on the springs at coarse samples
     every, springs = run.coarse_springs
     sampling, none = run.log.sampling.coarser(every), np.zeros_like(run.log.q)
     load = np.stack(
@@ -146,6 +147,7 @@ def _bend_springs(run: Replay, pushes: Sequence[Perturbation]) -> dict[int, tupl
         ],
         axis=-1,
     )
+    # deflections, and the torque that springs then carry; rigid joints carry all
     flown = springs.bent_by(load)
     drive, state = run.robot.drive, run.state
     angle = sampling(flown.angle)
@@ -171,8 +173,10 @@ def _change_channels(run: Replay, push: Perturbation, bent: tuple[Array, Array] 
     """Compute the change of each channel by a perturbation and the springs that it bends."""
     sampling, drive = run.log.sampling, run.robot.drive
     rows = (len(sampling.at), *run.log.q.shape[1:])
+    # motor torque and link angle by the perturbation itself
     torque = np.zeros(rows) if push.motor is None else sampling(push.motor)
     link = np.zeros(rows) if push.joint_q is None else sampling(push.joint_q)
+    # and by the springs that it bends
     if bent is not None:
         angle, carried = bent
         if push.spring is not None:
@@ -181,6 +185,7 @@ def _change_channels(run: Replay, push: Perturbation, bent: tuple[Array, Array] 
             carried = carried + np.where(drive.is_rigid, sampling(push.links), 0.0)
         torque = torque + drive.motor_torque(carried)
         link = link + angle
+    # split by channel and component; the tool moves by the Jacobian
     parts: dict[tuple[Channel, int], Array] = {}
     for j in range(run.robot.n_joints):
         parts["torque", j] = torque[..., j]

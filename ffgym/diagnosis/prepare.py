@@ -105,8 +105,10 @@ def prepare(
         cache: what logs of the same motions share.
         at: where those numbers stand already, in standard deviations of all doubts; None is as described.
     """
+    # replay along the log, and the nominal machine over a clean motion of its own, for the bias
     like = replay(log, nominal)
     known = _recall_or_run(log, like, prior, cache)
+    # leave out the feedback torque if the documented servo did not make it
     reason = ""
     if log.shows_servo and not has_servo(log.robot):
         reason = UNKNOWN
@@ -115,6 +117,7 @@ def prepare(
     if reason:
         bare = replace(log, feedback=None)
         return replace(prepare(bare, nominal, prior, rng, cache, at), no_servo=reason)
+    # noise floor from null simulations; weights are one over it, lower where torque is unknown or rows are outliers
     null_residuals = simulate_null_residuals(log, known.run, known.bias, like, rng)
     floor = null_residuals.floor(log)
     weights = {(channel, c): rows / floor[channel][:, c] for (channel, c), rows in find_counting_rows(log).items()}
@@ -131,6 +134,7 @@ def prepare(
         bias=known.bias,
         floor=floor,
     )
+    # nuisance parameters count from the description, not from where they stand already
     if at is not None and len(known.nuisances) == len(at):  # the slopes of another machine are others
         nuisances = tuple(
             replace(nuisance, at=place) for nuisance, place in zip(known.nuisances, at.tolist(), strict=True)
@@ -162,6 +166,7 @@ def fit_within_prior(
     limits = settings().prior
     if prior.base > 0:
         return None
+    # alternate: fit the numbers, then prepare bias and noise about them anew
     first, at = ready, np.zeros(len(ready.problem.nuisances))
     for _ in range(limits.centres):
         found = calibrate(ready.problem, prior, causes, thoroughly=thoroughly)
@@ -174,6 +179,7 @@ def fit_within_prior(
         ready = again
     if ready is first:
         return None
+    # what the description leaves says how much of it the fitted numbers may leave
     left = loudness(first.problem, subtract_nuisances(first.problem, evaluate(first.problem, ())))
     return replace(ready, problem=replace(ready.problem, described=left), no_servo=first.no_servo)
 
@@ -192,6 +198,7 @@ def _recall_or_run(log: Log, like: Replay, prior: ParameterPrior, cache: Diagnos
         return replace(
             known, run=replace(known.run, state=known.run.state.with_values(temperature=like.state.temperature))
         )
+    # simulate or replay the nominal machine, and see whether its bias fits the measured motion
     known = _replay_along(make_clean_recordings(log, like), log, like)
     plain, left = _compute_torque_left(log, like, 0.0), _compute_torque_left(log, like, known.bias["torque"])
     most = plain if known.simulated else settings().prior.noisy_bias * plain
@@ -202,6 +209,7 @@ def _recall_or_run(log: Log, like: Replay, prior: ParameterPrior, cache: Diagnos
             if _compute_torque_left(log, like, moved.bias["torque"]) < (plain if known.simulated else left):
                 known = moved
                 break
+    # nuisance parameters along that motion
     known = replace(known, nuisances=tuple(list_nuisance_parameters(known.run, prior)))
     if cache is not None and known.simulated:
         cache.key, cache.known, cache.columns = key, known, {}
@@ -242,6 +250,7 @@ def list_candidates(
     ready: PreparedSearch, kinds: Sequence[type[Effect]], cache: DiagnosisCache | None = None
 ) -> Candidates:
     """List candidates that depend on no frequency, beside nuisance parameters; shared columns are cached."""
+    # effects whose columns are the same at any temperature are shared by logs of the same motions
     lasting = [kind for kind in kinds if not repeats(kind)]
     shared = []
     if cache is not None and ready.simulated:  # columns that are the same at any temperature
@@ -250,6 +259,7 @@ def list_candidates(
             if some is None or not reads_temperature(some.effect, ready.run):
                 shared.append(kind)
     known = {} if cache is None else cache.columns
+    # compute the columns that are not cached
     new = [kind for kind in lasting if kind not in shared or kind.name not in known]
     found: dict[str, list[Sensitivity]] = {kind.name: [] for kind in new}
     for column in compute_sensitivities(ready.run, new, {}):

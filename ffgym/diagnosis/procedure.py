@@ -112,12 +112,14 @@ def examine(
 
     `first` receives a preview of what stands out, soon and before anything is sure; None saves that time.
     """
+    # check the arguments; thin a long log, and bring recordings into an order of their own
     limits = settings().prior
     given = tuple(thin(recordings))
     machine = Machine.of(nominal)
     check_whole("most causes", most, low=1, high=settings().search.most_causes)
     rng = np.random.default_rng(check_whole("seed", seed, low=0))
     recordings = conditioned_alike(sort_by_content(given))
+    # judge the quality of the logs, and keep what is to be reported in any case
     quality = judged_logs(recordings, machine.physical, ("diagnosis",), accept)
     names = tuple(recording.header.segment for recording in given)
     said: dict[str, Any] = {
@@ -126,6 +128,7 @@ def examine(
         "quality": (*read_notes(given), *quality.flagged),
         "provenance": {"seed": seed, "versions": versions()},
     }
+    # columns that are not what they are called, or logs without use, end the diagnosis
     wiring = find_wiring(recordings, machine.physical)
     nothing: dict[str, Any] = {"before": None, "after": None, "machine": machine, "nominal": machine}
     if wiring.mistakes:
@@ -133,6 +136,7 @@ def examine(
     if not quality.recordings and recordings:
         sentence = f"These logs do not allow a diagnosis: {quality.left_out[0]}"
         return Examination(diagnosis=Diagnosis(verdict="insufficient", sentence=sentence, **said), **nothing)
+    # assemble the log in the band in which the model can be compared
     report("replaying the nominal model", 0.0)
     recordings = quality.recordings
     said["quality"] = (*said["quality"], *report_beyond_limits(machine.physical, recordings))
@@ -143,6 +147,7 @@ def examine(
     known = prior or ParameterPrior()
     if first is not None:
         first(preview(log, machine, known))
+    # replay the nominal model and estimate what noise alone leaves
     ready = prepare(log, machine, known, rng, cache)
     # loosely known numbers are fitted first, alone, and then together with the causes that are found about them
     look = partial(_Pass, machine=machine, prior=known, rng=rng, report=report, most=most, said=said)
@@ -158,6 +163,7 @@ def examine(
         if about is not None and explains_all(ready, about):
             report("diagnosing about numbers within their calibration", 0.0)
             found, _ = look(about).search()
+    # name the motions that were used, in the order in which they were given
     used = {recording.header.segment for recording in recordings}
     motions = tuple(name for name in names if name in used)
     return replace(found, diagnosis=replace(found.diagnosis, motions=motions))
@@ -179,10 +185,12 @@ class _Pass:
     def search(self, cache: DiagnosisCache | None = None) -> tuple[Examination, tuple[Hypothesis, ...]]:
         """Search for causes and conclude; return, too, all causes that are no number within its prior."""
         ready, problem, rng = self.ready, self.ready.problem, self.rng
+        # candidates, and surrogate residuals from which the threshold comes
         kinds = sort_effects(problem.log, problem.nominal, self.prior, ready.no_servo)[0]
         self.report("computing what each effect would change", 0.1)
         null_residuals = draw_surrogates(ready.null.draws, problem.blocks, problem.nuisance_columns, rng)
         found = search(problem, CandidateGenerator(ready, kinds, cache), null_residuals, rng, self.report, self.most)
+        # write causes and fitted numbers as one model
         causes = tuple(one for one in found.whole.fit.hypotheses if not is_within_prior(problem, one))
         model = build_extended_model(problem, found.final.fit, self.prior) if found.final.fit.hypotheses else None
         if model is not None and any(one.is_null or is_within_prior(problem, one) for one in model.hypotheses):
@@ -196,15 +204,18 @@ class _Pass:
     def conclude(self, found: SearchResult, model: Trial | None) -> Examination:
         """Turn the outcome of a search into a diagnosis, with what it was made from."""
         ready, problem, log, prior = self.ready, self.ready.problem, self.ready.problem.log, self.prior
+        # residuals of the nominal and the final model, nuisance parameters taken off
         not_judgeable = sort_effects(log, problem.nominal, prior, ready.no_servo)[1]
         first = subtract_nuisances(problem, found.nominal.fit)
         rest = subtract_nuisances(problem, found.final.fit)
         after = assemble_residual(log, found.final.fit.run, rest, ready.floor)
         before = assemble_residual(log, found.nominal.fit.run, first, ready.floor)
         loud = loudness(problem, rest)
+        # verdict, weakened by rivals that the log cannot show
         blind = list_blind_rivals(found.final.fit.hypotheses, not_judgeable)
         verdict = weaken_for_blind_rivals(judge(problem, found, loudness(problem, first), loud), blind)
         self.report("looking at what is left", 0.95)
+        # patterns of what is left, if that is more than noise
         left = after
         if found.unsure:
             left = assemble_residual(
@@ -212,6 +223,7 @@ class _Pass:
             )
         is_left = verdict.verdict in ("unknown", "partly") or max(loud.values()) > settings().significance.quiet
         patterns = find_patterns(left, self.rng) if is_left else ()
+        # sizes with intervals, and the gain on held-out motions
         final = found.final.fit
         gain = compute_held_out_gain(problem, found.nominal.fit, final, prior) if model is not None else None
         if model is not None:

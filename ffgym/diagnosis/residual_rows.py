@@ -74,6 +74,7 @@ def find_counting_rows(log: Log) -> dict[tuple[Channel, int], BoolArray]:
     All valid ones, but those of torque at low speed where the model knows nothing of it, those whose samples the mask
     of a recording leaves out for the joint, and none of an encoder that is not there.
     """
+    # rows of torque: predictable ones that no mask leaves out
     valid, judged = find_valid_rows(log), find_predictable_rows(log)
     masks = [recording.valid for recording in log.recordings]
     if not all(mask.all() for mask in masks):
@@ -86,6 +87,7 @@ def find_counting_rows(log: Log) -> dict[tuple[Channel, int], BoolArray]:
     for channel, rows in filter_measured(log).items():
         for c in range(rows.shape[2]):
             found[channel, c] = valid & judged[..., c] if channel == "torque" else valid
+    # encoders that are not there have no rows
     if log.link is not None:
         for c in np.flatnonzero(np.isnan(log.link).any(axis=(0, 1))).tolist():
             found["link", c] = np.zeros_like(valid)
@@ -135,6 +137,7 @@ def measure_moves(angle: Array, speed: Array, dt: float) -> tuple[Array, Array]:
         speed: of motors [rad/s], shape (T, ...).
         dt: time from one sample to the next [s].
     """
+    # direction of motion, 0 at rest
     limits = settings().patterns
     moving = np.abs(speed) >= limits.rest
     direction = np.sign(np.where(moving, speed, 0.0))
@@ -144,6 +147,7 @@ def measure_moves(angle: Array, speed: Array, dt: float) -> tuple[Array, Array]:
     before: IntArray = np.concatenate([np.full_like(upto[:1], -1), upto[:-1]])
     standing = dt * (samples - 1 - before)
     came = np.where(before < 0, 0.0, np.take_along_axis(direction, np.maximum(before, 0), axis=0))
+    # moves begin at turns, and after rests
     rested = standing >= limits.dwell
     begins = moving & (rested | (direction != came))
     began: IntArray = np.maximum.accumulate(np.where(begins, samples, 0), axis=0)
@@ -160,10 +164,12 @@ def assemble_residual(log: Log, run: Replay, rest: Mapping[Channel, Array], floo
         rest: measured minus predicted, (R, M, C) by channel, less what calibration errors explain.
         floor: RMS of noise alone, (M, C).
     """
+    # signals and states of all motions side by side
     at, valid, measured = log.sampling.at, find_valid_rows(log), filter_measured(log)
     counting = find_counting_rows(log)
     motor = run.robot.drive.motor_angle
     travel, stood = measure_moves(motor(run.log.q), motor(run.log.slip_dq), log.dt)
+    # cut them into motions, each as long as its recording
     motions = []
     for i, name in enumerate(log.names):
         n = int(np.searchsorted(at, len(log.recordings[i])))

@@ -61,6 +61,7 @@ def compute_sensitivities(run: Replay, kinds: Iterable[type[Effect]], cycles: Cy
             found.append(_build_sensitivity(run, variant, joint, parts))
         waiting.clear()
 
+    # variants that bend springs wait, so that many are solved for at once
     for kind in kinds:
         for variant in list_variants(kind, run.robot, cycles):
             try:
@@ -73,6 +74,7 @@ def compute_sensitivities(run: Replay, kinds: Iterable[type[Effect]], cycles: Cy
                 waiting.append((variant, joint, push))
                 if len(waiting) == _TOGETHER:
                     solve()
+    # columns that overflow are left out
     solve()
     return [column for column in found if all(np.isfinite(rows).all() for rows in column.parts.values())]
 

@@ -82,6 +82,7 @@ def foresee(
         noise: RMS that noise gives each component of each channel, shape (C,).
         prior: what is known of the nominal numbers.
     """
+    # columns: what each cause changes, nuisance parameters, and the numbers of the causes
     run = replay(log, nominal)
     shown: list[Parts] = list(compute_exchange_changes(run, [cause.on(nominal) for cause in causes]))
     nuisances = list_nuisance_parameters(run, prior)
@@ -91,6 +92,7 @@ def foresee(
         for column in compute_tangents(replace(run, machine=cause.on(nominal)), nominal, [cause])
     ]
     columns = [*shown, *(nuisance.column.parts for nuisance in nuisances), *(column for _, column in own)]
+    # Gram matrices of weighted columns, by motion
     weights = {(c, k): np.full(len(log.names), 1 / x) for c, rms in noise.items() for k, x in enumerate(rms)}
     known = [{key: rows for key, rows in column.items() if key in weights} for column in columns]
     shape = (len(log.sampling.at), len(log.names), 1)
@@ -141,6 +143,7 @@ def design_separating_motion(
     joints = {cause.joint for cause in causes} | {
         arm.robot.joints[cause.source] for cause in causes if cause.source is not None
     }
+    # sessions that the effects advise first, then all others
     every = propose_sessions(
         arm.robot, [] if "" in joints else [joint for joint in arm.robot.joints if joint in joints]
     )
@@ -187,6 +190,7 @@ def _choose_best(
         for proposal, own in planned
         for motion in own
     ]
+    # simulate all sessions as one log of the nominal machine
     try:
         rig = SimulatedRig(arm=arm, machine=nominal)
         log = assemble_log(arm.robot, list(record(motions, rig, record_dt=limits.foreseen_dt)))
@@ -198,6 +202,7 @@ def _choose_best(
         foreseen = foresee(replace(log, **unseen), nominal, causes, noise, prior)
     except FAILED:
         return None  # a machine that cannot be simulated in these motions says nothing of them
+    # keep sessions that tell the hardest pair of causes apart; take the fastest
     sure, first = [], 0
     for proposal, session in planned:
         own = range(first, first + len(session))

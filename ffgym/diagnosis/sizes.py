@@ -74,6 +74,7 @@ def compute_held_out_gain(problem: FitProblem, nominal: Fit, found: Fit, prior: 
     if len(motions) > 1:
         group = np.searchsorted(motions, blocks.motion) % min(settings().intervals.folds, len(motions))
         folds = [Fold(train=group != k, test=group == k) for k in range(int(group.max()) + 1)]
+    # fit the written model without each fold, and take its residual there
     for fold in folds:
         trim_heap()
         model = build_extended_model(problem, found, prior, fold.train)
@@ -114,6 +115,7 @@ def list_causes(
     no better than the instant of the torque within its row.
     """
     limits = settings().intervals
+    # bootstrap of all free numbers, then one cause after the other
     draws = _bootstrap(fit, rng)
     found, at = [], 0
     for hypothesis, gain in zip(fit.hypotheses, gains, strict=True):
@@ -124,10 +126,12 @@ def list_causes(
             p = hypothesis.kind.parameters()[free.name]
             values = free.value + free.step * draws[:, at]
             at += 1
+            # uncertainty of the nominal number or instant that a size refers to
             if p.role == "size" and p.unit == "1":
                 values = values * (1 + prior.share * rng.normal(size=len(values)))
             if p.unit == "s" and is_row_offset(hypothesis.kind, fit.run.robot.n_joints):
                 values = values + settings().prior.late_rows * fit.run.log.dt * rng.normal(size=len(values))
+            # interval by quantiles, widened by what equations are inexact
             if p.role == "size" or p.role == "cycles":
                 reach = limits.widened * (np.quantile(values, COVERED) - free.value)
                 inexact = limits.inexact * free.value if p.role == "size" else 0.0
@@ -181,6 +185,7 @@ def _bootstrap(fit: Fit, rng: np.random.Generator) -> Array:
     unknown of the nominal numbers, which a size is relative to; all stay within their bounds, as in the fit. What a
     step from all rows would change is taken off: the fit has been there, and stayed.
     """
+    # step from all rows, which resamples share
     gram, moment, priors = fit.equations.gram, fit.equations.moment[:, :, 0], fit.priors
     n, nuisances = len(gram), fit.n_nuisances
     stays = solve_bounded(gram.sum(axis=0), moment.sum(axis=0), priors.precision, priors.low, priors.high)[nuisances:]

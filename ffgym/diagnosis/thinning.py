@@ -46,6 +46,7 @@ def choose_stretches(log: Sequence[Cells], seconds: float) -> list[tuple[int, in
     windows = _Windows.of(log)
     left, free = seconds, windows.usable.copy()
     chosen_at, used = np.zeros_like(free), np.zeros(windows.n_cells, dtype=np.bool_)
+    # parts of the log of which each is to have one stretch
     parts = max(1, round(limits.spread_share * seconds / (limits.cell * limits.stretch)))
     part_of = (2 * windows.begin + windows.length) * parts // (2 * windows.n_cells)
     served = np.zeros(parts, dtype=np.bool_)
@@ -59,6 +60,7 @@ def choose_stretches(log: Sequence[Cells], seconds: float) -> list[tuple[int, in
             wanted = _prefer_rests(windows, free, np.zeros_like(part_of))
         if not wanted.any():
             break
+        # of those the one that adds most information (D-optimality)
         places = np.flatnonzero(wanted)
         best = int(places[np.argmax(np.linalg.slogdet(known + windows.information[places])[1])])
         known = known + windows.information[best]

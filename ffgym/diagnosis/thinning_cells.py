@@ -140,6 +140,7 @@ def cut_cells(motion: CoarseMotion, regressor: MotionRegressor) -> Cells:
     first, last = float(t[0] - period / 2), float(t[-1] + period / 2)
     count = max(1, int((last - first) / limits.cell))
     rests = regressor.rests(motion)
+    # even edges, each moved to the longest rest within half a cell
     edges, at_rest = np.linspace(first, last, count + 1), np.ones(count + 1, dtype=np.bool_)
     for k in range(1, count):
         near = slice(*np.searchsorted(t, (edges[k] - limits.cell / 2, edges[k] + limits.cell / 2)).tolist())
@@ -148,6 +149,7 @@ def cut_cells(motion: CoarseMotion, regressor: MotionRegressor) -> Cells:
         if runs:
             longest = max(runs, key=lambda rows: rows.stop - rows.start)
             edges[k] = t[near][(longest.start + longest.stop) // 2]
+    # information and motion of each cell
     rows, ends = regressor.rows(motion), np.searchsorted(t, edges)
     own = [slice(a, b) for a, b in zip(ends[:-1].tolist(), ends[1:].tolist(), strict=True)]
     there = period * np.array([cell.stop - cell.start for cell in own]) >= limits.cell_rows * np.diff(edges)

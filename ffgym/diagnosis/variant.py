@@ -48,6 +48,7 @@ def compute_step(known: Parameter) -> float:
 
 def list_variants(kind: type[Effect], robot: RobotDescription, cycles: Cycles) -> Iterator[Variant]:
     """All variants of an effect on a robot; none if the robot cannot have it at all."""
+    # joints that can have it
     known = kind.parameters()
     repeats = any(p.is_looked_for for p in known.values())
     joints = [
@@ -58,6 +59,7 @@ def list_variants(kind: type[Effect], robot: RobotDescription, cycles: Cycles) -
     per_joint = any(p.per in ("joint", "pair") for p in known.values() if p.role == "size")
     if per_joint and not joints:
         return
+    # every shape, size parameter, direction of a span and part of a vector or pair
     parts: dict[str, Sequence[int | None]] = {"vector": range(3), "pair": range(robot.n_joints)}
     for choice, shape in enumerate(_list_shapes(known, robot, cycles)):
         for size in (p for p in known.values() if p.role == "size"):

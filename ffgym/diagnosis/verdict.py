@@ -39,11 +39,13 @@ def judge(problem: FitProblem, found: SearchResult, loud_before: Loudness, loud_
         loud_before: energy of the nominal residual over that of noise, by component.
         loud_after: the same with the causes.
     """
+    # energy above noise that all causes explain together
     where = find_touched(problem, list(found.final.fit.columns))
     share = compute_explained(loud_before, loud_after, where).of_excess if where else 0.0
     # share that each cause removed of the energy above the noise that was there when it was found
     then = [find_adoption(found.rounds, hypothesis) for hypothesis in found.final.fit.hypotheses]
     gains = tuple(compute_explained_by_newest(problem, one.before, tried).of_excess for one, tried in then)
+    # loudest component, and shapes that are not plausible
     worst = max(value - problem.inexact(key) for key, value in loud_after.items())
     stretched = name_shapes_at_limit(problem, found.final.fit)
     verdict: Verdict
@@ -112,6 +114,7 @@ def write_sentence(
     robot: RobotDescription,
 ) -> str:
     """Write the verdict in one sentence."""
+    # parts of the sentence
     tied = [rival for rival in rivals if rival.tied]
     instead = [rival for rival in tied if rival.against in {cause.label for cause in causes}]
     left = "; ".join(_select_strongest(patterns))
@@ -120,6 +123,7 @@ def write_sentence(
     named = ", and ".join(name if n == 1 else f"{name} in {n} waves" for name, n in counts.items())
     others = _join_names(tied)
     share = f"{100 * min(judged.removed, 1.0):.0f} %"
+    # the sentence of each verdict
     if judged.verdict == "none":
         return f"These motions do not falsify the model of {robot.name}: what is left is noise and calibration."
     if judged.verdict == "unknown":

@@ -86,6 +86,7 @@ def downweight(weights: Values, unknown: Mapping[Channel, Array]) -> Values:
     found = dict(weights)
     for (channel, c), rows in weights.items():
         if channel in unknown and unknown[channel][:, :, c].any():
+            # a motion between samples may show in the rows beside it
             about = scipy.ndimage.maximum_filter1d(
                 np.abs(unknown[channel][:, :, c]), 2 * settings().noise.rows_beside + 1, axis=0
             )

@@ -66,6 +66,7 @@ def find_patterns(residual: Residual, rng: np.random.Generator) -> tuple[Pattern
     limits = settings().patterns
     tables = [collect_pattern_rows(residual, channel, rng) for channel in residual.channels]
     enough = [rows for rows in tables if rows is not None and len(rows.block_starts) >= limits.fewest_blocks]
+    # levels of single tests, so that all together raise the false alarms that are allowed
     forms = list_forms(len(residual.robot.joints))
     tests = sum(form.may_act_on(rows, c) for rows in enough for form in forms for c in range(len(rows.components)))
     levels = _Levels(
@@ -95,6 +96,7 @@ def _search_channel(
     limits = settings().patterns
     left, found, energy = rows.values.copy(), list[_Found](), np.sum(rows.values**2, axis=0)
     without = active = rows.loud(left)
+    # take off the best form of each component, and test what it leaves again
     for _ in range(limits.most):
         trials = [judge_form(form, rows, left, active) for form in forms] if active else []
         chosen = {
@@ -133,6 +135,7 @@ def _find_ripple(
     for c in rows.loud(left):
         if rows.components[c] in known:
             continue
+        # test all amplitudes on several draws of halves
         forms = [PerTurn(joint=c, amplitude=amplitude) for amplitude in _AMPLITUDES]
         trials = [judge_form(form, cut, fast, [c]) for cut in cuts for form in forms]
         trial = choose_simplest(trials, rows, c, least=limits.least_share * float(np.sum(fast[:, c] ** 2)), level=level)

@@ -92,6 +92,7 @@ class PerTurn(Periodic):
         if turns * MOST_CYCLES < 2 * limits.fewest_periods:
             return None
         low, values = max(LEAST_CYCLES, limits.fewest_periods / turns), values[train]
+        # periodogram octave by octave
         edges = np.geomspace(low, MOST_CYCLES, max(1, round(np.log2(MOST_CYCLES / low))) + 1).tolist()
         found = [self._octave(rows, values, train, *ends) for ends in pairwise(edges)]
         frequency = np.concatenate([frequency for frequency, _ in found])
@@ -109,6 +110,7 @@ class PerTurn(Periodic):
         gain = np.where(
             find_slow_rows(rows.did["speed"][train, self.joint], high, rows.highest), self._gain(rows)[train], 0.0
         )
+        # bins of the angle, so that sums over rows are one Fourier transform
         cell = 1.0 / (limits.cells * high)
         number = np.rint((angle - angle.min()) / (2 * np.pi * cell)).astype(np.intp)
         size = scipy.fft.next_fast_len(max(PADDING * (int(number.max()) + 1), round(4 / (cell * low))), real=True)
@@ -129,6 +131,7 @@ class PerTurn(Periodic):
             if count:
                 c, s = sums(np.where(motions == motion, gain, 0.0))
                 cosines, sines, both = cosines - c**2 / count, sines - s**2 / count, both - c * s / count
+        # energy of the least-squares sine at each frequency
         explained = []
         for column in values.T:
             c, s = sums(gain * column)

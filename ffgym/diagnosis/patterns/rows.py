@@ -112,6 +112,7 @@ def collect_pattern_rows(residual: Residual, channel: Channel, rng: np.random.Ge
             there.append(i)
     if not pairs:
         return None
+    # all motions one after the other
     t = np.concatenate([m.t[k] for m, k in pairs])
     counts = [int(k.sum()) for _, k in pairs]
     motion = np.repeat(np.arange(len(pairs)), counts)

@@ -37,6 +37,7 @@ def judge_form(
         return FormTest(candidate=candidate, gain=gain, p=p[0])
     measured = values[:, open_to]
     columns = rows.centre(candidate.columns(rows)) if isinstance(candidate, VariableFunction) else np.zeros((0, 0))
+    # fit on one half, predict the other, and the other way round
     for judged in (0, 1):
         train, blocks = rows.half != judged, rows.block_half == judged
         if train.any() and blocks.any():
@@ -125,6 +126,7 @@ def find_dependence(rows: PatternRows, values: Array, level: float, rng: np.rand
     kept = rows.block_starts[:: max(1, -(-len(rows.block_starts) // limits.most_rows))]
     names = [(variable, joint) for joint in range(len(rows.joints)) for variable in _VARIABLES]
     motion = rows.motion[kept]
+    # distances of the residual and its size, and of all variables by rank
     distances = np.stack([_compute_distances(_rank(rows.did[v][kept, j], motion)).ravel() for v, j in names])
     kinds = np.stack([_compute_distances(values[kept]), _compute_distances(np.abs(values[kept]))])
     # order of rows in which those of each motion are shuffled among themselves
@@ -133,6 +135,7 @@ def find_dependence(rows: PatternRows, values: Array, level: float, rng: np.rand
         *(np.lexsort([rng.random(len(motion)), motion]) for _ in range(limits.draws)),
     ]
     covariance = np.stack([kinds[:, order][:, :, order].reshape(len(kinds), -1) @ distances.T for order in orders])
+    # standardise by shuffles; the largest of them follow Gumbel's law
     null = covariance[1:]
     spread = null.std(axis=0)
     score = np.divide(covariance - null.mean(axis=0), spread, out=np.zeros_like(covariance), where=spread > 0)

@@ -26,6 +26,7 @@ def build_hypothesis(columns: Sequence[Sensitivity], sizes: Array, robot: RobotD
     begin within what is plausible, whatever the robot: one that acts through another number, as the width of a peak
     that is to be higher, is far off in a linear fit. Other sizes depend on the robot's.
     """
+    # values of all parameters from the columns of each
     kind, joint = columns[0].effect, columns[0].joint
     values: dict[str, Array] = {}
     for p in kind.parameters().values():
@@ -93,12 +94,14 @@ def rank(equations: NormalEquations, candidates: Candidates, nuisances: IntArray
         nuisances: places of columns that are fitted beside each candidate.
         with_most: whether scores at the largest plausible sizes are wanted, too.
     """
+    # held-out gains over both splits, in units of noise energy in one component
     halves, _ = screen(equations, make_half_folds(equations.blocks), nuisances, candidates.groups, candidates.priors)
     motions = halves
     if folds := make_motion_folds(equations.blocks):
         motions, _ = screen(equations, folds, nuisances, candidates.groups, candidates.priors)
     per = float(equations.rows.sum()) / equations.n_components
     score = 0.5 * (halves / per + motions / per)
+    # threshold from the best candidate in each surrogate log
     chance = score[:, 1:].max(axis=0) if score.shape[1] > 1 else np.zeros(1)
     return Ranking(
         score=score[:, 0],

@@ -36,12 +36,14 @@ def compare_rivals(
     problem: FitProblem, nominal: ScoredFit, fitted: ScoredFit, rounds: Sequence[SearchRound], rng: np.random.Generator
 ) -> RivalComparison:
     """Compare each cause that stayed with what was fitted in its place; what was adopted beside it is no rival."""
+    # contests of each cause with what was fitted in its round
     found = []
     for one in rounds:
         stands = one.of(fitted.fit.hypotheses)
         if one.adopted and stands is not None:
             others = [other for other in one.tried if not other.hypothesis.is_among(fitted.fit.hypotheses)]
             found += [_contest(problem, nominal, fitted, one.before, stands, other, rng) for other in others]
+    # a rival that is better takes the place; a wave is sure if nothing ties with it
     better = [one.instead for one in found if one.instead is not None and _is_better(one.instead, fitted, one.tied)]
     sure = {h.place for h in fitted.fit.hypotheses if not any(one.tied and one.best.repeats(h) for one in found)}
     return RivalComparison(
@@ -112,9 +114,11 @@ def _contest(
     rng: np.random.Generator,
 ) -> _Contest:
     limits = settings().rivals
+    # tie in the round in which the cause was adopted
     share = _compute_share(problem, before, best, other)
     others = [h for h in fitted.fit.hypotheses if not best.hypothesis.repeats(h)]
     tied, instead = share >= limits.instead and _is_tied(problem, before, best, other, rng), None
+    # a close call is fitted again beside all other causes
     if best.hypothesis.kind.name in other.hypothesis.kind.generalises:
         tied = False  # it was fitted beside it, explains no more, and has more numbers
     elif others and (tied or share >= limits.near):  # what further causes explain may have hidden the difference
@@ -206,6 +210,7 @@ def find_lookalikes(
     problem: FitProblem, candidates: Candidates, ranking: Ranking, before: ScoredFit, adopted: ScoredFit
 ) -> tuple[Rival, ...]:
     """Find rivals of a cause by the library's list of confusable effects, each with the best of its shapes."""
+    # scores of effects of the list on the same joint
     cause, scores = adopted.hypothesis, dict[tuple[str, str], float]()
     for i in ranking.order.tolist():  # the best shape of an effect comes first
         column = candidates.first(candidates.groups[i])

@@ -121,6 +121,7 @@ _THERE = 1e-6
 def prune(problem: FitProblem, tried: ScoredFit, like: Fit | None = None) -> ScoredFit:
     """Prune the newest hypothesis: drop sizes without which less is left on held-out rows."""
     while True:
+        # size whose absence costs least on held-out rows, by slopes
         known = tried.hypothesis.kind.parameters()
         sizes = list(dict.fromkeys(f.name for f in tried.hypothesis.list_free() if known[f.name].role == "size"))
         if len(sizes) < 2:
@@ -129,6 +130,7 @@ def prune(problem: FitProblem, tried: ScoredFit, like: Fit | None = None) -> Sco
         least = min(left, key=left.__getitem__)
         if left[least] >= tried.total:
             break
+        # fit without it, and keep that if it is better
         *others, newest = tried.fit.hypotheses
         try:
             fewer = score(problem, refine(problem, evaluate(problem, (*others, newest.fix_at_null(least)), like), like))
@@ -155,6 +157,7 @@ def _compute_rss_without(problem: FitProblem, fit: Fit, size: str) -> float:
 
 def refit(problem: FitProblem, adopted: ScoredFit) -> ScoredFit:
     """Refit with tangents of all causes, and more finely if anything is left to explain."""
+    # tangents of earlier causes were those of an earlier fit
     if len(adopted.fit.hypotheses) > 1:
         try:
             adopted = fit_and_score(problem, adopted.fit.hypotheses, begun=True)

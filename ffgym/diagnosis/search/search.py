@@ -69,6 +69,7 @@ def search(
         report: told what is done.
         most: causes to be found, from 1 to MOST; each wave of one that repeats with an angle counts.
     """
+    # rounds: adopt a cause, refit all, drop those that the others make up for
     nominal = now = fit_and_score(problem, ())
     first = candidates(now.fit)
     rounds, needless = [_run_round(problem, first, null_residuals, nominal, now, (), report)], list[Hypothesis]()
@@ -79,12 +80,14 @@ def search(
         if len(now.fit.hypotheses) >= most:
             break
         rounds.append(_run_round(problem, candidates(now.fit), null_residuals, nominal, now, needless, report))
+    # exchange causes for rivals that explain more
     beside = compare_rivals(problem, nominal, now, rounds, rng)
     for _ in range(settings().search.exchanges):
         if beside.better is None:
             break
         now = drop_needless(problem, refit(problem, beside.better))
         beside = compare_rivals(problem, nominal, now, rounds, rng)
+    # causes that tie with a rival are unsure, and are left out beside sure ones
     rivals = beside.rivals
     unsure = select_tied(now.fit.hypotheses, rivals)
     sure = [hypothesis for hypothesis in now.fit.hypotheses if hypothesis not in unsure]
@@ -133,11 +136,13 @@ def _run_round(
     report: Report,
 ) -> SearchRound:
     """Rank candidates, fit the best, and adopt the first significant one; if there is none, go on to other joints."""
+    # score all candidates on the residual of the log and on surrogates
     residual = split_components(now.fit.residual)
     together = {key: np.concatenate([rows, null_residuals[key]], axis=2) for key, rows in residual.items()}
     equations = candidates.design.form_equations(together)
     ranking = rank(equations, candidates, candidates.nuisance_places, with_most=now is nominal)
     chance = ranking.threshold * float(equations.rows.sum()) / equations.n_components
+    # fit the best; if none is significant, go on with other joints
     done, beaten = SearchRound(before=now, ranking=ranking, tried=(), adopted=False), set[str]()
     for _ in range(1 + settings().search.elsewhere):
         tried = _fit_best(problem, candidates, ranking, equations, now, needless, beaten, report)
@@ -171,6 +176,7 @@ def _fit_best(
     fixed, tried = now.fit.hypotheses, list[ScoredFit]()
     places: set[HypothesisKey] = set()
     best, where = 0.0, dict[Component, float]()
+    # walk down the ranking: significant, near the best, and an explanation of the same components
     for i in ranking.order:
         if len(tried) == limits.tried or not ranking.is_significant(i) or ranking.score[i] < limits.near_best * best:
             break
@@ -179,12 +185,14 @@ def _fit_best(
         here = find_changed_components(equations, candidates, int(i), candidates.nuisance_places)
         if where and compute_overlap(where, here) < limits.same_target:
             continue
+        # begin at the linear fit, as large as a machine can have it
         linear = propose_start(equations, candidates, int(i), candidates.nuisance_places, problem.log.robot)
         if linear.place in places or linear.is_among((*fixed, *needless)):
             continue
         start = _shrink_to_possible(problem, fixed, linear)
         if start is None:
             continue
+        # fit by replaying, and prune sizes that are not needed
         places.add(start.place)
         best, where = max(best, float(ranking.score[i])), where or here
         report(f"fitting {start.label}", len(tried) / limits.tried)

@@ -50,6 +50,7 @@ def compute_explained_by_newest(
     limits = settings().significance
     own = after.fit.columns[-len(after.hypothesis.list_free()) :]
     loud, then = (loudness(problem, subtract_nuisances(problem, one.fit)) for one in (before, after))
+    # what inexact causes before it, leaks between joints and fitted numbers may leave
     allowed = None
     if nominal is not None:
         first = loudness(problem, subtract_nuisances(problem, nominal.fit))
@@ -87,6 +88,7 @@ def is_significant(problem: FitProblem, nominal: ScoredFit, before: ScoredFit, a
     limits = settings().significance
     if after.hypothesis.is_unphysical or is_within_prior(problem, after.hypothesis):
         return False
+    # explained variance where it acts; a cause of the whole machine has a witness in each component
     gone, held_out = compute_explained_by_newest(problem, before, after, nominal), before.total - after.total
     witnesses = 1 if after.hypothesis.joint else max(gone.heard, 1)
     explains = gone.of_excess > limits.explains / np.sqrt(witnesses) and gone.of_all > limits.floor
@@ -98,6 +100,7 @@ def is_significant(problem: FitProblem, nominal: ScoredFit, before: ScoredFit, a
     if gone.excess <= limits.floor and is_clear:
         where = find_touched(problem, list(after.fit.columns[-len(after.hypothesis.list_free()) :]))
         is_clear = min((problem.certain(key) for key in where), default=0.0) > limits.certain
+    # above the floor, or clear below it; and as much on held-out rows as in the fit
     is_heard = gone.excess > limits.floor or (is_clear and is_sizeable(after.hypothesis))
     holds = held_out > max(limits.holds * (before.fit.left - after.fit.left), 0.0)
     return holds and explains and is_heard and not _imitates(problem, before, after)
