@@ -1,14 +1,19 @@
-"""`ffgym diagnose`: what a simulation gets wrong, why, and how sure that is, from logs of the machine."""
+"""`ffgym diagnose`: compare logs of a machine with its model; name the causes of the misfit with intervals."""
 
+import math
+import shlex
 import sys
 from collections.abc import Sequence
 from contextlib import nullcontext
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
+
+import numpy as np
 
 from ffgym.cli.diagnose_inputs import ROBOT, Nominal, identify_nominal, logs_from, nominal_named
 from ffgym.cli.log_options import Diagnose
-from ffgym.cli.outputs import check_outputs, given_options, need_extra, print_places, provenance
+from ffgym.cli.options import RECORD_DT_MS
+from ffgym.cli.outputs import check_outputs, given_options, hash_inputs, need_extra, print_places, provenance
 from ffgym.cli.progress import progress_bar, stages_bar
 from ffgym.core.errors import FFGymError, check_number, check_whole
 from ffgym.core.files import made_folder, write_text
@@ -16,12 +21,14 @@ from ffgym.diagnosis import Diagnosis, Examination, ParameterPrior, examine
 from ffgym.diagnosis.diagnosis_file import write_diagnosis
 from ffgym.diagnosis.extended import save_extended
 from ffgym.diagnosis.held_out import LoopLevel, check_comparable, compare_in_closed_loop, compare_replays, is_better
+from ffgym.diagnosis.nominal import EXAMPLE_ROBOT
 from ffgym.diagnosis.settings import settings
 from ffgym.diagnosis.thinning import read_notes
 from ffgym.logs import write_corrected
 from ffgym.logs.quality import accepted, judged
 from ffgym.recordings import Recording
 from ffgym.report.diagnosis import DiagnosisReport, compared_table, format_diagnosis, render_diagnosis_page
+from ffgym.report.table import filled
 from ffgym.robot import ModelOptions, load_draft
 from ffgym.simulation.plant import Machine, load_machine, save_machine
 from ffgym.simulation.plant.machine_file import is_machine_file
@@ -30,13 +37,15 @@ REPORT, DOCUMENT, NOMINAL, EXTENDED, NEXT = (
     *("report.html", "diagnosis.json"),
     *("nominal.toml", "extended.toml", "next.toml"),
 )
-"""What is written to the folder: the nominal model if it was fitted, the extended one if there are causes and it is
-better, and what to record if there is something."""
+"""Files of the output folder: the nominal model if it was fitted, the extended one if there are causes and it predicts
+better, and the next motions if rivals tie."""
 
 COLUMNS = "columns.toml"
-"""Corrected column map, which is written if columns are not what they are called."""
+"""Corrected column map, written if columns are not what they are called."""
 
-WORSE = "The extended model leaves more than the nominal one of motions that were left out; it is not written."
+WORSE = (
+    "The extended model predicts motions that were left out of its fit worse than the nominal one; it is not written."
+)
 
 
 def run(config: Diagnose) -> None:
@@ -71,13 +80,16 @@ def _diagnose(config: Diagnose) -> None:
     robot, physics = nominal.machine.robot, nominal.machine.physics(ModelOptions(looks=False))
     passing = ("out", "json", "threads")
     origin = provenance("ffgym diagnose", config, robot.name, physics, config.seed, passing=passing)
+    origin["inputs"] = hash_inputs(_read_by(config))
     examined = replace(examined, diagnosis=replace(examined.diagnosis, provenance=origin))
     models = _models(config, examined, nominal, recordings)
     replayed, closed_loop = _compared(config, models, examined, nominal, held_out)
     if replayed and not is_better(replayed) and examined.diagnosis.causes:
         examined = replace(examined, diagnosis=replace(examined.diagnosis, gains=False))
         _remove(config, EXTENDED)
-    _write(config, examined, replayed, closed_loop)
+    period = float(np.median(np.diff(recordings[0].t)))
+    step = next_step(config, examined.diagnosis, None if math.isclose(1e3 * period, RECORD_DT_MS) else period)
+    _write(config, examined, replayed, closed_loop, step.commands)
     # everything for people
     diagnosis = examined.diagnosis
     print(format_diagnosis(diagnosis, robot))
@@ -87,7 +99,7 @@ def _diagnose(config: Diagnose) -> None:
         print(f"\n{compared_table('closed loop, RMS of', closed_loop).text()}")
     if diagnosis.causes and not diagnosis.gains:
         print(f"\n{WORSE}")
-    print(f"\nnext: {next_step(config, diagnosis)}")
+    print(f"\n{step.text}")
     if config.out is not None:
         names = (REPORT, DOCUMENT, NOMINAL, EXTENDED, NEXT, COLUMNS)
         words = ("report", "diagnosis", "fitted model", "model", "next motions", "corrected columns")
@@ -97,7 +109,7 @@ def _diagnose(config: Diagnose) -> None:
 
 
 def _check(config: Diagnose) -> None:
-    """Refuse what cannot be run or written, before long work."""
+    """Refuse options that cannot be run or written, before long work."""
     if config.robot is None and (config.logs or config.fit):
         raise FFGymError("Name the model that the logs are compared with: --robot ROBOT.")
     if not config.logs and (given := given_options(config, ("columns",))):
@@ -113,7 +125,7 @@ def _check(config: Diagnose) -> None:
 
 
 def _read_by(config: Diagnose) -> tuple[str | Path | None, ...]:
-    """What must not be written over."""
+    """Inputs, which must not be written over."""
     return (config.robot, config.columns, *config.logs, *config.validate)
 
 
@@ -205,9 +217,13 @@ def _compared(
 
 
 def _write(
-    config: Diagnose, examined: Examination, replayed: Sequence[LoopLevel], closed_loop: Sequence[LoopLevel]
+    config: Diagnose,
+    examined: Examination,
+    replayed: Sequence[LoopLevel],
+    closed_loop: Sequence[LoopLevel],
+    commands: Sequence[str],
 ) -> None:
-    """Files first: nobody may read what is printed."""
+    """Write page, JSON and protocol or column map, before anything is printed."""
     diagnosis = examined.diagnosis
     if config.json is not None:
         write_diagnosis(config.json, diagnosis)
@@ -219,6 +235,7 @@ def _write(
         after=examined.after if diagnosis.causes else None,
         held_out=replayed,
         closed_loop=closed_loop,
+        commands=commands,
     )
     write_text(config.out / REPORT, render_diagnosis_page(page))
     write_diagnosis(config.out / DOCUMENT, diagnosis)
@@ -229,25 +246,65 @@ def _write(
         write_corrected(config.out / COLUMNS, examined.rewiring, config.columns, notes)
 
 
-def next_step(config: Diagnose, diagnosis: Diagnosis) -> str:
-    """Say what to do now, as a command where there is one."""
-    logs, robot = " ".join(map(str, config.logs)) or "LOGS", config.robot or diagnosis.robot
-    folder = "FOLDER" if config.out is None else str(config.out)
-    first = "" if config.out is not None else "diagnose again with --out FOLDER, then "
+@dataclass(frozen=True)
+class NextStep:
+    """Advice after a diagnosis, with commands that run as they are printed."""
+
+    advice: str
+    commands: tuple[str, ...]
+
+    @property
+    def text(self) -> str:
+        """Advice and commands for a terminal, a line each."""
+        return "\n  ".join([filled(f"next: {self.advice}"), *self.commands])
+
+
+def next_step(config: Diagnose, diagnosis: Diagnosis, period: float | None = None) -> NextStep:
+    """Choose the next step after a diagnosis; without an output folder the first command makes one.
+
+    Args:
+        config: options of the diagnosis.
+        diagnosis: its result.
+        period: sample period of the logs [s], which those that stand beside them must have; None is the usual one.
+    """
+    robot, logs = config.robot or EXAMPLE_ROBOT, [str(path) for path in config.logs]
+    folder = Path("found") if config.out is None else config.out
+    options = ["--fit"] * config.fit + (["--accept", *config.accept] if config.accept else [])
+    options += [] if config.calibration is None else ["--calibration", f"{config.calibration:g}"]
+    columns = [] if config.columns is None else ["--columns", config.columns]
+    first = []
+    if config.out is None:
+        given = [] if config.robot is None else ["--robot", robot, *options, *columns]
+        first = [["diagnose", *logs, *given, "--out", str(folder)]]
+    machine = str(folder / NOMINAL) if config.fit else robot
+    rows = [] if period is None else ["--record-dt-ms", f"{1e3 * period:.6g}"]
     if diagnosis.separating_motion is not None:
-        return (
-            f"{first}ffgym record MACHINE {folder}/{NEXT} --out more_logs; "
-            f"ffgym diagnose {logs} more_logs --robot {robot}"
-        )
+        # logs of another tool need their column map, so that recordings cannot stand beside them
+        both = [*([] if columns else logs), "more_logs"]
+        record = ["record", machine, str(folder / NEXT), *rows, "--out", "more_logs"]
+        again = ["diagnose", *both, "--robot", robot, *options, "--out", f"{folder}_again"]
+        return _step("record the motions that tell the rivals apart, and diagnose all logs:", *first, record, again)
     if diagnosis.verdict in ("named", "partly", "ambiguous"):
-        return (
-            f"{first}record other motions on the machine, and see whether the extended model explains them: "
-            f"ffgym diagnose OTHER_LOGS --robot {folder}/{EXTENDED}"
+        if not diagnosis.gains:
+            return _step("record motions in other regimes; protocols are listed by", ["record", "--list"])
+        record = ["record", machine, "diagnosis", *rows, "--out", "other_logs"]
+        again = ["diagnose", "other_logs", "--robot", str(folder / EXTENDED)]
+        advice = (
+            "record motions that were not used, and see whether the extended model explains them. The first command "
+            "simulates them on the model; on a real machine, run its motions and put the logs into other_logs:"
         )
+        return _step(advice, *first, record, again)
     if diagnosis.verdict == "wiring":
-        return f"{first}ffgym diagnose {logs} --robot {robot} --columns {folder}/{COLUMNS}"
+        mended = ["diagnose", *logs, "--robot", robot, *options, "--columns", str(folder / COLUMNS)]
+        return _step("diagnose again with the corrected column map:", *first, mended)
     if diagnosis.verdict == "insufficient":
-        return f"ffgym log check {logs} --robot {robot} --needs diagnosis"
+        check = ["log", "check", *logs, "--robot", robot, "--needs", "diagnosis", *columns]
+        return _step("see which check refuses each log, and its limit:", check)
+    advice = "record motions in other regimes, if the simulation is wrong in those"
     if diagnosis.verdict == "unknown":
-        return "record motions that vary what the patterns name, and nothing else; ffgym record --list shows some"
-    return "record motions in other regimes, if the simulation is wrong in those; ffgym record --list shows some"
+        advice = "record motions that vary the variables that the patterns name, one at a time"
+    return _step(f"{advice}; protocols are listed by", ["record", "--list"])
+
+
+def _step(advice: str, *commands: Sequence[str]) -> NextStep:
+    return NextStep(advice, tuple(shlex.join(["ffgym", *command]) for command in commands))

@@ -1,5 +1,6 @@
 """Checks before a command works, what it writes and prints after, and where its numbers come from."""
 
+import hashlib
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, fields
@@ -144,6 +145,22 @@ def provenance(
         "versions": versions(),
         "physics_fingerprint": fingerprint,
     }
+
+
+def hash_inputs(names: Iterable[str | Path | None]) -> list[str]:
+    """Write name and SHA-256 of each input file, in the order given; folders stand for the files in them.
+
+    Args:
+        names: files and folders; names that are no files, such as those of built-in robots, are left out.
+    """
+    files: list[Path] = []
+    for path in (Path(name) for name in names if name is not None):
+        files += sorted(path.iterdir()) if path.is_dir() else [path]
+    hashes = []
+    for file in dict.fromkeys(file for file in files if file.is_file()):
+        with open(file, "rb") as stream:
+            hashes.append(f"{file} sha256:{hashlib.file_digest(stream, 'sha256').hexdigest()}")
+    return hashes
 
 
 def _plain(value: Any) -> Any:

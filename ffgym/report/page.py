@@ -117,7 +117,8 @@ def provenance_lines(info: Mapping[str, Any]) -> dict[str, str]:
         if isinstance(value, Mapping):
             lines |= provenance_lines(value)
         elif isinstance(value, list | tuple):
-            lines[name.replace("_", " ")] = ", ".join(str(entry) for entry in value) or "none"
+            separator = "\n" if name == "inputs" else ", "  # a line for each input file
+            lines[name.replace("_", " ")] = separator.join(str(entry) for entry in value) or "none"
         else:
             lines[name.replace("_", " ")] = "none" if value is None else str(value)
     return lines

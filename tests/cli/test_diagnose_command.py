@@ -1,21 +1,29 @@
 """`ffgym diagnose` on the command line: what it refuses, what it writes, and what it names on logs of one axis."""
 
 import errno
+import html
 import json
 import os
+import re
+import shlex
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from ffgym.cli.diagnose import next_step
 from ffgym.cli.log_options import Diagnose
-from ffgym.cli.main import main
+from ffgym.cli.main import COMMANDS, main
+from ffgym.diagnosis import Diagnosis
 from ffgym.diagnosis.diagnosis_file import read_diagnosis
+from ffgym.diagnosis.result import SeparatingMotion
 from ffgym.effects import EFFECTS
 from ffgym.recordings import Recording, read_recording, write_recording
 from ffgym.robot import load_robot
 from ffgym.simulation.plant import Machine, load_machine, save_machine
+
+DATA = Path(__file__).parents[2] / "ffgym" / "robot" / "data"
 
 SHORT = """
 [[step]]
@@ -151,7 +159,10 @@ def test_the_extended_model_explains_the_logs_and_the_same_input_gives_the_same_
     for name in ("first", "second"):
         out = tmp_path / name
         assert main(["diagnose", str(logs), "--robot", "one_axis", "--out", str(out), "--validate", str(logs)]) == 0
-        texts.append([path.read_bytes() for path in sorted(out.iterdir())])
+        found = {path.name: path.read_text(encoding="utf-8") for path in sorted(out.iterdir())}
+        # the page alone has the time at which it was written, and commands that name the folder
+        found["report.html"] = re.sub(r"\d{4}-\d\d-\d\d \d\d:\d\d UTC", "", found["report.html"]).replace(str(out), "")
+        texts.append(found)
     assert texts[0] == texts[1]
     assert "closed loop, RMS of" in capsys.readouterr().out
     assert main(["diagnose", str(logs), "--robot", str(tmp_path / "first" / "extended.toml")]) == 0
@@ -193,14 +204,41 @@ def test_motions_of_the_same_name_are_told_apart_by_their_folders(logs):
     assert names[2].startswith(f"{first.stem}/")
 
 
-def test_the_next_step_is_a_command_wherever_there_is_one():
-    from ffgym.diagnosis import Diagnosis
+VERDICTS = ("none", "named", "partly", "ambiguous", "unknown", "wiring", "insufficient")
 
-    def after(verdict):
-        return next_step(
-            Diagnose(logs=(), robot="one_axis"), Diagnosis(verdict=verdict, sentence="", robot="one_axis", motions=())
-        )
 
-    assert "ffgym diagnose OTHER_LOGS" in after("named")
-    assert "ffgym log check" in after("insufficient")
-    assert "ffgym record --list" in after("unknown")
+@pytest.mark.parametrize("verdict", VERDICTS)
+@pytest.mark.parametrize("robot", [None, "one_axis", "my robots/axis.toml"])
+@pytest.mark.parametrize("out", [None, Path("an out")])
+def test_every_command_of_the_next_step_parses_as_it_is_printed(verdict, robot, out, monkeypatch):
+    for command in COMMANDS.values():
+        monkeypatch.setattr(f"ffgym.cli.{command.work.replace(':', '.')}", lambda config: None)
+    logs = () if robot is None else (Path("my logs"),)
+    config = Diagnose(logs=logs, robot=robot, out=out, accept=("coarse",) if logs else ())
+    found = Diagnosis(verdict=verdict, sentence="", robot="one_axis", motions=(), gains=True)
+    motion = SeparatingMotion(between=("a", "b"), protocol="holds", toml="", expected=1.0)
+    steps = [next_step(config, found), next_step(config, replace(found, separating_motion=motion), period=0.004)]
+    for step in steps:
+        assert step.commands
+        for command in step.commands:
+            program, *arguments = shlex.split(command)
+            assert program == "ffgym"
+            assert main(arguments) == 0
+
+
+def test_commands_that_are_printed_run_for_a_robot_that_is_a_file(logs, tmp_path, monkeypatch, capsys):
+    """The description lies beside the logs; what tells rivals apart is a short protocol file in the output folder."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "my axis.toml").write_text((DATA / "one_axis.toml").read_text(encoding="utf-8"), encoding="utf-8")
+    (tmp_path / "found").mkdir()
+    (tmp_path / "found" / "next.toml").write_text(SHORT, encoding="utf-8")
+    config = Diagnose(logs=(logs,), robot="my axis.toml", out=Path("found"), calibration=0.01)
+    motion = SeparatingMotion(between=("a", "b"), protocol="excitation", toml=SHORT, expected=1.0)
+    ambiguous = Diagnosis(verdict="ambiguous", sentence="", robot="one_axis", motions=(), separating_motion=motion)
+    for command in next_step(config, ambiguous, period=0.004).commands:
+        assert main(shlex.split(command)[1:]) == 0, command
+    assert (tmp_path / "found_again" / "report.html").exists()
+    page = (tmp_path / "found_again" / "report.html").read_text(encoding="utf-8")
+    for command in re.findall(r"^  (ffgym .*)$", capsys.readouterr().out, flags=re.MULTILINE):
+        assert html.escape(command, quote=True).replace("&#x27;", "&#39;") in page
+    assert len(re.findall(r"sha256:[0-9a-f]{64}", page)) == 7  # description, twice two logs with their index

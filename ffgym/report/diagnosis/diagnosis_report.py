@@ -42,6 +42,8 @@ class DiagnosisReport:
     """Both models replayed along recordings that were not diagnosed, if there are."""
     closed_loop: Sequence[LoopLevel] = ()
     """Whole closed loops of both models beside the machine's, on recordings that were not diagnosed, if there are."""
+    commands: Sequence[str] = ()
+    """Commands to go on with, which run as they are printed."""
 
     def __post_init__(self) -> None:
         if self.after is not None and (self.before is None or _motions(self.before) != _motions(self.after)):

@@ -9,7 +9,7 @@ import numpy as np
 from ffgym.diagnosis.regimes import ResidualMap, map_by_motion, map_by_regime
 from ffgym.diagnosis.result import Level
 from ffgym.report.diagnosis.diagnosis_report import DiagnosisReport
-from ffgym.report.diagnosis.words import EXTENDED, FINE, LOOKS, NOMINAL, place_of, rivals_of
+from ffgym.report.diagnosis.words import EXTENDED, FINE, LOOKS, NOMINAL, place_of, rivals_of, shown_share
 from ffgym.report.figure import ReportFigure, panels, require_matplotlib
 from ffgym.report.page import words_of
 from ffgym.report.table import shortened
@@ -181,21 +181,21 @@ def candidate_figures(report: DiagnosisReport) -> list[ReportFigure]:
     diagnosis = report.diagnosis
     if not diagnosis.causes:
         return []
-    bars: list[tuple[str, float, str]] = []  # name, held-out gain and kind, from top to bottom
+    bars: list[tuple[str, float, str]] = []  # name, share and kind, from top to bottom
     for cause in diagnosis.causes:
-        bars.append((place_of(cause.effect, cause.joint), cause.held_out_gain, "cause"))
+        bars.append((place_of(cause.effect, cause.joint), shown_share(cause.held_out_gain), "cause"))
         for rival in sorted(rivals_of(diagnosis, cause)[:_MOST_RIVALS], key=lambda rival: -rival.held_out_gain):
             kind = "rival that ties" if rival.tied else "rival that lost"
-            bars.append((place_of(rival.effect, rival.joint), rival.held_out_gain, kind))
+            bars.append((place_of(rival.effect, rival.joint), shown_share(rival.held_out_gain), kind))
     with panels(size=(7.2, 0.28 * len(bars) + 1.2)) as (figure, grid):
         axes = grid[0, 0]
         for row, (_, gain, kind) in enumerate(bars):
-            axes.barh(row, max(gain, 0.0), height=0.72, label=kind, **_KINDS[kind])
-            axes.text(max(gain, 0.0) + 0.01, row, f"{gain:.0%}", va="center", fontsize=8)
+            axes.barh(row, gain, height=0.72, label=kind, **_KINDS[kind])
+            axes.text(gain + 0.01, row, f"{gain:.0%}", va="center", fontsize=8)
         axes.set_yticks(range(len(bars)), [name for name, _, _ in bars])
         axes.invert_yaxis()
-        axes.set_xlim(0.0, max([1.0, *(gain for _, gain, _ in bars)]) + _ROOM)
+        axes.set_xlim(0.0, 1.0 + _ROOM)
         axes.grid(axis="y", visible=False)
-        axes.set_xlabel("share of the residual explained on rows that were not used")
+        axes.set_xlabel("share of the residual above the noise that is explained")
     caption = words_of("diagnosis_figures")["candidates"].format(threshold=diagnosis.threshold)
     return [ReportFigure("candidates", "Causes and rivals", caption, figure)]

@@ -1,7 +1,11 @@
-"""How a diagnosis is written and drawn for people, in the units that they read; as text for a terminal, as tables."""
+"""Texts, tables, units and line styles by which a diagnosis is shown to people, on a page and in a terminal."""
 
+import re
+import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import cache
+from textwrap import wrap
 from types import MappingProxyType
 from typing import Any
 
@@ -13,8 +17,8 @@ from ffgym.diagnosis.residual import UNITS, Channel, MotionResidual, Residual
 from ffgym.diagnosis.result import Cause, Diagnosis, Level, Rival, Size, UnjudgedEffect
 from ffgym.effects import EFFECTS
 from ffgym.report.identification.plots import MEASURED, NEW, OLD
-from ffgym.report.page import words_of
-from ffgym.report.table import Column, Table, filled
+from ffgym.report.page import resource, words_of
+from ffgym.report.table import WIDTH, Cell, Column, Kind, Table, filled
 from ffgym.robot import RobotDescription
 
 VERDICTS = words_of("verdicts")
@@ -26,9 +30,125 @@ def place_of(effect: str, joint: str) -> str:
     return effect.replace("_", " ") + (f", {joint}" if joint else "")
 
 
+def shown_share(gain: float) -> float:
+    """Limit an explained share to 0 to 1: fits may take noise away, and the floor is an estimate."""
+    return min(max(gain, 0.0), 1.0)
+
+
 def title_of(effect: str) -> str:
     """What an effect is, in words; its name if the library does not know it."""
     return EFFECTS[effect].title if effect in EFFECTS else effect.replace("_", " ")
+
+
+VERDICT_LINES = 3
+"""Lines of a terminal that the sentence of a verdict may fill."""
+
+_MORE = ", and more that is listed below."
+
+
+def short_sentence(diagnosis: Diagnosis) -> str:
+    """Cut the sentence of a verdict at the end of a clause, so that it fills at most three lines of a terminal."""
+    whole = diagnosis.sentence
+    room = VERDICT_LINES * WIDTH - len(diagnosis.verdict) - 2 - len(_MORE)
+    if len(wrap(f"{diagnosis.verdict}: {whole}", WIDTH)) <= VERDICT_LINES:
+        return whole
+    ends = [found.start() for found in re.finditer(r"[;,.] | or ", whole) if found.start() <= 0.95 * room]
+    end = ends[-1] if ends else whole.rfind(" ", 0, int(0.95 * room))
+    return whole[:end] + _MORE
+
+
+@cache
+def _size_words() -> Mapping[str, Mapping[str, str]]:
+    """Plain meaning of each size by effect and parameter, see sizes.toml."""
+    texts: dict[str, dict[str, str]] = tomllib.loads(resource("sizes.toml"))
+    return MappingProxyType(texts)
+
+
+_READ_AS: Mapping[str, tuple[float, str]] = MappingProxyType({"rad": (1e3, "mrad"), "m": (1e3, "mm"), "s": (1e3, "ms")})
+"""Factor and unit in which people read a size of that unit."""
+
+
+def plain_size(effect: str, size: Size) -> tuple[str, str]:
+    """Write a size with unit and plain meaning, e.g. '3.5 % of the torque that the gearbox carries', and its interval.
+
+    Args:
+        effect: name of the effect that the size is of.
+        size: value, unit and interval; its name may end in a dot with the axis or the other joint.
+    """
+    name, _, part = size.name.partition(".")
+    words = _size_words().get(effect, {}).get(name)
+    if words is None:
+        of = EFFECTS[effect].parameters().get(name) if effect in EFFECTS else None
+        words = f"{{value}} {name if of is None else of.meaning}"
+    factor, unit = _READ_AS.get(size.unit, (1.0, "" if size.unit == "1" else size.unit))
+    if "{percent}" in words:
+        factor, unit = 100.0, "%"
+    shown = f"{factor * size.value:.3g} {unit}".strip()
+    low, high = (f"{factor * end:.3g}" for end in size.interval)
+    text = words.format(value=shown, percent=shown) + (f" ({part})" if part else "")
+    return text, f"{low} to {high} {unit}".strip()
+
+
+def held_out_share(diagnosis: Diagnosis, cause: Cause) -> tuple[float, str] | None:
+    """Compute the share of the misfit at the joint of a cause that all causes explain on motions that were left out.
+
+    One minus the energy above the noise that the extended model leaves over that of the nominal model, within 0 and 1,
+    in the channel in which the misfit of the nominal model stands furthest above the noise; with the channel. None
+    where no extended model was written, so that nothing was left out.
+    """
+    channels: dict[str, list[Level]] = {}
+    for level in diagnosis.levels:
+        if level.noise_floor > 0:
+            channels.setdefault(level.channel, []).append(level)
+    if all(level.before == level.after for own in channels.values() for level in own):
+        return None
+    found: list[tuple[float, float, str]] = []  # energy above the noise per component, share, channel
+    for channel, levels in channels.items():
+        # a channel that has no component of this joint, as the tool, shows it in all its components
+        own = [level for level in levels if level.component == cause.joint] or (
+            levels if channel == "tool" or not cause.joint else []
+        )
+        before, after = (
+            sum(max((value / level.noise_floor) ** 2 - 1.0, 0.0) for value, level in zip(values, own, strict=True))
+            for values in ([level.before for level in own], [level.after for level in own])
+        )
+        if before > 0:
+            found.append((before / len(own), shown_share(1.0 - after / before), channel))
+    if not found:
+        return None
+    _, share, channel = max(found)
+    return share, channel
+
+
+def causes_table(diagnosis: Diagnosis, *, on_page: bool = False) -> Table:
+    """Table of causes: joint, cause, size, interval, share explained on motions that were left out, rivals that tie."""
+    rows: list[tuple[Any, ...]] = []
+    for cause in diagnosis.causes:
+        ties = [place_of(rival.effect, rival.joint) for rival in rivals_of(diagnosis, cause) if rival.tied]
+        rivals = "; ".join(ties) if on_page else str(len(ties) or "")
+        held_out = held_out_share(diagnosis, cause)
+        share = None if held_out is None else Cell(f"{held_out[0]:.0%}".replace("%", " %"), f"({held_out[1]})")
+        first = (cause.joint or "machine", title_of(cause.effect), share, rivals or "none")
+        sizes = [plain_size(cause.effect, size) for size in cause.parameters] or [("present", "-")]
+        for k, (size, interval) in enumerate(sizes):
+            joint, title, explained, against = first if k == 0 else ("", "", "", "")
+            rows.append((joint, title, size, interval, explained, against))
+    headings = ("joint", "cause", "size", "90 % interval", "held out", "ties with" if on_page else "ties")
+    kinds: tuple[Kind, ...] = (*("text",) * 5, "prose" if on_page else "text")
+    columns = [
+        Column(heading, [row[k] for row in rows], kind=kind)
+        for k, (heading, kind) in enumerate(zip(headings, kinds, strict=True))
+    ]
+    return Table(columns=columns, name="causes", fixed=2)
+
+
+def held_out_note(diagnosis: Diagnosis) -> str:
+    """Say how the share in the column 'held out' was computed, or why there is none."""
+    words = words_of("diagnosis")
+    shares = [held_out_share(diagnosis, cause) for cause in diagnosis.causes]
+    if all(share is None for share in shares):
+        return words["no_held_out"]
+    return words["held_out_share" if len(diagnosis.motions) > 1 else "held_out_halves"]
 
 
 def size_text(size: Size) -> str:
@@ -150,19 +270,22 @@ def _behind(robot: RobotDescription, joint: int, unit: str, *, motor: bool) -> t
 
 
 def format_diagnosis(diagnosis: Diagnosis, robot: RobotDescription | None = None) -> str:
-    """Verdict, causes with sizes, ties, patterns, what is left, what was not judged, what to record next.
+    """Write verdict, causes, ties, patterns, residuals, effects that were not judged, and the next motions.
 
     Args:
-        diagnosis: what was found.
-        robot: on which; sizes of its sliding joints are then told behind the gearbox.
+        diagnosis: result to write.
+        robot: robot of the logs; sizes of its sliding joints are then written behind the gearbox.
     """
     diagnosis = in_joint_units(diagnosis, robot)
     parts = [format_findings(diagnosis)]
-    ties = [rival for rival in diagnosis.rivals if rival.tied]
-    parts += [filled(f"cannot be excluded: {place_of(tie.effect, tie.joint)}: {tie.reason}") for tie in ties]
+    for tie in (rival for rival in diagnosis.rivals if rival.tied):
+        instead = tie.against.replace("_", " ")
+        parts.append(
+            filled(f"cannot be excluded: {place_of(tie.effect, tie.joint)} instead of {instead}: {tie.reason}")
+        )
     parts += [filled(f"between recordings: {drift.message}") for drift in diagnosis.drifts]
     for pattern in diagnosis.patterns:
-        parts += [filled(f"pattern: {pattern.message}"), *(filled(f"  no cause: {lead}") for lead in pattern.leads)]
+        parts += [filled(f"pattern: {pattern.message}"), *(filled(f"  not a cause: {lead}") for lead in pattern.leads)]
     if diagnosis.levels:
         table = levels_table(diagnosis).text().replace("not small", "NOT SMALL")  # what is wrong stands out
         parts += ["", table, ""]
@@ -177,14 +300,11 @@ def format_diagnosis(diagnosis: Diagnosis, robot: RobotDescription | None = None
 
 
 def format_findings(diagnosis: Diagnosis) -> str:
-    """The verdict in one sentence, and the causes with their sizes."""
-    parts = [filled(f"{diagnosis.verdict}: {diagnosis.sentence}")]
+    """Write the verdict in at most three lines, wiring mistakes, and the causes in a table with how to read it."""
+    parts = [filled(f"{diagnosis.verdict}: {short_sentence(diagnosis)}")]
     parts += [filled(f"wiring: {mistake.message}") for mistake in diagnosis.wiring]
-    for cause in diagnosis.causes:
-        where = f" of {cause.joint}" if cause.joint else ""
-        sizes = "; ".join(size_text(size) for size in cause.parameters)
-        gain = f"explains {cause.held_out_gain:.0%} on motions that were not used"
-        parts.append(filled(f"cause: {title_of(cause.effect)}{where} ({cause.code}): {sizes}; {gain}"))
+    if diagnosis.causes:
+        parts += ["", causes_table(diagnosis).text(), filled(held_out_note(diagnosis))]
     return "\n".join(parts)
 
 

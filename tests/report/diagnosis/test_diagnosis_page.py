@@ -3,6 +3,7 @@
 import base64
 import re
 from dataclasses import replace
+from datetime import UTC, datetime
 
 import numpy as np
 import pytest
@@ -10,8 +11,9 @@ import pytest
 from ffgym.core.errors import FFGymError
 from ffgym.diagnosis.held_out import LoopLevel
 from ffgym.diagnosis.result import Diagnosis, Size
+from ffgym.effects import EFFECTS
 from ffgym.report.diagnosis import DiagnosisReport, evidence, format_diagnosis, render_diagnosis_page
-from ffgym.report.diagnosis.words import VERDICTS, rivals_of
+from ffgym.report.diagnosis.words import VERDICTS, _size_words, held_out_share, plain_size, rivals_of
 from ffgym.robot import load_robot
 from tests.diagnosis.residual_samples import made_up
 from tests.diagnosis.result_samples import full_diagnosis
@@ -31,12 +33,22 @@ def report(irb4600):
     before = made_up(irb4600, {"torque": lost_with_load}, channels=channels)
     after = made_up(irb4600, {}, channels=channels, seed=1)
     loop = LoopLevel(quantity="tool", component="x", unit="m", measured=5e-5, before=2.345e-5, after=1.2e-6)
-    return DiagnosisReport(diagnosis=full_diagnosis(), before=before, after=after, closed_loop=(loop,))
+    commands = ("ffgym record irb4600_60_205 found/next.toml --out more_logs",)
+    full = full_diagnosis()
+    full = replace(full, provenance=full.provenance | {"inputs": ["logs/a.npz sha256:0123"]})
+    return DiagnosisReport(diagnosis=full, before=before, after=after, closed_loop=(loop,), commands=commands)
 
 
 @pytest.fixture(scope="module")
 def page(report):
     return render_diagnosis_page(report)
+
+
+def without_time(page):
+    """The page without the time at which it was written, which is on it once."""
+    shorter, count = re.subn(r"\d{4}-\d\d-\d\d \d\d:\d\d UTC", "", page)
+    assert count == 1
+    return shorter
 
 
 def text_of(page):
@@ -57,7 +69,9 @@ def test_the_page_tells_everything_that_was_found(page):
     told = [diagnosis.sentence, diagnosis.verdict, diagnosis.robot, *diagnosis.motions, *diagnosis.quality]
     told += [rival.reason for rival in diagnosis.rivals] + [pattern.message for pattern in diagnosis.patterns]
     told += [one.reason for one in (*diagnosis.not_excited, *diagnosis.not_judgeable)]
-    told += ["share = 0.021 (0.019 to 0.024)", "94 %", "ffgym record irb4600_60_205 next.toml", "protocol = &#34;holds"]
+    told += ["share = 0.021 (0.019 to 0.024)", "ffgym record irb4600_60_205 found/next.toml", "protocol = &#34;holds"]
+    told += ["j2load-dependent friction2.1 % of the torque that the gearbox carries1.9 to 2.4 %100 % (torque)payload"]
+    told += [datetime.now(UTC).strftime("%Y-%m-%d"), "logs/a.npz sha256:0123", "motions that were left out of the fit"]
     told += ["µm5023.41.2"]
     for words in told:
         assert words in text
@@ -95,7 +109,8 @@ def test_one_axis_without_a_tool_has_a_page_and_the_same_each_time(one_axis):
     residual = made_up(one_axis, fault, channels=("torque", "servo"))
     page = render_diagnosis_page(DiagnosisReport(diagnosis=diagnosis, before=residual))
     assert 'id="depends-servo-1"' in page
-    assert render_diagnosis_page(DiagnosisReport(diagnosis=diagnosis, before=residual)) == page
+    again = render_diagnosis_page(DiagnosisReport(diagnosis=diagnosis, before=residual))
+    assert without_time(again) == without_time(page)
 
 
 def test_a_log_without_valid_rows_has_a_page(irb4600):
@@ -117,7 +132,13 @@ def test_residuals_before_and_after_are_of_the_same_motions(irb4600):
 def test_the_text_fits_a_terminal_and_names_ties_sizes_and_what_to_record():
     text = format_diagnosis(full_diagnosis())
     assert max(map(len, text.splitlines())) <= 120
-    for words in ("ambiguous: ", "share = 0.021 (0.019 to 0.024)", "cannot be excluded: payload", "record next: holds"):
+    for words in (
+        "ambiguous: ",
+        "2.1 % of the torque that the gearbox carries",
+        "1.9 to 2.4 %",
+        "cannot be excluded: payload",
+        "record next: holds",
+    ):
         assert words in text
     assert "torque constant" not in text
     assert re.search(r"torque  j2 +\| N m +0\.6 +0\.012 +0\.09 +0\.013 +small", text)
@@ -155,9 +176,10 @@ def test_a_sliding_joint_is_told_in_newtons_metres_and_kilograms():
     )
     diagnosis = replace(full, causes=(cause,), levels=(level,), rivals=())
     text = format_diagnosis(diagnosis, robot)
-    assert f"amplitude = {2e-3 * ratio:.3g} N ({1.8e-3 * ratio:.3g} to {2.2e-3 * ratio:.3g})" in " ".join(text.split())
-    assert f"inertia = {1e-5 * ratio**2:.3g} kg (" in " ".join(text.split())
-    assert f"gap = {0.5 / ratio:.3g} m (" in " ".join(text.split())
+    flat = " ".join(text.split())
+    assert f"{2e-3 * ratio:.3g} N amplitude, motor side {1.8e-3 * ratio:.3g} to {2.2e-3 * ratio:.3g} N" in flat
+    assert f"{1e-5 * ratio**2:.3g} kg inertia" in flat
+    assert f"{1e3 * 0.5 / ratio:.3g} mm gap" in flat
     assert re.search(
         rf"torque +x +\| N +{2e-3 * ratio:.3g} +{3e-4 * ratio:.3g} +{1e-3 * ratio:.3g} +{4e-4 * ratio:.3g}", text
     )
@@ -187,3 +209,39 @@ def test_what_calibration_allows_for_is_not_called_small_nor_unexplained():
 def test_a_joint_of_which_too_few_rows_count_has_no_picture_of_what_its_residual_depends_on(monkeypatch):
     monkeypatch.setattr(evidence, "compute_profiles", lambda *arguments: {})
     assert evidence.profiles_figure({"the log": None}, "torque", 0, 0) is None
+
+
+def test_every_size_of_every_effect_has_a_plain_meaning_with_its_unit():
+    """A share is a percentage; a number that is no share keeps its unit; a table of texts holds no other names."""
+    for effect, kind in EFFECTS.items():
+        sizes = {name: p for name, p in kind.parameters().items() if p.role in ("size", "cycles")}
+        assert set(_size_words()[effect]) == set(sizes)
+        for name, p in sizes.items():
+            text, interval = plain_size(effect, Size(name=name, value=0.25, unit=p.unit, interval=(0.2, 0.3)))
+            assert ("25 %" in text) == ("{percent}" in _size_words()[effect][name])
+            assert p.unit == "1" or "%" not in text
+            assert " to " in interval
+    assert set(_size_words()) == set(EFFECTS)
+    text, _ = plain_size("foreign", Size(name="pull.x", value=2.0, unit="N", interval=(1.0, 3.0)))
+    assert text == "2 N pull (x)"
+
+
+def test_the_share_explained_is_that_of_the_joint_on_motions_left_out_and_at_most_all_of_it():
+    full = full_diagnosis()
+    share, channel = held_out_share(full, full.causes[0])
+    before, after = (0.09 / 0.012) ** 2 - 1, (0.013 / 0.012) ** 2 - 1
+    assert (share, channel) == (pytest.approx(1 - after / before), "torque")
+    quieter = tuple(replace(level, after=0.5 * level.noise_floor) for level in full.levels)
+    assert held_out_share(replace(full, levels=quieter), full.causes[0]) == (1.0, "torque")
+    same = replace(full, levels=tuple(replace(level, after=level.before) for level in full.levels))
+    assert held_out_share(same, full.causes[0]) is None
+    assert "no motion was left out" in " ".join(format_diagnosis(same).split())
+    assert "each half was left out" in " ".join(format_diagnosis(replace(full, motions=("a",))).split())
+
+
+def test_a_verdict_has_at_most_three_lines_and_ends_at_a_clause():
+    patterns = "; ".join(f"the residual of j{k} repeats {k} times per turn of the motor of joint {k}" for k in range(9))
+    diagnosis = Diagnosis(verdict="unknown", sentence=f"Depends on: {patterns}.", robot="r", motions=("a",))
+    text = format_diagnosis(diagnosis)
+    assert len(text.splitlines()) == 3
+    assert " ".join(text.split()).endswith("turn of the motor of joint 3, and more that is listed below.")
