@@ -20,7 +20,7 @@ from ffgym.recordings.npz import HEADER_KEY
 from ffgym.robot import RigidArm, load_robot
 from ffgym.simulation.plant import Climate
 from ffgym.simulation.protocols import plan_session, record
-from ffgym.simulation.protocols.mixtures import Diagnosis
+from ffgym.simulation.protocols.mixtures import DiagnosisMotions
 from ffgym.workcell import SealedMachine, Workcell, workcell
 from ffgym.workcell.equations import GearLosses, TwoHarmonicRipple
 from scripts.exam.draw import TOOL_OFFSET, TORQUE_OFFSET, miscalibrated
@@ -72,7 +72,7 @@ def example_cell(seed: int) -> Workcell:
 def recordings(seed: int, only: Collection[int] | None = None) -> Iterator[Recording]:
     """Logs of the first recording of a machine, or some of them, as they are kept."""
     cell = example_cell(seed)
-    motions = plan_session(cell.arm, [Diagnosis()])
+    motions = plan_session(cell.arm, [DiagnosisMotions()])
     for recording in record(motions, cell, seed=seed, record_dt=SAMPLE_TIME, only=only):
         # columns that stay, in steps where there are any, as single precision holds them
         columns = {"timestamp": recording.t}

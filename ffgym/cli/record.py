@@ -14,7 +14,7 @@ from ffgym.robot import RigidArm
 from ffgym.simulation import Rig, SimulatedRig, TorqueSensor
 from ffgym.simulation.protocols import PROTOCOLS, Protocol, load_protocols, plan_session, record_into, usual_sensors
 from ffgym.simulation.protocols.protocol import JointProtocol
-from ffgym.simulation.protocols.stage import Stage
+from ffgym.simulation.protocols.stage import ProtocolStage
 
 LISTED_ROBOT = "irb4600_60_205"
 """Robot that --list tells durations for, if none is named."""
@@ -102,7 +102,7 @@ def protocol_list(arm: RigidArm) -> str:
     ]
     for name, protocol in PROTOCOLS.items():
         try:
-            motions = protocol().motions(Stage(arm=arm))  # without the torques, which take longer to look at
+            motions = protocol().motions(ProtocolStage(arm=arm))  # without the torques, which take longer to look at
         except FFGymError as error:
             size = f"cannot be run: {error}"
         else:

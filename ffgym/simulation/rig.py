@@ -1,4 +1,4 @@
-"""A machine under its controller, as one can use it: motions in, recordings out."""
+"""Rigs: machines under their controllers; motions go in, recordings come out."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -16,27 +16,27 @@ from ffgym.simulation.sensors import Sensor
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Rig:
-    """Where motions are run. What stands on it may be known or not; its controller is known."""
+    """Machine under its controller, which runs motions. The machine may be hidden; its controller is known."""
 
     arm: RigidArm
     """Rigid dynamics of the robot that the controller was made for."""
     machine: Machine | None = None
-    """What is simulated; None is the controller's robot itself."""
+    """Simulated machine; None is the controller's robot itself."""
     options: ModelOptions | None = None
-    """What to leave out of it."""
+    """Parts of the physics to leave out."""
     sensors: Sequence[Sensor] = ()
-    """What measures; none gives the exact state."""
+    """Sensors; without any, recordings hold the exact state."""
     name: str = "nominal"
-    """As in tables."""
+    """Name in tables."""
 
     @property
     def robot(self) -> RobotDescription:
-        """What the controller knows of the machine."""
+        """Robot as the controller knows it."""
         return self.arm.robot
 
     @property
     def fingerprint(self) -> str:
-        """Of the physics, which says no more than whether two are the same."""
+        """Fingerprint of the physics, which tells if two are the same and no more."""
         return Machine.of(self.machine or self.robot).physics(self.options or ModelOptions(looks=False))
 
     def run(
@@ -86,4 +86,4 @@ class Rig:
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SimulatedRig(Rig):
-    """A machine that is known."""
+    """Rig with a machine that is known."""

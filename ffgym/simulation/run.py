@@ -27,7 +27,7 @@ Progress = Callable[[float, float], None]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Run:
-    """One motion with one feed-forward law."""
+    """Motion with a feed-forward law."""
 
     reference: Reference
     law: FeedForwardLaw = field(default_factory=NoCompensation)
@@ -89,7 +89,7 @@ def simulate(
         id(run.reference): ReferenceRows.of(arm, run.reference, plant.n_substeps // stride)
         for run in {id(run.reference): run for run in runs}.values()
     }
-    added = _added_torques(runs)
+    added = _compute_added_torques(runs)
     total = [shared[id(run.reference)].u_ff + u_lff for run, u_lff in zip(runs, added, strict=True)]
     traces = _run(plant, arm, runs, _setpoints(runs, total), stride, progress)
     recordings = []
@@ -102,7 +102,7 @@ def simulate(
 
 
 def one_robot(runs: Sequence[Run]) -> RobotDescription:
-    """The robot that the references of all runs are for."""
+    """Return the one robot of all references."""
     if not runs:
         raise FFGymError("There is nothing to simulate: runs is empty.")
     robots = {id(run.reference.robot): run.reference.robot for run in runs}
@@ -113,7 +113,7 @@ def one_robot(runs: Sequence[Run]) -> RobotDescription:
 
 
 def record_stride(plant: Plant, record_dt: float) -> int:
-    """Physics steps between samples that are recorded every `record_dt` [s]."""
+    """Compute the number of physics steps between samples that are recorded every `record_dt` [s]."""
     record_dt = check_number("record_dt", record_dt, unit="s", low=0.0, open_low=True)
     stride = round(record_dt / plant.physics_dt)
     if stride < 1 or abs(stride * plant.physics_dt - record_dt) > 1e-9 or plant.n_substeps % stride:
@@ -124,8 +124,8 @@ def record_stride(plant: Plant, record_dt: float) -> int:
     return stride
 
 
-def _added_torques(runs: Sequence[Run]) -> list[Array]:
-    """Torque that each law adds, motor side [N m], (T, N); it starts at 0, as no torque is computed before t = 0.
+def _compute_added_torques(runs: Sequence[Run]) -> list[Array]:
+    """Compute the torque that each law adds, motor side [N m], (T, N); it is 0 at t = 0, before any law runs.
 
     All references of one law are given to it at once.
     """
@@ -143,7 +143,7 @@ def _added_torques(runs: Sequence[Run]) -> list[Array]:
 
 
 def _setpoints(runs: Sequence[Run], torques: Sequence[Array]) -> Setpoints:
-    """Set-points of all runs in one array; a short run holds its last sample, which is never used."""
+    """Stack set-points of all runs; a short run holds its last sample, which is never used."""
     length = max(len(run.reference.t) for run in runs)
     robot = runs[0].reference.robot
 

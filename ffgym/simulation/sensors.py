@@ -1,4 +1,4 @@
-"""What the machine and the laser tracker see of the true state."""
+"""Sensors of the machine and the laser tracker: from the true state to measured columns."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
@@ -13,18 +13,18 @@ from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
 
 TRUTH = ("friction.effort", "link.position", "link.velocity", "tcp.position", "temperature")
-"""What no machine knows by itself: a measured recording has it only if a sensor measures it."""
+"""Families of the hidden truth: a measured recording has one only if a sensor measures it."""
 
 
 class Sensor(ABC):
-    """Turns exact columns of a recording into measured ones."""
+    """Sensor, which turns exact columns of a recording into measured ones."""
 
     measures: ClassVar[tuple[str, ...]] = ()
     """Families of TRUTH that this sensor makes visible."""
 
     @abstractmethod
     def apply(self, recording: Recording, rng: np.random.Generator) -> Recording:
-        """A recording in which this sensor's columns are measured; noise comes from `rng`."""
+        """Return the recording with this sensor's columns measured; noise comes from `rng`."""
 
 
 @final
@@ -42,11 +42,11 @@ class Resolver(Sensor):
         check_number("resolver noise", self.noise, unit="rad", low=0.0)
 
     def apply(self, recording: Recording, rng: np.random.Generator) -> Recording:
-        """See base class; without noise nothing is drawn from `rng`."""
+        """Round angles and difference them; without noise it draws no numbers from `rng`."""
         step = 2 * np.pi / 2**self.bits
         columns = {}
         for joint in recording.header.joints:
-            seen = _noisy(recording[f"motor.position.{joint}"], self.noise, rng)
+            seen = _add_noise(recording[f"motor.position.{joint}"], self.noise, rng)
             angle = np.round(seen / step) * step
             columns[f"motor.position.{joint}"] = angle
             columns[f"motor.velocity.{joint}"] = np.diff(angle, prepend=angle[0]) / recording.dt
@@ -74,7 +74,7 @@ class LaserTracker(Sensor):
         check_number("tracker period", self.period, unit="s", low=0.0, open_low=True)
 
     def apply(self, recording: Recording, rng: np.random.Generator) -> Recording:
-        """See base class."""
+        """Add noise to positions at the tracker's samples; other rows become NaN."""
         every = max(1, round(self.period / recording.dt))
         if self.period > recording.dt and abs(every * recording.dt - self.period) > 1e-9:
             raise FFGymError(
@@ -93,7 +93,7 @@ class LaserTracker(Sensor):
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TorqueSensor(Sensor):
-    """Motor torque with white noise, as from measured currents; what the drive asked for stays exact."""
+    """Motor torque with white noise, as from measured currents; commanded torque stays exact."""
 
     noise: Array
     """Standard deviation of each joint, motor side [N m], shape (N,)."""
@@ -105,11 +105,11 @@ class TorqueSensor(Sensor):
         object.__setattr__(self, "noise", noise)
 
     def apply(self, recording: Recording, rng: np.random.Generator) -> Recording:
-        """See base class."""
+        """Add noise to the motor torques."""
         noise = check_shape("torque noise", self.noise, (len(recording.header.joints),))
         names = [f"motor.effort.{joint}" for joint in recording.header.joints]
         return recording.with_columns(
-            {name: _noisy(recording[name], float(size), rng) for name, size in zip(names, noise, strict=True)}
+            {name: _add_noise(recording[name], float(size), rng) for name, size in zip(names, noise, strict=True)}
         )
 
 
@@ -129,23 +129,23 @@ class Thermometer(Sensor):
         check_number("thermometer resolution", self.resolution, unit="K", low=0.0, open_low=True)
 
     def apply(self, recording: Recording, rng: np.random.Generator) -> Recording:
-        """See base class."""
+        """Add noise to the temperatures and round them."""
         if not recording.has("temperature"):
             return recording
         names = [f"temperature.{joint}" for joint in recording.header.joints]
-        seen = {name: _noisy(recording[name], self.noise, rng) for name in names}
+        seen = {name: _add_noise(recording[name], self.noise, rng) for name in names}
         return recording.with_columns(
             {name: np.round(value / self.resolution) * self.resolution for name, value in seen.items()}
         )
 
 
-def _noisy(values: Array, noise: float, rng: np.random.Generator) -> Array:
-    """Values with white noise of standard deviation `noise`; without noise nothing is drawn."""
+def _add_noise(values: Array, noise: float, rng: np.random.Generator) -> Array:
+    """Add white noise of standard deviation `noise`; without noise no numbers are drawn."""
     return values + rng.normal(scale=noise, size=len(values)) if noise > 0 else values
 
 
 def measure(recording: Recording, sensors: Sequence[Sensor], rng: np.random.Generator) -> Recording:
-    """What sensors and drive know of an exact recording: measured columns, no hidden truth; none leaves it exact."""
+    """Measure an exact recording: hidden truth is dropped; without sensors it stays exact."""
     for sensor in sensors:
         recording = sensor.apply(recording, rng)
     if not sensors:
@@ -157,7 +157,7 @@ def measure(recording: Recording, sensors: Sequence[Sensor], rng: np.random.Gene
 
 
 def sensors_of(robot: RobotDescription) -> tuple[Sensor, ...]:
-    """The resolvers of a robot, and the laser tracker if its description has one."""
+    """Return the resolvers of a robot, and the laser tracker if its description has one."""
     sensors = robot.sensors
     resolver = Resolver(bits=sensors.encoder_bits)
     if sensors.tracker_period == 0:

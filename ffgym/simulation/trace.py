@@ -1,4 +1,4 @@
-"""The raw states of one simulation, and the recording made of them."""
+"""Raw states of one simulation, and the recording made of them."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -30,7 +30,7 @@ class Trace:
 
     @classmethod
     def empty(cls, plant: Plant, length: int, dt: float) -> "Trace":
-        """Room for `length` rows."""
+        """Allocate `length` rows."""
         model = plant.model
         return cls(
             dt=dt,
@@ -47,7 +47,7 @@ class Trace:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ReferenceRows:
-    """What all runs of one reference share, at the recorded instants."""
+    """Signals that all runs of one reference share, at the recorded instants."""
 
     reference: Reference
     u_ff: Array
@@ -63,7 +63,7 @@ class ReferenceRows:
     rows_per_step: int
     """Recorded rows in a control step."""
     cut_short: bool = False
-    """Whether the run ended before its reference did."""
+    """True if the run ended before its reference."""
 
     @classmethod
     def of(cls, arm: RigidArm, reference: Reference, rows_per_step: int) -> "ReferenceRows":
@@ -88,7 +88,7 @@ class ReferenceRows:
         )
 
     def first(self, count: int) -> "ReferenceRows":
-        """The first `count` rows, for a run that ended early."""
+        """Return the first `count` rows, for a run that ended early."""
         if count == len(self.position):
             return self
         tcp = None if self.tcp is None else self.tcp[:count]
@@ -108,7 +108,7 @@ def to_recording(
     seed: int | None = None,
     meta: Mapping[str, Any] = MappingProxyType({}),
 ) -> Recording:
-    """Recording of one run: everything the drive knows, and the true link, friction and TCP states beside it.
+    """Make the recording of one run: all signals of the drive, and the true link, friction and TCP states.
 
     Args:
         trace: states of the run, as far as it came.
@@ -140,7 +140,7 @@ def to_recording(
 
 
 def _signals(state: PlantState, rows: ReferenceRows, u_lff: Array, plant: Plant, index: int) -> dict[str, Array]:
-    """Per-joint signals, motor side, (T, N) each; the servo's parts are what MuJoCo's `pid` adds up in each step."""
+    """Compute per-joint signals, motor side, (T, N) each; parts of the servo as MuJoCo's `pid` adds them up."""
     machine = plant.machines[index]
     robot = machine.physical
     position, velocity = machine.read_by_resolver(state.motor_position, state.motor_velocity)

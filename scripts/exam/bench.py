@@ -10,7 +10,7 @@ from ffgym.robot import RigidArm
 from ffgym.simulation import LaserTracker, Resolver, Sensor, SimulatedRig, TorqueSensor
 from ffgym.simulation.plant import Machine
 from ffgym.simulation.protocols import Protocol, plan_session, record, usual_sensors
-from ffgym.simulation.protocols.mixtures import Circles, Diagnosis
+from ffgym.simulation.protocols.mixtures import Circles, DiagnosisMotions
 
 RESOLVER_NOISE = 2e-5
 """Standard deviation of the resolver's angle, motor side [rad]; chosen: about its step of 16 bit over sqrt 12."""
@@ -95,5 +95,5 @@ def usual_protocol(arm: RigidArm, *, poor: bool = False) -> Protocol:
     """The first protocol of any diagnosis, or small circles alone, which show little."""
     area = arm.robot.work_area
     if not poor or area is None:
-        return Diagnosis(pause=PAUSE)
+        return DiagnosisMotions(pause=PAUSE)
     return Circles(positions=(next(iter(area.positions)),), speeds=POOR_SPEEDS, pause=PAUSE)

@@ -22,7 +22,7 @@ from ffgym.robot.reading.rules import CAPABILITIES, REQUIRED, RULES
 from ffgym.simulation.protocols import PROTOCOLS, Protocol
 from ffgym.simulation.protocols.load import MotionFile
 from ffgym.simulation.protocols.protocol import settings
-from ffgym.simulation.protocols.stage import Stage
+from ffgym.simulation.protocols.stage import ProtocolStage
 from scripts.tables.page import WHOLE, Contents, markdown
 
 _ROBOTS = {"irb4600_60_205": "six-axis robot", "one_axis": "one axis"}
@@ -157,7 +157,7 @@ def protocols() -> Contents:
         durations = []
         for arm in arms:
             try:
-                motions = protocol().motions(Stage(arm=arm))
+                motions = protocol().motions(ProtocolStage(arm=arm))
                 durations.append(f"{len(motions)}: {sum(motion.reference.duration for motion in motions):.0f} s")
             except FFGymError:  # not on this robot
                 durations.append("")

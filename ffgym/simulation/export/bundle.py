@@ -51,7 +51,7 @@ play.py        Plays controls.csv in plain MuJoCo and compares every row of reco
 
 
 def readme_text(machine: Machine, recording: Recording | None = None, *, binary: bool) -> str:
-    """Text that says what each file is; without a recording there is only the model."""
+    """Describe each file of the folder; without a recording that is the model alone."""
     robot = machine.robot
     lines = [
         robot.title,
@@ -173,7 +173,7 @@ def export_run(
 
 
 def _write_table(path: Path, names: Sequence[str], blocks: Iterable[Array]) -> None:
-    """Write a CSV file with one line of names and blocks (rows, columns) below each other."""
+    """Write a CSV file with a line of names, and blocks (rows, columns) below."""
     with path.open("w", encoding="utf-8", newline="\n") as file:
         file.write(",".join(names) + "\n")
         for block in blocks:

@@ -24,7 +24,7 @@ _CHUNK = 256
 
 
 def control_row(plant: Plant, setpoints: Setpoints, k: int) -> Array:
-    """Controls at sample `k`, shape (3 N,)."""
+    """Return controls at sample `k`, shape (3 N,)."""
     controls = np.empty(plant.model.nu)
     samples = (setpoints.position, setpoints.velocity, setpoints.torque)
     for part, values in zip(plant.split_controls(controls), samples, strict=True):
@@ -33,7 +33,7 @@ def control_row(plant: Plant, setpoints: Setpoints, k: int) -> Array:
 
 
 def control_blocks(plant: Plant, setpoints: Setpoints, progress: Progress) -> Iterator[Array]:
-    """Controls of one motion at every physics step and at its last sample, in blocks of shape (rows, 3 N)."""
+    """Yield controls of one motion at every physics step and at its last sample, in blocks of shape (rows, 3 N)."""
     steps = setpoints.position.shape[1] - 1
     fractions = np.arange(plant.n_substeps) / plant.n_substeps
     for start in range(0, steps, _CHUNK):
@@ -54,7 +54,7 @@ _PER_RADIAN = {"rad": 1.0, "deg": 180 / np.pi, "turn": 0.5 / np.pi}
 
 @dataclass(frozen=True, kw_only=True)
 class ReferenceForm:
-    """What a drive wants to read."""
+    """Form of a table of references, as a drive reads it."""
 
     sides: Sides = "both"
     """Side of the gearbox: motor, link (joint), or both."""
@@ -67,7 +67,7 @@ class ReferenceForm:
 
 
 def reference_table(reference: Reference, u_ff: Array, u_lff: Array, form: ReferenceForm) -> dict[str, Array]:
-    """Columns by name, each of shape (T,): the name ends with the unit.
+    """Tabulate a reference: columns by name, each of shape (T,); the name ends with the unit.
 
     Args:
         reference: the motion.
@@ -97,18 +97,18 @@ def reference_table(reference: Reference, u_ff: Array, u_lff: Array, form: Refer
 
 
 def in_engine(machine: Machine) -> Machine:
-    """The machine with those of its effects that MuJoCo has itself."""
+    """Return the machine with those effects alone that MuJoCo has itself."""
     inside = [effect for effect in machine.effects if isinstance(effect, NativeEffect | ModelEffect)]
     return replace(machine, effects=tuple(inside))
 
 
 def plant_of(machine: Machine, options: ModelOptions | None) -> Plant:
-    """The machine that is exported; looks are left out, as in simulations, and change nothing."""
+    """Build the plant that is exported; without looks, as in simulations, which change no numbers."""
     return Plant(in_engine(machine), 1, options=replace(options or ModelOptions(), looks=False))
 
 
 def spec_with_home(plant: Plant, machine: Machine, options: ModelOptions | None) -> mujoco.MjSpec:
-    """The model with a keyframe 'home': at rest in the home pose, or next to q = 0 where that is out of reach."""
+    """Build the model with a keyframe 'home': at rest in the home pose, or next to q = 0 where that is out of reach."""
     robot = plant.robot
     spec = in_engine(machine).spec(options or ModelOptions())
     spec.comment = f"{robot.title}. Written by ffgym {__version__}; all numbers have all their digits."
@@ -123,7 +123,7 @@ def spec_with_home(plant: Plant, machine: Machine, options: ModelOptions | None)
 
 
 def missing_text(machine: Machine) -> str:
-    """What a model in a file lacks of a machine, in one sentence; empty if nothing."""
+    """Name the effects that a model in a file lacks, in one sentence; empty if it has all."""
     inside = in_engine(machine).effects
     effects = [
         f"{effect.name} ({', '.join(f'{name} = {value.tolist()}' for name, value in effect.values().items())})"

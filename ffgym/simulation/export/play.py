@@ -50,7 +50,7 @@ def main(folder: Path) -> int:
 
 
 def play(model: Any, controls: Any, signals: dict[str, Signal], stride: int) -> dict[str, Any]:
-    """Signals, shape (rows, N) each, at every `stride`-th step of the motion whose `controls` are (steps, nu)."""
+    """Simulate signals, shape (rows, N) each, at every `stride`-th step of a motion with `controls` (steps, nu)."""
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
     rows: dict[str, list[Any]] = {name: [] for name in signals}
@@ -65,7 +65,7 @@ def play(model: Any, controls: Any, signals: dict[str, Signal], stride: int) -> 
 
 
 def signals_of(model: Any, joints: Sequence[str]) -> dict[str, Signal]:
-    """What can be compared with the recording; motor quantities are motor side."""
+    """Return readers of all signals that a recording may have; motor quantities are motor side."""
     servo, friction = (_actuators(model, joints, kind) for kind in ("servo", "friction"))
     integrals = list(zip(model.actuator_gainprm[servo, 0], model.actuator_actadr[servo], strict=True))
     qpos, dof = (_addresses(model, joints, at) for at in (model.jnt_qposadr, model.jnt_dofadr))
@@ -88,7 +88,7 @@ def signals_of(model: Any, joints: Sequence[str]) -> dict[str, Signal]:
 
 
 def read_recording(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Header and columns by name of a recording: JSON in comment lines, a row of names, one row per sample."""
+    """Read header and columns by name of a recording: JSON in comment lines, a row of names, one row per sample."""
     with path.open(encoding="utf-8") as file:
         comments = []
         for line in file:
@@ -106,7 +106,7 @@ def _actuators(model: Any, joints: Sequence[str], kind: str) -> list[int]:
 
 
 def _addresses(model: Any, joints: Sequence[str], at: Any) -> list[list[int]]:
-    """Where the coordinates of each joint stand: of its motor, and of its deflection if it is elastic."""
+    """Return the coordinates of each joint: of its motor, and of its deflection if it is elastic."""
     names = {model.joint(i).name: i for i in range(model.njnt)}
     both = [(f"{joint}_motor", f"{joint}_deflection") for joint in joints]
     return [[int(at[names[name]]) for name in pair if name in names] for pair in both]

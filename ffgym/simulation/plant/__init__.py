@@ -1,4 +1,4 @@
-"""What happens: robots as MuJoCo simulates them."""
+"""Plant: robots, simulated by MuJoCo in batches."""
 
 import lazy_loader
 

@@ -1,4 +1,4 @@
-"""Robots like a given one: draws of what differs from one machine to the next, from declared distributions."""
+"""Random robots: draws of the numbers that differ from machine to machine, from declared distributions."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, fields, replace
@@ -34,7 +34,7 @@ class Uniform(Distribution):
         check_number("high", self.high, low=self.low)
 
     def draw(self, rng: np.random.Generator, n: int) -> Array:
-        """See base class."""
+        """Draw uniformly between low and high."""
         return rng.uniform(self.low, self.high, size=n)
 
 
@@ -51,13 +51,13 @@ class LogUniform(Distribution):
         check_number("high", self.high, low=self.low)
 
     def draw(self, rng: np.random.Generator, n: int) -> Array:
-        """See base class."""
+        """Draw uniformly in the logarithm between low and high."""
         return np.exp(rng.uniform(np.log(self.low), np.log(self.high), size=n))
 
 
 @dataclass(frozen=True, kw_only=True)
 class PlantDistribution:
-    """What differs between robots of one kind: factors on the parameters, and a payload. None leaves a group alone.
+    """Distribution of robots of one kind: factors on the parameters, and a payload. None leaves a group alone.
 
     Factors are independent from joint to joint. All defaults are chosen: friction changes by tens of per cent with
     temperature, load and wear, its viscous part most; gearbox stiffness and masses are known far better.

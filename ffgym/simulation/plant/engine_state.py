@@ -19,12 +19,12 @@ class Addresses:
 
     motor_qpos: IntArray
     deflection_qpos: IntArray
-    """One per elastic joint."""
+    """Addresses, one per elastic joint."""
     is_elastic: BoolArray
     extra_qpos: IntArray
     """Joints that neither turn with a motor nor are its elasticity: those of effects."""
     extra_joint: IntArray
-    """The same as numbers of joints."""
+    """Elastic joints as indices of joints."""
     integral: IntArray
     has_integral: BoolArray
     bristle: IntArray

@@ -19,7 +19,8 @@ from ffgym.simulation.plant.machine import Machine
 from ffgym.simulation.plant.reading import EngineState, Reading, stack_numbers
 
 _ROUNDS = 20
-"""Of the search for the angle that a resolver reads as a given one; errors change by less than 0.1 of the angle."""
+"""Rounds of the search for the angle that a resolver reads as a given one; errors change by less than 0.1 of the
+angle."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -27,18 +28,18 @@ class Chosen:
     """Some simulations of a batch with their effects, looked up once for many physics steps."""
 
     rows: IntArray | slice
-    """Which; a slice is all of them."""
+    """Indices of the simulations; a slice stands for all."""
     everyone: IntArray
-    """The same as numbers, shape (B', 1)."""
+    """Indices as a column, shape (B', 1)."""
     numbers: dict[str, Array]
     torque: tuple[TorqueEffect, ...]
     present: tuple[BoolArray | None, ...]
-    """Who has each of them, shape (B', 1); None is everyone."""
+    """Mask of machines that have each effect, shape (B', 1); None stands for all."""
     resolver: tuple[ResolverEffect, ...]
 
 
 class Forces:
-    """Torque and resolver effects of B machines, one row each, with what they remember."""
+    """Torque and resolver effects of B machines, one row each, with their memories."""
 
     def __init__(self, engine: batch.Batch, at: Addresses, machines: Sequence[Machine]) -> None:
         self._at, self._n_robots = at, len(machines)
@@ -67,7 +68,7 @@ class Forces:
 
     @staticmethod
     def needed(machines: Sequence[Machine]) -> bool:
-        """Whether any machine has an effect that acts here."""
+        """True if any machine has a torque or resolver effect."""
         return any(machine.torque_effects or machine.resolver_effects for machine in machines)
 
     def choose(self, rows: IntArray | slice) -> Chosen:
@@ -83,7 +84,7 @@ class Forces:
 
     @property
     def bends(self) -> BoolArray:
-        """Which simulations have something that acts on springs or links, shape (B,)."""
+        """Mask of simulations with effects on springs or links, shape (B,)."""
         bends = np.zeros(self._n_robots, dtype=np.bool_)
         for effect, present in self._torque:
             if effect.side == "link":
@@ -98,22 +99,22 @@ class Forces:
         return joint_q - self._drive.joint_angle(shift)
 
     def begin(self, chosen: Chosen, state: State) -> None:
-        """Forget what was: simulations are at rest in `state`."""
+        """Reset memories: simulations are at rest in `state`."""
         self._motor[chosen.rows] = 0.0
         for memory, now in zip(self._memory, relaxed(chosen.torque, state), strict=True):
             memory[chosen.rows] = now
 
-    def remembered(self) -> list[Array]:
-        """What effects remember, and what they added to motors last; copies."""
+    def copy_memories(self) -> list[Array]:
+        """Copies of the memories of effects, and of the torques that they added to motors last."""
         return [memory.copy() for memory in (*self._memory, self._motor)]
 
     def remember(self, memories: list[Array]) -> None:
-        """Go on with what was `remembered`."""
+        """Restore `remembered` memories and torques."""
         for memory, kept in zip((*self._memory, self._motor), memories, strict=True):
             memory[:] = kept
 
     def go_on_from(self, before: "Forces", rows: IntArray) -> None:
-        """Remember what `before` does of simulations `rows`, whose machines are still the same."""
+        """Take over memories of `before` in simulations `rows`, whose machines are unchanged."""
         self._motor[rows] = before._motor[rows]
         known = dict(zip(before._keys, before._memory, strict=True))
         for key, memory in zip(self._keys, self._memory, strict=True):
@@ -121,11 +122,11 @@ class Forces:
                 memory[rows] = known[key][rows]
 
     def resting(self, chosen: Chosen, state: State) -> Torques:
-        """What is added to robots that rest in `state`, with memories that are relaxed there."""
+        """Compute torques added to robots that rest in `state`, with relaxed memories."""
         return step(chosen.torque, state, relaxed(chosen.torque, state), self._dt, chosen.present)[0]
 
     def resolver_error(self, motor_angle: Array, motor_speed: Array) -> ResolverError:
-        """What resolvers read beyond the true angle [rad] and speed [rad/s], motor side, (B, N) each."""
+        """Compute errors of resolvers in angle [rad] and speed [rad/s], motor side, (B, N) each."""
         return _resolver_error(self._resolver, motor_angle, motor_speed)
 
     def state(self, chosen: Chosen) -> State:
@@ -135,7 +136,7 @@ class Forces:
     def rollout(
         self, engine: batch.Batch, controls: Array, record: tuple[str, ...], ids: IntArray | None
     ) -> dict[str, Array]:
-        """As the engine's rollout of `controls` (B, S, 3 N), with torques of effects in each physics step."""
+        """Roll out `controls` (B, S, 3 N) as the engine does, with torques of effects in each physics step."""
         rows = slice(None) if ids is None or len(ids) == engine.nsim else ids
         ids = None if isinstance(rows, slice) else ids
         bound = {name: engine.bind(name) for name in record}

@@ -19,17 +19,18 @@ from ffgym.robot import ModelOptions, RobotDescription, build_spec, physics_fing
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Machine:
-    """What a plant simulates. A machine without effects is its robot.
+    """Machine that a plant simulates. Without effects it is its robot.
 
     Raises:
         FFGymError: if the robot cannot have an effect.
     """
 
     robot: RobotDescription
-    """Its numbers; the controller was made for a robot of the same joints, gears, servo and sample times."""
+    """Robot with the numbers of this machine; the controller was made for a robot of the same joints, gears, servo and
+    sample times."""
     effects: tuple[Effect, ...] = ()
     climate: Climate | None = None
-    """None if nobody knows; effects then see a constant 20 degC."""
+    """Climate, None if unknown; effects then see a constant 20 degC."""
 
     def __post_init__(self) -> None:
         if not isinstance(self.robot, RobotDescription):
@@ -64,7 +65,7 @@ class Machine:
 
     @property
     def truth(self) -> RobotDescription | None:
-        """What the oracle is told of it: the physical robot; None where nobody may know."""
+        """Physical robot, which the oracle may use; None if it is hidden."""
         return self.physical
 
     def spec(self, options: ModelOptions) -> mujoco.MjSpec:
@@ -128,7 +129,7 @@ class Machine:
         return () if self.climate is None else self.climate.key
 
     def is_as(self, other: "Machine") -> bool:
-        """Whether both are made of the same parts, so that nothing needs to be compiled again."""
+        """Tell if both have the same parts, so that the model needs no compilation."""
         return self.robot is other.robot and self.effects == other.effects and self._climate_key == other._climate_key
 
     def with_robot(self, robot: RobotDescription) -> Self:

@@ -30,7 +30,7 @@ from ffgym.simulation.plant.machine import Climate, Machine, check_same_controll
 CLIMATE_UNITS: Mapping[str, str] = MappingProxyType(
     {"ambient": "degC", "rise": "K", "time_constant": "s", "running_since": "s"}
 )
-"""What [climate] may have."""
+"""Entries that [climate] may have."""
 
 
 def load_machine(path: str | Path, known: Mapping[str, type[Effect]] = EFFECTS, *, partial: bool = False) -> Machine:
@@ -52,7 +52,7 @@ def load_machine(path: str | Path, known: Mapping[str, type[Effect]] = EFFECTS, 
 
 
 def known_robot(path: str | Path) -> RobotDescription:
-    """The robot that a machine file names, without its numbers: what the machine's controller was made for."""
+    """Load the robot that a machine file names, without its changes: the one that the controller was made for."""
     try:
         return _robot(_tree(path).get("machine"), Path(path).parent)
     except FFGymError as error:
@@ -60,18 +60,18 @@ def known_robot(path: str | Path) -> RobotDescription:
 
 
 def origins_of(path: str | Path) -> tuple[Origin, ...]:
-    """Where the numbers of the effects of a machine file come from, in the order of `Machine.effects`."""
+    """Read the origins of the effects of a machine file, in the order of `Machine.effects`."""
     return read_origins(_table(_tree(path), "effects"))
 
 
 def robot_reference(path: str | Path) -> str | Path:
-    """What a machine file calls its robot: a built-in name, or the path of a description."""
+    """Read the name of the robot in a machine file: a built-in one, or the path of a description."""
     named = str(_table(_tree(path), "machine").get("robot"))
     return Path(path).parent / named if named.endswith(".toml") else named
 
 
 def is_machine_file(path: str | Path) -> bool:
-    """Whether this is a TOML file with a table [machine]; what cannot be read is none."""
+    """Tell if this is a readable TOML file with a table [machine]."""
     if not str(path).endswith(".toml"):
         return False
     try:

@@ -1,4 +1,4 @@
-"""Machines as machine files: what `load_machine` reads back to the bit."""
+"""Text of machine files, which `load_machine` reads back to the bit."""
 
 import os
 import tomllib
@@ -60,7 +60,7 @@ def machine_text(
 ) -> str:
     """Text of a machine file for `folder`; other arguments as for `save_machine`."""
     machine = Machine.of(machine)
-    known, named = _named(machine.robot, robot, folder)
+    known, named = _name_effects(machine.robot, robot, folder)
     parts = ["\n".join(toml_table("machine", {"title": str(title), "robot": named})) + "\n"]
     parts += _numbers(machine.robot, known, source)
     parts.append(effects_toml(machine.effects, source, origins))
@@ -71,7 +71,7 @@ def machine_text(
     return written
 
 
-def _named(robot: RobotDescription, reference: str | Path | None, folder: Path) -> tuple[RobotDescription, str]:
+def _name_effects(robot: RobotDescription, reference: str | Path | None, folder: Path) -> tuple[RobotDescription, str]:
     """The robot that a file in `folder` names, and how."""
     if reference is None:
         if robot.name not in builtin_robots():

@@ -27,7 +27,7 @@ MAX_THREADS = 1024
 
 
 SavedPlant = tuple[list[Machine], Array, Forces | None, list[Array]]
-"""Machines, state of the engine, forces, and what these remember."""
+"""Snapshot of a plant: machines, state of the engine, forces, and memories of effects."""
 
 
 class Plant:
@@ -53,7 +53,7 @@ class Plant:
         self.robot = robot = machine.robot
         self._first = machine
         self.machines = [machine] * n_robots
-        """What each simulation is: the first, or what it was made to `become`."""
+        """Machine of each simulation: the first one, or the one that it has `become`."""
         self._options = options
         self.model = machine.spec(options).compile()
         self.batch = batch.Batch(self.model, nsim=n_robots, nthread=n_threads)
@@ -78,7 +78,7 @@ class Plant:
 
     @property
     def robots(self) -> list[RobotDescription]:
-        """What each simulation is, with the effects that other numbers of a description bring about."""
+        """Robot of each simulation, with native effects as changes of its numbers."""
         return [machine.physical for machine in self.machines]
 
     def check_controller(self, robot: RobotDescription) -> None:
@@ -130,7 +130,7 @@ class Plant:
                 self._forces.go_on_from(before, others)
 
     def _make_forces(self) -> Forces | None:
-        """What acts beside the engine's own physics; None for nothing, which costs nothing."""
+        """Forces beside the engine's own physics; None if there are no such effects."""
         self.batch.bind("qfrc_applied")[:] = 0.0
         if not Forces.needed(self.machines):
             return None
@@ -177,7 +177,7 @@ class Plant:
 
     def save(self) -> SavedPlant:
         """All that may change, to go back to it."""
-        remembered = [] if self._forces is None else self._forces.remembered()
+        remembered = [] if self._forces is None else self._forces.copy_memories()
         return self.machines.copy(), self.batch.state.copy(), self._forces, remembered
 
     def restore(self, saved: SavedPlant) -> None:
@@ -193,7 +193,7 @@ class Plant:
         return self.unpack(self._qpos, self._qvel, self._act)
 
     def servo_state(self) -> Array:
-        """What servos know: motor position [rad], speed [rad/s] and integral [rad s], motor side, (B, 3 N), a copy.
+        """Return motor position [rad], speed [rad/s] and integral [rad s] of the servos, motor side, (B, 3 N), a copy.
 
         Position and speed are those that the resolver reads, if the machine has a resolver with an error.
         """
@@ -239,7 +239,7 @@ class Plant:
         return out["qpos"], out["qvel"], out["act"]
 
     def drive(self, controls: Array, ids: IntArray | None = None) -> None:
-        """As `advance`, and keep nothing but the state at the end."""
+        """Advance as `advance` does, and keep the state at the end alone."""
         self._roll(controls, (), ids)
 
     def _roll(self, controls: Array, record: tuple[str, ...], ids: IntArray | None) -> dict[str, Array]:
@@ -264,7 +264,7 @@ class Plant:
 
 
 def _make(model: mujoco.MjModel) -> tuple[Any, ...]:
-    """What must be the same in all models of a batch, which differ in numbers alone."""
+    """Return the structure that all models of a batch must share; they differ in numbers alone."""
     return model.nu, model.na, [model.joint(i).name for i in range(model.njnt)]
 
 

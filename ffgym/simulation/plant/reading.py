@@ -101,7 +101,7 @@ def stack_numbers(machines: Sequence[Machine]) -> dict[str, Array]:
 
 
 def _spread(values: Array, places: IntArray, where: BoolArray) -> Array:
-    """What stands at `places`, of the joints `where`, 0 for the others, (B, N)."""
+    """Read the values at `places` for the joints `where`, 0 for the others, (B, N)."""
     found = values[:, places]
     if found.shape[1] == len(where):
         return found

@@ -15,11 +15,11 @@ from ffgym.simulation.plant.engine_state import Addresses
 from ffgym.simulation.plant.forces import Forces
 
 _ROUNDS = 40
-"""Of the servo's torque, whose effects are a share of it: 0.3 to this power is below rounding."""
+"""Rounds for the servo's torque, whose effects are a share of it: 0.3 to this power is below rounding."""
 
 
 class Settling:
-    """What effects of resting simulations `rows` add to gravity and springs, with memories that are relaxed there.
+    """Compute torques that effects of resting simulations `rows` add to gravity and springs, with relaxed memories.
 
     Everything is elementwise and takes a fixed number of steps, so that a row does not depend on its neighbours.
     """
@@ -46,7 +46,7 @@ class Settling:
         return np.where(elastic & self._bent_rows, rest, linear)
 
     def _pull(self, deflection: Array, load: Array) -> Array:
-        """What is left of the torque balance of links, (B, N) [N m]; grows with the deflection."""
+        """Compute the residual of the torque balance of links, (B, N) [N m]; it grows with the deflection."""
         self._state.set_values(deflection=deflection)
         added = self._forces.resting(self._chosen, self._state)
         pull: Array = self._state.joint_stiffness * deflection + load
@@ -55,7 +55,7 @@ class Settling:
         return pull
 
     def servo_torque(self, load: Array) -> Array:
-        """Torque with which servos hold `load` behind the gearbox [N m] despite the effects, motor side, (B, N)."""
+        """Compute the torque with which servos hold `load` [N m] behind the gearbox despite effects, (B, N)."""
         self._state = state = self._forces.state(self._chosen)
         link = self._forces.resting(self._chosen, state).link
         held = self._drive.motor_torque(load if link is None else load - link)

@@ -12,15 +12,15 @@ from ffgym.core.toml import parse_toml
 from ffgym.paths.motions import load_motion
 from ffgym.paths.motions.load import READERS
 from ffgym.paths.motions.part import entry
-from ffgym.simulation.protocols.mixtures import Circles, Diagnosis
+from ffgym.simulation.protocols.mixtures import Circles, DiagnosisMotions
 from ffgym.simulation.protocols.one_by_one import SlowTriangles, SpeedLadder, Table61
 from ffgym.simulation.protocols.protocol import Protocol, Scheduled
 from ffgym.simulation.protocols.rests import DwellRestart, Holds
-from ffgym.simulation.protocols.stage import Stage
+from ffgym.simulation.protocols.stage import ProtocolStage
 from ffgym.simulation.protocols.together import Excitation, WarmUp
 
 MOST_REPEATS = 1000
-"""Most repeats of a motion; more are surely a slip."""
+"""Largest number of repeats of a motion; more are surely a slip."""
 
 
 @final
@@ -42,8 +42,8 @@ class MotionFile(Protocol):
         if not isinstance(self.procedure, str | None):
             raise FFGymError(f"procedure = {self.procedure!r} must be the name of a procedure.")
 
-    def motions(self, stage: Stage) -> list[Scheduled]:
-        """The motion, as often as asked for."""
+    def motions(self, stage: ProtocolStage) -> list[Scheduled]:
+        """Schedule the motion with its repeats."""
         repeats = check_whole("repeats", self.repeats, low=1, high=MOST_REPEATS)
         reference = load_motion(stage.arm, self.file, entry=self.procedure).reference
         if reference.robot is not stage.robot:
@@ -52,15 +52,15 @@ class MotionFile(Protocol):
                 f"description, and leave it out of the program."
             )
         if repeats == 1:
-            return self.paused([reference])
-        return self.paused([replace(reference, name=f"{reference.name}.{i}") for i in range(1, repeats + 1)])
+            return self.schedule_all([reference])
+        return self.schedule_all([replace(reference, name=f"{reference.name}.{i}") for i in range(1, repeats + 1)])
 
 
 PROTOCOLS: Mapping[str, type[Protocol]] = MappingProxyType(
     {
         protocol.name: protocol
         for protocol in (
-            Diagnosis,
+            DiagnosisMotions,
             SpeedLadder,
             Table61,
             SlowTriangles,
@@ -72,7 +72,7 @@ PROTOCOLS: Mapping[str, type[Protocol]] = MappingProxyType(
         )
     }
 )
-"""Protocols by what command lines and files call them."""
+"""Protocols by their names on command lines and in files."""
 
 
 STEPS = "step"
@@ -80,7 +80,7 @@ STEPS = "step"
 
 
 def load_protocols(source: str | Path) -> list[Protocol]:
-    """Protocols that a command line names.
+    """Load the protocols that a command line names.
 
     Args:
         source: a name of PROTOCOLS; a motion file (.toml, .csv, .mod); or a TOML file of steps, see docs/protocols.md.
@@ -101,7 +101,7 @@ def load_protocols(source: str | Path) -> list[Protocol]:
 
 
 def _steps(tree: Mapping[str, Any], path: Path) -> list[Protocol]:
-    """Protocols of a file that lists them."""
+    """Load the protocols that a file lists."""
     unknown, steps = sorted(set(tree) - {STEPS}), tree[STEPS]
     if unknown:
         raise FFGymError(f"{path}: unknown entries {', '.join(unknown)}. A file of steps has [[{STEPS}]] tables only.")
@@ -117,7 +117,7 @@ def _steps(tree: Mapping[str, Any], path: Path) -> list[Protocol]:
 
 
 def _step(step: Mapping[str, Any], folder: Path) -> Protocol:
-    """Protocol of one step; files are looked for in `folder`."""
+    """Load the protocol of one step; files are looked for in `folder`."""
     settings = dict(step)
     protocol, motion = settings.pop("protocol", None), settings.pop("motion", None)
     if (protocol is None) == (motion is None):

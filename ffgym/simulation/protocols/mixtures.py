@@ -11,7 +11,7 @@ from ffgym.paths import RADII, Reference, cartesian_reference, circle_test, join
 from ffgym.paths.motions.part import entry
 from ffgym.simulation.protocols.protocol import JointProtocol, Protocol, Scheduled, check_names
 from ffgym.simulation.protocols.rests import dwell_path
-from ffgym.simulation.protocols.stage import Stage
+from ffgym.simulation.protocols.stage import ProtocolStage
 from ffgym.simulation.protocols.together import large_multisine, own_sines, own_triangles
 
 SLOW, MID, FAST = 0.3, 5.0, 15.0
@@ -40,15 +40,15 @@ SWEEP = np.array([0.1, 0.2])
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Diagnosis(JointProtocol):
+class DiagnosisMotions(JointProtocol):
     """Eight short motions of all joints: rest, presliding, dwell, reversals, a ladder of speeds and of loads."""
 
     name = "diagnosis"
     purpose = "first recording of a machine: every regime in a minute and a half"
 
-    def motions(self, stage: Stage) -> list[Scheduled]:
-        """Eight motions."""
-        robot, joints = stage.robot, stage.moved(self.joints)
+    def motions(self, stage: ProtocolStage) -> list[Scheduled]:
+        """Make the eight motions."""
+        robot, joints = stage.robot, stage.select_joints(self.joints)
         timed = [
             own_triangles(stage, joints, SLOW, 13.0, name="slow_triangle"),
             own_triangles(stage, joints, MID, 10.0, name="mid_triangle"),
@@ -56,7 +56,7 @@ class Diagnosis(JointProtocol):
             dwell_path(stage, joints, RESTS, speed=2 * SLOW, run=0.6, name="dwell_restart"),
         ]
         phases = schroeder_phases(len(HARMONICS), robot.n_joints)
-        return self.paused(
+        return self.schedule_all(
             [
                 *(joint_reference(robot, path) for path in timed),
                 large_multisine(stage, joints, HARMONICS, phases, 0.03, 10.0, name="multisine"),
@@ -66,8 +66,8 @@ class Diagnosis(JointProtocol):
         )
 
 
-def _small_motions(stage: Stage, joints: tuple[int, ...]) -> list[Reference]:
-    """Small circles at two speeds; small sines on a machine without places to work at, or if only some joints move."""
+def _small_motions(stage: ProtocolStage, joints: tuple[int, ...]) -> list[Reference]:
+    """Make small circles at two speeds, or small sines without a work area or if only some joints move."""
     area = stage.robot.work_area
     if area is None or not area.positions or stage.robot.tool is None or len(joints) < stage.robot.n_joints:
         return [
@@ -98,8 +98,8 @@ class Circles(Protocol):
         super().__post_init__()
         check_names("positions", self.positions)
 
-    def motions(self, stage: Stage) -> list[Scheduled]:
-        """One for each position and speed."""
+    def motions(self, stage: ProtocolStage) -> list[Scheduled]:
+        """Make one motion for each position and speed."""
         area = stage.robot.work_area
         if area is None or stage.robot.tool is None:
             raise FFGymError("it has no work area for a tool. Its joints can be moved: take another protocol.")
@@ -118,4 +118,4 @@ class Circles(Protocol):
                     name=f"{position}.{speed * 1e3:g}_mm_s",
                 )
                 references.append(cartesian_reference(stage.arm, path))
-        return self.paused(references)
+        return self.schedule_all(references)

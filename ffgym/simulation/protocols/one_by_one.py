@@ -15,7 +15,7 @@ from ffgym.paths.motion import Segment, standstill
 from ffgym.paths.motions.part import entry
 from ffgym.published import FRICTION_RECORDS, FrictionRecord
 from ffgym.simulation.protocols.protocol import JointProtocol, Scheduled
-from ffgym.simulation.protocols.stage import Stage, load_ladder
+from ffgym.simulation.protocols.stage import ProtocolStage, load_ladder
 
 SPEEDS = tuple(np.geomspace(0.01, 14.0, 15).round(4).tolist())
 """Motor speeds [rad/s]: the interval of the thesis (6.1.1); geometric, so that they are dense near zero, as there."""
@@ -33,7 +33,7 @@ BRISTLES = 5.0
 """Least way at constant speed, in units of f_s / sigma_0; chosen: bristles that bend have slipped all but for e^-5."""
 
 MOST_POSES = 20
-"""Most load poses of a joint; more are surely a slip."""
+"""Largest number of load poses of a joint; more are surely a slip."""
 
 
 @final
@@ -48,24 +48,24 @@ class SpeedLadder(JointProtocol):
     longest: float = entry("time after which a slow run turns back, if bristles have slipped by then", "s", default=6.0)
     poses: int = entry("poses of the arm that load the motor differently", default=1)
 
-    def motions(self, stage: Stage) -> list[Scheduled]:
-        """One for each joint and pose."""
+    def motions(self, stage: ProtocolStage) -> list[Scheduled]:
+        """Make one motion for each joint and pose."""
         speeds = check_shape("speeds", self.speeds, (None,))
         longest = check_number("longest", self.longest, unit="s", low=SHORTEST, high=3600.0)
         poses = check_whole("poses", self.poses, low=1, high=MOST_POSES)
         if not len(speeds) or (speeds <= 0).any():
             raise FFGymError(f"speeds = {speeds.tolist()} rad/s must be > 0, at least one.")
-        return self.paused(
+        return self.schedule_all(
             [
                 reference
-                for joint in stage.moved(self.joints)
+                for joint in stage.select_joints(self.joints)
                 for reference in _ladders(stage, joint, np.sort(speeds), longest, poses)
             ]
         )
 
 
-def _ladders(stage: Stage, joint: int, motor_speeds: Array, longest: float, count: int) -> list[Reference]:
-    """Ladders of one joint, one for each pose."""
+def _ladders(stage: ProtocolStage, joint: int, motor_speeds: Array, longest: float, count: int) -> list[Reference]:
+    """Make ladders of one joint, one for each pose."""
     n, name = stage.robot.n_joints, stage.robot.joints[joint]
     room = 0.5 * stage.span[joint]
     turns = TURNS * 2 * np.pi * stage.joint_side(1.0)[joint]
@@ -112,8 +112,8 @@ class Table61(JointProtocol):
     least: float = entry("shortest time of a sine", "s", default=6.0)
     periods: int = entry("fewest periods", default=3)
 
-    def motions(self, stage: Stage) -> list[Scheduled]:
-        """One for each joint and record."""
+    def motions(self, stage: ProtocolStage) -> list[Scheduled]:
+        """Make one motion for each joint and record."""
         least = check_number("least", self.least, unit="s", low=0.0, high=3600.0)
         periods = check_whole("periods", self.periods, low=1, high=1000)
         known = {record.number: record for record in FRICTION_RECORDS}
@@ -122,17 +122,17 @@ class Table61(JointProtocol):
         if unknown or len(set(numbers)) < len(numbers):
             raise FFGymError(f"records = {numbers} must be numbers from 1 to {len(known)}, each of them once.")
         chosen = [known[number] for number in numbers or known]
-        return self.paused(
+        return self.schedule_all(
             [
                 _sine(stage, joint, record, max(periods, int(np.ceil(least * record.frequency))))
-                for joint in stage.moved(self.joints)
+                for joint in stage.select_joints(self.joints)
                 for record in chosen
             ]
         )
 
 
-def _sine(stage: Stage, joint: int, record: FrictionRecord, periods: int) -> Reference:
-    """Speed A sin(2 pi f t) of one motor: the joint starts and ends at rest, at one end of its way."""
+def _sine(stage: ProtocolStage, joint: int, record: FrictionRecord, periods: int) -> Reference:
+    """Make a path with speed A sin(2 pi f t) of one motor: the joint starts and ends at rest, at one end of its way."""
     omega = 2 * np.pi * record.frequency
     half_way = stage.only([joint], stage.joint_side(record.amplitude / omega))
     start = stage.about(stage.rest, half_way) - half_way
@@ -169,15 +169,15 @@ class SlowTriangles(JointProtocol):
     period: float = entry("time of one to and fro; the last triangle takes twice as long", "s", default=4.0)
     periods: int = entry("how many of each", default=3)
 
-    def motions(self, stage: Stage) -> list[Scheduled]:
-        """One for each joint and amplitude."""
+    def motions(self, stage: ProtocolStage) -> list[Scheduled]:
+        """Make one motion for each joint and amplitude."""
         sizes = check_shape("sizes", self.sizes, (None,))
         if (sizes <= 0).any():
             raise FFGymError(f"sizes = {sizes.tolist()} must be > 0.")
         sliding = check_number("sliding", self.sliding, unit="rad", low=0.0, open_low=True)
         slope = check_number("period", self.period, unit="s", low=0.0, open_low=True)
         references = []
-        for joint in stage.moved(self.joints):
+        for joint in stage.select_joints(self.joints):
             label = stage.robot.joints[joint]
             motor_angles = [*sizes * stage.presliding[joint], sliding]
             names = [*(f"{label}.bristles_x{size:g}" for size in sizes), f"{label}.sliding"]
@@ -187,4 +187,4 @@ class SlowTriangles(JointProtocol):
                 centre = stage.about(stage.rest, size)
                 path = triangle(centre, size, period, self.periods, dt=stage.dt, name=name)
                 references.append(joint_reference(stage.robot, path))
-        return self.paused(references)
+        return self.schedule_all(references)

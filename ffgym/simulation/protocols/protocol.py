@@ -1,4 +1,4 @@
-"""What a measurement protocol is: a named list of motions that serve one purpose, for any robot."""
+"""Measurement protocols: named lists of motions that serve one purpose, for any robot."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
@@ -9,19 +9,19 @@ from ffgym.core.errors import FFGymError, check_number
 from ffgym.paths import Reference
 from ffgym.paths.motions.part import entry
 from ffgym.robot import RigidArm
-from ffgym.simulation.protocols.stage import Stage, check_torque
+from ffgym.simulation.protocols.stage import ProtocolStage, check_torque
 
 PAUSE = 5.0
-"""Default time before a motion [s]; chosen: what an arm needs to go where the motion begins."""
+"""Default time before a motion [s]; chosen: enough for an arm to reach the start of the motion."""
 
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Scheduled:
-    """A motion of a protocol."""
+    """Motion of a protocol, with its pause."""
 
     reference: Reference
-    """Its name is that of the motion within the protocol."""
+    """Motion; its name is unique within the protocol."""
     pause: float
     """Time between the end of the motion before and its start [s]."""
 
@@ -31,9 +31,9 @@ class Protocol(ABC):
     """Motions that a machine makes for one purpose, each recorded on its own."""
 
     name: ClassVar[str]
-    """As on command lines and in files."""
+    """Name on command lines and in files."""
     purpose: ClassVar[str]
-    """What its recordings serve, in one sentence."""
+    """Purpose of its recordings, in a few words."""
 
     pause: float = entry("time between motions, in which the arm goes where the next one begins", "s", default=PAUSE)
 
@@ -41,13 +41,13 @@ class Protocol(ABC):
         check_number("pause", self.pause, unit="s", low=0.0)
 
     def schedule(self, arm: RigidArm) -> list[Scheduled]:
-        """Motions for a robot, in order, within its joint ranges, speeds and torques.
+        """Make motions for a robot, in order, within its joint ranges, speeds and torques.
 
         Raises:
             FFGymError: if the robot cannot make one of them; the message begins with the protocol.
         """
         try:
-            motions = self.motions(Stage(arm=arm))
+            motions = self.motions(ProtocolStage(arm=arm))
             for motion in motions:
                 check_torque(arm, motion.reference)
         except FFGymError as error:
@@ -55,16 +55,16 @@ class Protocol(ABC):
         return [replace(m, reference=replace(m.reference, name=f"{self.name}.{m.reference.name}")) for m in motions]
 
     @abstractmethod
-    def motions(self, stage: Stage) -> list[Scheduled]:
-        """Motions for a robot, with names that differ; their torques are checked by `schedule`."""
+    def motions(self, stage: ProtocolStage) -> list[Scheduled]:
+        """Make motions for a robot, with names that differ; their torques are checked by `schedule`."""
 
-    def paused(self, references: Sequence[Reference]) -> list[Scheduled]:
-        """Motions with the same pause before each."""
+    def schedule_all(self, references: Sequence[Reference]) -> list[Scheduled]:
+        """Schedule motions with the same pause before each."""
         return [Scheduled(reference=reference, pause=self.pause) for reference in references]
 
     @classmethod
     def parse(cls, table: Mapping[str, Any]) -> Self:
-        """Protocol with the settings of a table.
+        """Build a protocol with the settings of a table.
 
         Raises:
             FFGymError: if a setting is unknown or not valid.
@@ -78,7 +78,7 @@ class Protocol(ABC):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class JointProtocol(Protocol):
-    """A protocol that moves joints."""
+    """Protocol that moves selected joints."""
 
     joints: Sequence[str] = entry("names of the joints that move; absent is all", default=())
 
@@ -95,6 +95,6 @@ def check_names(what: str, names: Any) -> None:
 
 
 def settings(protocol: type[Protocol]) -> tuple[Field[Any], ...]:
-    """Settings of a protocol, its own first."""
+    """List settings of a protocol, its own first."""
     shared = {f.name for f in fields(JointProtocol)}
     return tuple(sorted(fields(protocol), key=lambda f: f.name in shared))

@@ -1,4 +1,4 @@
-"""A session recorded into a folder: what is complete stays, so that an interrupted session goes on where it was."""
+"""Recording of a session into a folder: complete recordings stay, so that an interrupted session can go on."""
 
 import hashlib
 import json
@@ -25,14 +25,14 @@ INDEX_VERSION = 1
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RecordedSession:
-    """What was written."""
+    """Result of recording a session."""
 
     index: dict[str, Any]
-    """As it stands in the folder."""
+    """Index of the folder."""
     made: int
-    """Recordings that were made now."""
+    """Number of recordings that were made now."""
     kept: int
-    """Recordings that were complete before."""
+    """Number of recordings that were complete before."""
 
 
 def record_into(
@@ -103,7 +103,7 @@ def _index(
     origin: dict[str, Any],
     suffix: str,
 ) -> dict[str, Any]:
-    """What the folder is to hold; `session` stands for everything that its recordings depend on."""
+    """Build the index of the folder; `session` is a digest of everything that its recordings depend on."""
     named = {
         "robot": rig.robot.name,
         "rig": rig.name,
@@ -156,7 +156,7 @@ def _prepare(folder: Path, index: dict[str, Any], *, force: bool) -> None:
 
 
 def _is_complete(place: Path, session: str) -> bool:
-    """Whether a recording of the session is there."""
+    """Tell if a complete recording of the session is there."""
     if not place.exists():
         return False
     try:

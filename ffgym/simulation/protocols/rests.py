@@ -14,7 +14,7 @@ from ffgym.paths.excitations import SpeedStep, speed_steps
 from ffgym.paths.motion import JointPath
 from ffgym.paths.motions.part import entry
 from ffgym.simulation.protocols.protocol import JointProtocol, Scheduled
-from ffgym.simulation.protocols.stage import Stage, spread_poses
+from ffgym.simulation.protocols.stage import ProtocolStage, spread_poses
 
 QUICK_RAMP = 0.1
 """Time of each change of speed [s]; chosen: short, so that a restart is quick beside the rests."""
@@ -32,16 +32,16 @@ class DwellRestart(JointProtocol):
     speed: float = entry("of the motors between rests", "rad/s", default=0.5)
     run: float = entry("time at that speed", "s", default=1.0)
 
-    def motions(self, stage: Stage) -> list[Scheduled]:
-        """One motion."""
-        path = dwell_path(stage, stage.moved(self.joints), self.rests, self.speed, self.run, name="rests")
-        return self.paused([joint_reference(stage.robot, path)])
+    def motions(self, stage: ProtocolStage) -> list[Scheduled]:
+        """Make the one motion."""
+        path = dwell_path(stage, stage.select_joints(self.joints), self.rests, self.speed, self.run, name="rests")
+        return self.schedule_all([joint_reference(stage.robot, path)])
 
 
 def dwell_path(
-    stage: Stage, joints: Sequence[int], rests: Sequence[float], speed: float, run: float, *, name: str
+    stage: ProtocolStage, joints: Sequence[int], rests: Sequence[float], speed: float, run: float, *, name: str
 ) -> JointPath:
-    """Runs of the motors of some joints at a `speed` [rad/s] for `run` [s], with rests between them, and back."""
+    """Make runs of the motors of some joints at a `speed` [rad/s] for `run` [s], with rests between them, and back."""
     rests = check_shape("rests", rests, (None,)).tolist()
     speed = check_number("speed", speed, unit="rad/s", low=0.0, open_low=True)
     run = check_number("run", run, unit="s", low=0.0, open_low=True)
@@ -67,7 +67,7 @@ RAMP = 0.2
 """Time of each change of speed [s]."""
 
 MOST_POSES = 50
-"""Most poses; more are surely a slip."""
+"""Largest number of poses; more are surely a slip."""
 
 
 @final
@@ -85,17 +85,17 @@ class Holds(JointProtocol):
     rest: float = entry("how long each rest is", "s", default=2.0)
     approach: float = entry("way of the motors towards the pose", "rad", default=2.0)
 
-    def motions(self, stage: Stage) -> list[Scheduled]:
-        """One for each pose."""
+    def motions(self, stage: ProtocolStage) -> list[Scheduled]:
+        """Make one motion for each pose."""
         count = check_whole("poses", self.poses, low=1, high=MOST_POSES)
         check_number("rest", self.rest, unit="s", low=0.0, open_low=True)
         check_number("approach", self.approach, unit="rad", low=2 * SPEED * RAMP, high=100.0)
-        way = stage.only(stage.moved(self.joints), stage.joint_side(self.approach))
+        way = stage.only(stage.select_joints(self.joints), stage.joint_side(self.approach))
         poses = spread_poses(stage, count, way)
-        return self.paused([self._hold(stage, pose, way, i) for i, pose in enumerate(poses, start=1)])
+        return self.schedule_all([self._hold(stage, pose, way, i) for i, pose in enumerate(poses, start=1)])
 
-    def _hold(self, stage: Stage, pose: Array, way: Array, number: int) -> Reference:
-        """From one way below the pose to it, beyond it, and back to it from above."""
+    def _hold(self, stage: ProtocolStage, pose: Array, way: Array, number: int) -> Reference:
+        """Make a motion from below the pose to it, beyond it, and back to it from above."""
         velocity, still = way / self.approach * SPEED, np.zeros_like(way)
         towards = self.approach / SPEED - RAMP  # a ramp from rest and one to rest cover as much as one at full speed
         steps = [

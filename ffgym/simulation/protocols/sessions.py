@@ -18,34 +18,34 @@ from ffgym.simulation.protocols.protocol import Protocol
 from ffgym.simulation.run import Progress
 
 _DIGITS = 6
-"""Digits of a start on the clock of the session [s], which sums would leave unround."""
+"""Digits to which starts on the clock of the session [s] are rounded."""
 
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SessionMotion:
-    """One motion of a session."""
+    """Motion of a session."""
 
     reference: Reference
-    """Its name differs from those of all others, also as the name of a file."""
+    """Motion; its name is unique, also as the name of a file."""
     protocol: str
     """Name of its protocol."""
     start: float
-    """When it begins, on the clock of the session [s]."""
+    """Start on the clock of the session [s]."""
 
     @property
     def end(self) -> float:
-        """When it ends [s]."""
+        """End on the clock of the session [s]."""
         return self.start + self.reference.duration
 
     @property
     def stem(self) -> str:
-        """Name of its file, without suffix."""
+        """Name of the file, without suffix."""
         return re.sub(r"[^\w.-]", "_", self.reference.name)
 
 
 def plan_session(arm: RigidArm, protocols: Sequence[Protocol], *, start: float = 0.0) -> list[SessionMotion]:
-    """Motions of protocols for a robot, one after the other.
+    """Plan motions of protocols for a robot, one after the other.
 
     Args:
         arm: the robot.
@@ -67,7 +67,7 @@ def plan_session(arm: RigidArm, protocols: Sequence[Protocol], *, start: float =
 
 
 def _with_own_names(motions: Sequence[SessionMotion]) -> list[SessionMotion]:
-    """Motions whose files have names that differ, whether or not a file system tells capitals from small letters."""
+    """Rename motions so that names of their files differ, also if a file system ignores case."""
     used: set[str] = set()
     named = []
     for motion in motions:
@@ -90,7 +90,7 @@ THERMOMETER = Thermometer(noise=0.1, resolution=0.1)
 
 
 def usual_sensors(robot: RobotDescription) -> tuple[Sensor, ...]:
-    """What measures where nothing else is said: resolvers, the tracker that the description has, a thermometer."""
+    """Return default sensors: resolvers, the tracker of the description, a thermometer."""
     return (*sensors_of(robot), THERMOMETER)
 
 
@@ -105,7 +105,7 @@ def record(
     progress: Progress | None = None,
     only: Collection[int] | None = None,
 ) -> Iterator[Recording]:
-    """Record the motions of a session, in order; each is there as soon as its batch has run.
+    """Yield recordings of the motions of a session, in order, batch by batch.
 
     A recording depends neither on those around it nor on which of them are made: each motion has its own randomness.
 
@@ -128,7 +128,7 @@ def record(
     total, before = sum(motions[i].reference.duration for i in wanted), 0.0
     longest = BATCH * min(1.0, check_number("record_dt", record_dt, unit="s", low=0.0, open_low=True) / RECORD_DT)
 
-    def shifted(before: float, done: float, _: float) -> None:
+    def shift(before: float, done: float, _: float) -> None:
         assert progress is not None
         progress(before + done, total)
 
@@ -139,7 +139,7 @@ def record(
             started=[motions[i].start for i in batch],
             record_dt=record_dt,
             n_threads=n_threads,
-            progress=None if progress is None else partial(shifted, before),
+            progress=None if progress is None else partial(shift, before),
         )
         before += sum(motions[i].reference.duration for i in batch)
         for i, recording in zip(batch, recordings, strict=True):
@@ -150,7 +150,7 @@ def record(
 
 
 def _batches(motions: Sequence[SessionMotion], wanted: Sequence[int], longest: float) -> Iterator[list[int]]:
-    """Places of motions that run together: as many as reach `longest` [s]."""
+    """Yield indices of motions that run together: as many as reach `longest` [s]."""
     batch: list[int] = []
     for i in wanted:
         batch.append(i)

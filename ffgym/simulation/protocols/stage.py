@@ -1,4 +1,4 @@
-"""The robot that a protocol is made for: what its motors and joints may do, motions within that, poses that load it."""
+"""Robot of a protocol: limits of its motors and joints, motions within them, poses that load it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -17,22 +17,22 @@ FASTEST = 0.8
 
 
 TOOL_NEARBY = 0.6
-"""How far large motions take the tool from where it rests, as a share of its distance from the base there; chosen: the
+"""Travel of the tool in large motions from its rest, as a share of its distance from the base there; chosen: the
 loads of a shoulder then differ by a quarter of its torque, and the arm does not fold."""
 
 TOOL_DROP = 0.3
-"""How far they lower it, in the same unit; chosen: the tools of the built-in robots stay above the floor."""
+"""Largest descent of the tool, in the same unit; chosen: the tools of the built-in robots stay above the floor."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Stage:
-    """A robot, with quantities of motors turned into those of joints."""
+class ProtocolStage:
+    """Robot of a protocol, with quantities of motors turned into those of joints."""
 
     arm: RigidArm
 
     @property
     def robot(self) -> RobotDescription:
-        """The robot."""
+        """Description of the robot."""
         return self.arm.robot
 
     @property
@@ -56,8 +56,8 @@ class Stage:
         friction = self.robot.friction
         return friction.static / friction.bristle_stiffness
 
-    def moved(self, joints: Sequence[str]) -> tuple[int, ...]:
-        """Numbers of the joints with these names, in the order of the robot; none is all.
+    def select_joints(self, joints: Sequence[str]) -> tuple[int, ...]:
+        """Return indices of the joints with these names, in the order of the robot; without names all.
 
         Raises:
             FFGymError: if the robot has no such joint.
@@ -67,13 +67,13 @@ class Stage:
         return tuple(j for j, name in enumerate(self.robot.joints) if not joints or name in joints)
 
     def only(self, joints: Sequence[int], values: Array | float) -> Array:
-        """`values` for some joints, zero for the others, shape (N,)."""
+        """Return `values` for some joints, zero for the others, shape (N,)."""
         kept = np.zeros(self.robot.n_joints)
         kept[list(joints)] = np.broadcast_to(values, kept.shape)[list(joints)]
         return kept
 
     def joint_side(self, motor: Array | float) -> Array:
-        """Way or speed of each joint that turns its own motor by `motor` [rad], shape (N,), without direction."""
+        """Convert a way or speed of each motor [rad] to one of its own joint, shape (N,), without direction."""
         way: Array = motor / np.abs(self.robot.drive.gear_ratio)
         return way
 
@@ -84,7 +84,7 @@ class Stage:
         return speed
 
     def keeps_tool_near(self, q: Array) -> BoolArray:
-        """Whether the tool, if there is one, is near where it is at rest, for joint positions (T, N); shape (T,)."""
+        """Tell if the tool, if any, is near its place at rest, for joint positions (T, N); shape (T,)."""
         if self.robot.tool is None:
             return np.ones(len(q), dtype=np.bool_)
         tip, rest = self.arm.tcp_position(q), self.arm.tcp_position(self.rest[None])
@@ -94,7 +94,7 @@ class Stage:
         return near & ((tip - rest) @ down <= TOOL_DROP * unit)
 
     def about(self, pose: Array, way: Array) -> Array:
-        """Joint positions nearest to `pose` (N,) from which every joint can go `way` (N,) to either side.
+        """Find joint positions nearest to `pose` (N,) from which every joint can go `way` (N,) to either side.
 
         Raises:
             FFGymError: if the range of a joint is too small.
@@ -122,11 +122,11 @@ _COARSE = 0.01
 """Time between the instants at which torques are examined [s]; chosen: those of planned motions change within 0.1 s."""
 
 _CLOSE = 0.004
-"""How closely the size of a motion is found."""
+"""Tolerance of the size of a motion."""
 
 
 def torque_use(arm: RigidArm, reference: Reference) -> float:
-    """Largest share of peak torque that a rigid arm takes on a motion, friction included."""
+    """Compute the largest share of peak torque that a rigid arm takes on a motion, friction included."""
     every = _stride(reference)
     return _use(arm, reference.q[::every], reference.dq[::every], reference.ddq[::every])
 
@@ -142,7 +142,7 @@ def _use(arm: RigidArm, q: Array, dq: Array, ddq: Array) -> float:
 
 
 def check_torque(arm: RigidArm, reference: Reference) -> None:
-    """Check that the drives can give what a motion takes."""
+    """Check that the drives can give the torque of a motion."""
     use = torque_use(arm, reference)
     if use > MOST_TORQUE:
         raise FFGymError(
@@ -151,7 +151,7 @@ def check_torque(arm: RigidArm, reference: Reference) -> None:
         )
 
 
-def shrunk(stage: Stage, path: JointPath) -> Reference:
+def shrunk(stage: ProtocolStage, path: JointPath) -> Reference:
     """A motion, made smaller about where it starts until it keeps the tool near and takes at most LARGE_TORQUE."""
     arm = stage.arm
     every = _stride(path)
@@ -177,8 +177,8 @@ def shrunk(stage: Stage, path: JointPath) -> Reference:
 
 
 NEARBY = 0.15
-"""How far poses are from the rest position, as a share of each joint's range to either side; chosen: the arm stays in
-the part of its space where its home is. Nothing here knows what stands around the robot."""
+"""Distance of poses from the rest position, as a share of each joint's range to either side; chosen: the arm stays in
+the part of its space where its home is. Obstacles around the robot are not known."""
 
 _CANDIDATES = 512
 """Poses examined; chosen: in six dimensions more of them widen the spread of loads by a few percent only."""
@@ -187,7 +187,7 @@ LEAST_SPREAD = 0.01
 """Spread of a motor's load over nearby poses, as a share of peak torque, below which gravity does not load it."""
 
 
-def nearby_poses(stage: Stage, way: Array) -> Array:
+def nearby_poses(stage: ProtocolStage, way: Array) -> Array:
     """Poses spread evenly around the rest position, which comes first, shape (P, N).
 
     Every joint can go `way` (N,) to either side, the tool is near where it rests, and the drives hold the arm with at
@@ -210,7 +210,7 @@ def nearby_poses(stage: Stage, way: Array) -> Array:
     return poses[light & stage.keeps_tool_near(poses)]
 
 
-def load_ladder(stage: Stage, joint: int, count: int, way: Array) -> Array:
+def load_ladder(stage: ProtocolStage, joint: int, count: int, way: Array) -> Array:
     """Up to `count` poses in which one motor carries evenly spread loads, shape (P, N).
 
     A motor that gravity cannot load gets one.
@@ -225,7 +225,7 @@ def load_ladder(stage: Stage, joint: int, count: int, way: Array) -> Array:
     return chosen
 
 
-def spread_poses(stage: Stage, count: int, way: Array) -> Array:
+def spread_poses(stage: ProtocolStage, count: int, way: Array) -> Array:
     """Up to `count` poses as far from each other as can be, in loads of all motors and positions; shape (P, N).
 
     Each one is, of the candidates, the farthest from those chosen before.
@@ -239,8 +239,8 @@ def spread_poses(stage: Stage, count: int, way: Array) -> Array:
     return poses[chosen]
 
 
-def _loads(stage: Stage, poses: Array) -> Array:
-    """Torque of each motor that holds the arm, as a share of its peak torque, shape (P, N)."""
+def _loads(stage: ProtocolStage, poses: Array) -> Array:
+    """Compute the torque of each motor that holds the arm, as a share of its peak torque, shape (P, N)."""
     drive = stage.robot.drive
     load: Array = drive.motor_torque(stage.arm.holding_torque(poses)) / drive.peak_torque
     return load

@@ -14,7 +14,7 @@ from ffgym.paths.excitations import PEAK
 from ffgym.paths.motions.part import entry
 from ffgym.recordings import Phase
 from ffgym.simulation.protocols.protocol import JointProtocol, Scheduled
-from ffgym.simulation.protocols.stage import Stage, shrunk
+from ffgym.simulation.protocols.stage import ProtocolStage, shrunk
 
 FEWEST_PERIODS = 3
 """Periods of the first joint's triangle; the next ones have one more each. Chosen: each half of a recording has one,
@@ -31,8 +31,10 @@ FADE = 0.8
 """Time in which small sines fade in and out [s]."""
 
 
-def own_triangles(stage: Stage, joints: Sequence[int], motor_speed: float, duration: float, *, name: str) -> JointPath:
-    """To and fro of `joints` at one speed of their motors [rad/s], or as fast as they may; hardly two turn together."""
+def own_triangles(
+    stage: ProtocolStage, joints: Sequence[int], motor_speed: float, duration: float, *, name: str
+) -> JointPath:
+    """Make triangles of `joints` at one speed of their motors [rad/s], or at their limits; hardly two turn together."""
     speed = stage.joint_side(np.minimum(motor_speed, stage.motor_speed))
     periods = {joint: FEWEST_PERIODS + i for i, joint in enumerate(joints)}
     times = np.array([duration / periods.get(j, 1) for j in range(stage.robot.n_joints)])
@@ -44,11 +46,11 @@ def own_triangles(stage: Stage, joints: Sequence[int], motor_speed: float, durat
         )
         for j in joints
     ]
-    return _superposed(paths, centre)
+    return _superpose(paths, centre)
 
 
-def _superposed(paths: Sequence[JointPath], centre: Array) -> JointPath:
-    """Motions about one centre that last equally long, all at once."""
+def _superpose(paths: Sequence[JointPath], centre: Array) -> JointPath:
+    """Superpose motions about one centre that last equally long."""
     first = paths[0]
     count = min(len(path.t) for path in paths)  # the last sample may be beyond the end of some
     q, dq, ddq = (np.sum([getattr(path, part)[:count] for path in paths], axis=0) for part in ("q", "dq", "ddq"))
@@ -60,7 +62,7 @@ def _superposed(paths: Sequence[JointPath], centre: Array) -> JointPath:
 
 
 def own_sines(
-    stage: Stage, joints: Sequence[int], motor_speed: float, frequency: float, duration: float, *, name: str
+    stage: ProtocolStage, joints: Sequence[int], motor_speed: float, frequency: float, duration: float, *, name: str
 ) -> JointPath:
     """A sine of each of the `joints` at its own frequency, from `frequency` [Hz] on, up to one motor speed [rad/s]."""
     frequencies = frequency * (1 + APART * np.arange(len(joints), dtype=np.float64))
@@ -73,7 +75,14 @@ def own_sines(
 
 
 def large_multisine(
-    stage: Stage, joints: Sequence[int], frequencies: Array, phases: Array, reach: float, duration: float, *, name: str
+    stage: ProtocolStage,
+    joints: Sequence[int],
+    frequencies: Array,
+    phases: Array,
+    reach: float,
+    duration: float,
+    *,
+    name: str,
 ) -> Reference:
     """Sums of sines of amplitudes inverse to their frequencies, as large as ranges, speeds and torques allow.
 
@@ -96,12 +105,12 @@ def fade_of(frequencies: Array) -> float:
 
 
 def _ratio(most: Array, has: Array) -> Array:
-    """How far a joint's motion may be enlarged; zero for one that does not move."""
+    """Compute the factor by which each joint's motion may grow; zero for a joint at rest."""
     return np.divide(most, has, out=np.zeros_like(has), where=has > 0)
 
 
 MOST = 100
-"""Most motions, sines and periods; more are surely a slip."""
+"""Largest number of motions, sines and periods; more are surely a slip."""
 
 
 @final
@@ -124,18 +133,18 @@ class Excitation(JointProtocol):
     reach: float = entry("farthest way of a joint to either side, as a share of its range", default=0.15)
     seed: int = entry("of the phases", default=0)
 
-    def motions(self, stage: Stage) -> list[Scheduled]:
-        """One for each set of phases."""
+    def motions(self, stage: ProtocolStage) -> list[Scheduled]:
+        """Make one motion for each set of phases."""
         count = check_whole("count", self.count, low=1, high=MOST)
         harmonics = check_whole("harmonics", self.harmonics, low=1, high=MOST)
         periods = check_whole("periods", self.periods, low=1, high=MOST)
         base = check_number("base", self.base, unit="Hz", low=0.0, open_low=True)
         reach = check_number("reach", self.reach, low=0.0, high=0.5, open_low=True)
         frequencies = base * np.arange(1, harmonics + 1, dtype=np.float64)
-        joints, duration = stage.moved(self.joints), periods / base + 2 * fade_of(frequencies)
+        joints, duration = stage.select_joints(self.joints), periods / base + 2 * fade_of(frequencies)
         shape = (harmonics, stage.robot.n_joints)
         generators = np.random.default_rng(check_whole("seed", self.seed, low=0)).spawn(count)
-        return self.paused(
+        return self.schedule_all(
             [
                 large_multisine(
                     stage, joints, frequencies, rng.uniform(0, 2 * np.pi, shape), reach, duration, name=f"phases_{i}"
@@ -160,10 +169,10 @@ class WarmUp(JointProtocol):
     frequency: float = entry("of the first joint's sine", "Hz", default=0.3)
     duration: float = entry("of the motion", "s", default=10.0)
 
-    def motions(self, stage: Stage) -> list[Scheduled]:
-        """One for each time."""
+    def motions(self, stage: ProtocolStage) -> list[Scheduled]:
+        """Make one motion for each time."""
         times = check_shape("times", self.times, (None,))
-        joints = stage.moved(self.joints)
+        joints = stage.select_joints(self.joints)
         speed = check_number("speed", self.speed, unit="rad/s", low=0.0, open_low=True)
         frequency = check_number("frequency", self.frequency, unit="Hz", low=0.0, open_low=True)
         path = own_sines(stage, joints, speed, frequency, self.duration, name="0")

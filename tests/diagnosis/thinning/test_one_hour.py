@@ -15,7 +15,7 @@ from ffgym.recordings.npz import HEADER_KEY
 from ffgym.simulation import Run, simulate
 from ffgym.simulation.plant import Machine
 from ffgym.simulation.protocols import plan_session, usual_sensors
-from ffgym.simulation.protocols.mixtures import Diagnosis
+from ffgym.simulation.protocols.mixtures import DiagnosisMotions
 
 HOUR, DT = 3600.0, 0.001
 
@@ -35,7 +35,7 @@ finally:
 
 def motions(arm):
     """Motions of the protocol that begin and end in one posture."""
-    references = [motion.reference for motion in plan_session(arm, [Diagnosis(pause=1.0)])]
+    references = [motion.reference for motion in plan_session(arm, [DiagnosisMotions(pause=1.0)])]
     home = references[0].q[0]
     return [one for one in references if np.allclose(one.q[[0, -1]], home, atol=1e-6)]
 

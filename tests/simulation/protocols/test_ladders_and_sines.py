@@ -6,7 +6,7 @@ import pytest
 from ffgym.core.errors import FFGymError
 from ffgym.published import FRICTION_RECORDS
 from ffgym.simulation.protocols.one_by_one import RAMP, SHORTEST, SPEEDS, TURNS, SlowTriangles, SpeedLadder, Table61
-from ffgym.simulation.protocols.stage import Stage
+from ffgym.simulation.protocols.stage import ProtocolStage
 from tests.simulation.protocols.protocol_samples import ROBOTS, arm_of, schedule_of
 
 every_robot = pytest.mark.parametrize("robot", ROBOTS)
@@ -43,7 +43,7 @@ def test_the_ladder_runs_each_joint_alone_at_the_speeds_of_the_thesis_in_both_di
 
 @every_robot
 def test_the_ladder_runs_about_the_rest_position_where_the_range_allows(robot):
-    stage = Stage(arm=arm_of(robot))
+    stage = ProtocolStage(arm=arm_of(robot))
     (motion,) = schedule_of(robot, "speed_ladder")
     way = (TURNS * 2 * np.pi + SPEEDS[-1] * RAMP) * stage.joint_side(1.0)[-1]
     middle = stage.about(stage.rest, stage.only([stage.robot.n_joints - 1], way / 2))[-1]

@@ -8,9 +8,16 @@ import pytest
 from ffgym.core.errors import FFGymError
 from ffgym.paths.motions.part import resting_position
 from ffgym.robot import RigidArm
-from ffgym.simulation.protocols.mixtures import Circles, Diagnosis
+from ffgym.simulation.protocols.mixtures import Circles, DiagnosisMotions
 from ffgym.simulation.protocols.rests import DwellRestart, Holds
-from ffgym.simulation.protocols.stage import LARGE_TORQUE, TOOL_DROP, TOOL_NEARBY, Stage, spread_poses, torque_use
+from ffgym.simulation.protocols.stage import (
+    LARGE_TORQUE,
+    TOOL_DROP,
+    TOOL_NEARBY,
+    ProtocolStage,
+    spread_poses,
+    torque_use,
+)
 from ffgym.simulation.protocols.together import Excitation, WarmUp
 from tests.simulation.protocols.protocol_samples import ROBOTS, arm_of, schedule_of
 
@@ -53,7 +60,7 @@ def test_a_pose_is_held_after_coming_from_below_and_from_above(robot):
 
 def test_poses_of_holds_spread_the_load_of_every_motor_that_gravity_loads():
     arm = arm_of("irb4600_60_205")
-    poses = spread_poses(Stage(arm=arm), 6, np.zeros(6))
+    poses = spread_poses(ProtocolStage(arm=arm), 6, np.zeros(6))
     load = arm.robot.drive.motor_torque(arm.holding_torque(poses)) / arm.robot.drive.peak_torque
     assert np.all(np.ptp(load, axis=0)[1:3] > 0.1)
     assert len(np.unique(poses, axis=0)) == 6
@@ -162,7 +169,7 @@ def test_a_robot_that_can_hardly_hold_itself_makes_no_large_motion():
         (lambda: WarmUp(times=(0.0, 5.0)), "at least 10.6 s apart"),
         (lambda: Excitation(reach=0.9), "reach = 0.9"),
         (lambda: Excitation(harmonics=0), "harmonics = 0"),
-        (lambda: Diagnosis(joints=("x",)), "Unknown joint 'x'"),
+        (lambda: DiagnosisMotions(joints=("x",)), "Unknown joint 'x'"),
     ],
 )
 def test_settings_of_mixtures_that_make_no_sense_are_named_with_their_protocol(build, message):
@@ -173,4 +180,4 @@ def test_settings_of_mixtures_that_make_no_sense_are_named_with_their_protocol(b
 
 def test_a_pause_must_be_a_time():
     with pytest.raises(FFGymError, match=r"pause = -1\.0 s is out of range"):
-        Diagnosis(pause=-1.0)
+        DiagnosisMotions(pause=-1.0)

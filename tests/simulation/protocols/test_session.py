@@ -14,7 +14,7 @@ from ffgym.simulation import SimulatedRig
 from ffgym.simulation.plant import Climate, Machine
 from ffgym.simulation.protocols import plan_session, record, usual_sensors
 from ffgym.simulation.protocols.load import MotionFile
-from ffgym.simulation.protocols.mixtures import Circles, Diagnosis
+from ffgym.simulation.protocols.mixtures import Circles, DiagnosisMotions
 from ffgym.simulation.protocols.one_by_one import SlowTriangles, Table61
 from ffgym.simulation.protocols.rests import DwellRestart
 from ffgym.simulation.protocols.together import WarmUp
@@ -164,5 +164,5 @@ def test_a_machine_whose_work_area_has_no_positions_yet_makes_small_motions_in_i
     assert robot.tool is not None
     assert robot.work_area is not None
     arm = RigidArm(replace(robot, work_area=replace(robot.work_area, positions={})))
-    names = [motion.reference.name for motion in plan_session(arm, [Diagnosis()])]
+    names = [motion.reference.name for motion in plan_session(arm, [DiagnosisMotions()])]
     assert {"diagnosis.slow_small", "diagnosis.fast_small"} <= set(names)
