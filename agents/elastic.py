@@ -40,11 +40,11 @@ from ffgym.agents.flexible_joints import (
     friction_along,
     given_torque,
     lead_between,
+    limit_integral,
     links_torque,
     motion_at,
     step_friction,
-    wound_up,
-    wound_up_sums,
+    sum_limited,
 )
 from ffgym.control import CausalLaw, DynamicLuGreExact, LawStyle, Window
 from ffgym.core.errors import FFGymError, check_whole
@@ -161,7 +161,7 @@ class ElasticLaw(CausalLaw):
         ahead = self.lead(np.moveaxis(sliding_window_view(rows, 2 * reach + 1, axis=0), -1, -2), dt)
         speed = self.motor_speed(np.pad(reference.motor_dq, ((0, 1), (0, 0)), mode="edge"), ahead)
         lead = Lead(angle=ahead.angle[:-1], speed=ahead.speed[:-1], acceleration=ahead.acceleration[:-1])
-        integral = wound_up_sums(0.5 * dt * (lead.angle[:-1] + lead.angle[1:]), self.known, load[0])
+        integral = sum_limited(0.5 * dt * (lead.angle[:-1] + lead.angle[1:]), self.known, load[0])
         friction = np.zeros_like(links) if self.friction is None else friction_along(self.friction, speed, dt)
         return self._moving_torque(links, reference.motor_ddq, lead, friction), lead, integral
 
@@ -198,7 +198,7 @@ class ElasticLaw(CausalLaw):
         dq, next_dq = self.motor_speed(here[1], lead), self.motor_speed(after[1], next_lead)
         more, next_friction, next_bristle = self._friction(bristle, dq, next_dq, dt)
         needed = self._moving_torque(links[..., self.preview - 3, :], here[2], lead, friction + more)
-        next_integral = wound_up(integral + 0.5 * dt * (angle + next_lead.angle), self.known, gravity)
+        next_integral = limit_integral(integral + 0.5 * dt * (angle + next_lead.angle), self.known, gravity)
         memory = _pack_memory(gravity, links[..., 1:, :], next_lead, next_integral, next_bristle, next_friction)
         return needed - given_torque(self.known, *here, lead, integral), memory
 

@@ -86,7 +86,7 @@ def given_torque(
     return rigid - (servo.position_gain * angle + servo.velocity_gain * speed + servo.integral_gain * sum_of_angle)
 
 
-def wound_up(integral: Array, controller: RigidArm, load: Array) -> Array:
+def limit_integral(integral: Array, controller: RigidArm, load: Array) -> Array:
     """Limit the integral of the lead as the servo does: its integral ends where it alone would give the peak torque.
 
     Args:
@@ -103,14 +103,14 @@ def wound_up(integral: Array, controller: RigidArm, load: Array) -> Array:
     return np.where(beyond, drive.joint_angle(ended), integral)
 
 
-def wound_up_sums(increments: Array, controller: RigidArm, load: Array) -> Array:
-    """Sum `increments` (T, N) [rad s] from 0 on, each sum limited by `wound_up`, shape (T + 1, N)."""
+def sum_limited(increments: Array, controller: RigidArm, load: Array) -> Array:
+    """Sum `increments` (T, N) [rad s] from 0 on, each sum limited by `limit_integral`, shape (T + 1, N)."""
     sums = np.zeros((len(increments) + 1, increments.shape[1]))
     np.cumsum(increments, axis=0, out=sums[1:])
-    if np.array_equal(wound_up(sums, controller, np.broadcast_to(load, sums.shape)), sums):
+    if np.array_equal(limit_integral(sums, controller, np.broadcast_to(load, sums.shape)), sums):
         return sums
     for k, increment in enumerate(increments):
-        sums[k + 1] = wound_up(sums[k] + increment, controller, load)
+        sums[k + 1] = limit_integral(sums[k] + increment, controller, load)
     return sums
 
 

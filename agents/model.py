@@ -1,19 +1,19 @@
-r"""Model feed-forward: what a machine with physical effects needs, as far as a torque can give it.
+r"""Model feed-forward: inverse dynamics of a machine with physical effects.
 
-Idea: a diagnosis says which effects a machine has that its description lacks. Elastic feed-forward
+Idea: a diagnosis names effects of a machine that its description lacks. Elastic feed-forward
 (`ffgym.agents.elastic`) solves the flexible-joint equations along the reference; here they have the effects in them.
 With the torque tau_e that effects put on spring (s), link (l) and motor (m), all else as in `ffgym.agents.elastic`,
 
 .. math:: K \Delta + d \dot\Delta = \tau_l + s, \quad \tau_l = \tau_s(q, \dot q, \ddot q) - l
 .. math:: u = \frac{\tau_l}{n} + J_m n (\ddot q + \ddot\Delta) + \tau_f(n (\dot q + \dot\Delta)) - m
 
-and u_lff is u less what the existing controller gives: its rigid feed-forward, and its servo, which sees -n Delta and
-what its resolver reads wrong. All of it counts from the rest before the motion, where springs and servo integrals carry
-what gravity and effects ask for. Effects are asked at the motion that the law brings about: at the leading motor's
-angle and speed, at bristles that this speed bends, at the torque that the gearbox passes on.
+and u_lff is u less the torque of the existing controller: its rigid feed-forward, and its servo, which sees -n Delta
+and the errors of its resolver. All of it counts from the rest before the motion, where springs and servo integrals
+carry gravity and effects. Effects are evaluated at the motion that the law brings about: at the leading motor's angle
+and speed, at bristles that this speed bends, at the torque that the gearbox passes on.
 
 A torque compensates what acts on motors, springs and links, and errors of the resolver. It cannot compensate a tool or
-a tracker that is elsewhere than believed, nor a base that gives way: `left_alone` says which effects these are. A gap
+a tracker that is elsewhere than believed, nor a base that gives way: `left_alone` lists these effects. A gap
 between teeth is crossed within some samples, as a motor cannot jump.
 
 Source: as `ffgym.agents.elastic`, and the equations of `ffgym.effects` (docs/effects). Departures: springs with effects
@@ -24,7 +24,7 @@ Run it:
 
     ffgym demo --robot machine.toml --agents none elastic model:machine.toml
 
-Logged: nothing, the law learns nothing; `ModelLaw.left_alone` says what it does not compensate.
+Logged: nothing, the law learns nothing; `left_alone` lists the effects that it does not compensate.
 """
 
 from collections.abc import Sequence
@@ -37,8 +37,8 @@ import numpy as np
 
 from ffgym.agents.declaration import AgentEntry, declare
 from ffgym.agents.elastic import ElasticLaw, elastic_law
-from ffgym.agents.flexible_joints import Lead, bristles_within, given_torque, in_parts, motion_at, wound_up
-from ffgym.agents.model_springs import Carried, Past, Springs, Start, unpacked
+from ffgym.agents.flexible_joints import Lead, bristles_within, given_torque, in_parts, limit_integral, motion_at
+from ffgym.agents.model_springs import Carried, Past, Springs, Start, unpack_past
 from ffgym.agents.model_states import Motors, state_between
 from ffgym.control import CausalLaw, DynamicLuGreExact, LawStyle, Window
 from ffgym.core.types import Array
@@ -49,18 +49,18 @@ from ffgym.simulation.plant import Machine, load_machine
 from ffgym.simulation.plant.machine import check_same_controller
 
 _ROUNDS = 20
-"""Of the search for the angle that a resolver reads as a given one, as in a plant."""
+"""Rounds of the search for the angle that a resolver reads as a given one, as in a plant."""
 
 
 def model_law(
     machine: Machine | str | Path, controller: RigidArm | None = None, name: str = "model"
 ) -> "ElasticLaw | ModelLaw":
-    """Feed-forward from a machine: elastic feed-forward where effects ask for no more than other numbers.
+    """Make feed-forward from a machine; it is elastic feed-forward where effects only change numbers of the robot.
 
     Args:
-        machine: what the law believes, or a machine file of it.
-        controller: what the existing controller was made for; None is the machine's robot without effects.
-        name: of the law.
+        machine: model of the machine, or its file.
+        controller: model behind the existing controller; defaults to the machine's robot without effects.
+        name: name of the law.
 
     Raises:
         FFGymError: if the file cannot be read, or is of another robot than the controller's.
@@ -78,7 +78,7 @@ def model_law(
 
 
 def left_alone(machine: Machine) -> tuple[Effect, ...]:
-    """Effects of a machine that no torque compensates: sensors elsewhere than believed, or late; a base that gives."""
+    """List effects of a machine that no torque compensates: misplaced or late sensors, a base that gives way."""
     known = NativeEffect | TorqueEffect | ResolverEffect
     return tuple(effect for effect in machine.effects if not isinstance(effect, known))
 
@@ -89,13 +89,13 @@ class ModelLaw(CausalLaw):
     """Inverse dynamics along the reference of a machine with effects, added to the controller that is there."""
 
     machine: Machine
-    """What the law believes of the machine."""
+    """Model of the machine in the law."""
     elastic: ElasticLaw
     """The same law for the machine without torque and resolver effects."""
 
     @property
     def name(self) -> str:
-        """See base class."""
+        """Name of the law."""
         return self.elastic.name
 
     @property
@@ -105,7 +105,7 @@ class ModelLaw(CausalLaw):
 
     @property
     def n_joints(self) -> int:
-        """See base class."""
+        """Number of motors N."""
         return self.machine.robot.n_joints
 
     @cached_property
@@ -127,12 +127,13 @@ class ModelLaw(CausalLaw):
     # Sample by sample
 
     def initial_memory(self, window: Window) -> Array:
-        """See base class; what is remembered stands in `Past`."""
+        """Return the memory (`Past`) at rest before the motion."""
         dt, reach, q, still = window.dt, self.preview - 2, window.q[..., 0, :], np.zeros_like(window.q[..., 0, :])
         start, springs, motors = self._rest(q)
+        # torque carried from rest to the samples ahead
         rows = [Carried(load=start.load, bend=start.bend, reaction=still)]
         for k in range(reach + 2):
-            found, springs = self._carried(window, k, start, rows[-1], springs)
+            found, springs = self._carry(window, k, start, rows[-1], springs)
             rows.append(found)
         rows = [rows[1]] * reach + rows[1:]  # it rested before
         past = Past(
@@ -146,38 +147,41 @@ class ModelLaw(CausalLaw):
             springs=springs,
             motors=motors,
         )
-        return self._advanced(past, window, 0, rows[-1])[-1].packed()
+        return self._advance(past, window, 0, rows[-1])[-1].pack()
 
     def step(self, memory: Array, window: Window) -> tuple[Array, Array]:
-        """See base class; the torque of sample 1 is wanted."""
+        """Return the torque at sample 1, and the memory one sample on."""
         past = self._past(memory)
-        newest, springs = self._carried(window, self.preview, past.start, past.carried[-1], past.springs)
-        here, seen, lost, later = self._advanced(replace(past, springs=springs), window, 1, newest)
+        newest, springs = self._carry(window, self.preview, past.start, past.carried[-1], past.springs)
+        here, seen, lost, later = self._advance(replace(past, springs=springs), window, 1, newest)
         needed = here.command - self._drive.motor_torque(past.start.load) + past.lost + lost + past.start.added
+        # less the torque of the existing controller
         given = given_torque(self.elastic.known, *motion_at(window, 1), seen, past.integral)
         carried = self._drive.motor_torque(past.start.load) - past.start.added
-        integral = wound_up(later.integral, self.elastic.known, self._drive.joint_torque(carried))
-        return needed - given, replace(later, integral=integral).packed()
+        integral = limit_integral(later.integral, self.elastic.known, self._drive.joint_torque(carried))
+        return needed - given, replace(later, integral=integral).pack()
 
-    def _advanced(self, past: Past, window: Window, k: int, newest: Carried) -> tuple[State, Lead, Array, Past]:
-        """The step from sample `k` of the window to the next one.
+    def _advance(self, past: Past, window: Window, k: int, newest: Carried) -> tuple[State, Lead, Array, Past]:
+        """Advance from sample `k` of the window to the next one.
 
         Returns:
-            State at sample `k`, the lead as the servo sees it there, friction less what effects add within
-            the step as its part of that sample [N m], and what is remembered after the step.
+            State at sample `k`, the lead as the servo sees it there, friction less torque of effects within the
+            step as its part of that sample [N m], and the memory after the step.
         """
+        # states at both ends of the step
         dt, start, rows = window.dt, past.start, (*past.carried, newest)
         middle = len(rows) // 2
         lead = self._lead(rows, start, dt)
         here = self._state(motion_at(window, k), rows[middle - 1], past.lead, start, past.time)
         after = self._state(motion_at(window, k + 1), rows[middle], lead, start, past.time + dt)
-        # friction less what effects add, in the middle of sub-steps
+        # friction less torque of effects, in the middle of sub-steps
         law = self._friction
         middles, speeds, bristle = bristles_within(law, past.bristle, here.motor_speed, after.motor_speed, dt)
         friction = law.friction.torque(middles, speeds)
         between = state_between(here, after, law.shares).with_values(bristle=middles)
         added, motors = self._motors.within(between, friction, past.motors, dt)
         lost, next_lost = in_parts(friction - added)
+        # lead as the servo sees it, and its integral
         seen, next_seen = self._seen(here, past.lead, start), self._seen(after, lead, start)
         later = Past(
             start=start,
@@ -193,24 +197,24 @@ class ModelLaw(CausalLaw):
         return here, seen, lost, later
 
     def own_error(self, memory: Array) -> tuple[Array, Array]:
-        """See base class; motors lead their reference, and resolvers read what they read."""
+        """Return error and rate that the law asks for: motors lead their reference; resolver errors are left out."""
         lead = self._past(memory).lead
         return -self._drive.motor_angle(lead.angle), -self._drive.motor_angle(lead.speed)
 
     def _past(self, memory: Array) -> Past:
         springs, motors = self._lengths
-        return unpacked(memory, self.n_joints, 2 * (self.preview - 2), springs, motors)
+        return unpack_past(memory, self.n_joints, 2 * (self.preview - 2), springs, motors)
 
     @cached_property
     def _lengths(self) -> tuple[list[int], list[int]]:
-        """How many numbers per joint effects remember."""
+        """Count the numbers per joint that effects on springs and on motors remember."""
         _, springs, motors = self._rest(np.zeros(self.n_joints))
         return [memory.shape[-1] for memory in springs], [memory.shape[-1] for memory in motors]
 
     # Parts of the equation in the head of this file, shape (..., N)
 
     def _rest(self, q: Array) -> tuple[Start, list[Array], list[Array]]:
-        """Equilibrium at `q`, and what effects on springs and on motors remember there."""
+        """Find the equilibrium at `q`, and the memories of effects on springs and on motors there."""
         still, motor_q = np.zeros_like(q), self._drive.motor_angle(q)
         carried, springs = self._springs.rest(self.elastic.links(q, still, still), q)
         error = still
@@ -221,16 +225,16 @@ class ModelLaw(CausalLaw):
         added, motors = self._motors.rest(self._state((q, still, still), carried, none, start, still))
         return replace(start, added=carried.reaction + added), springs, motors
 
-    def _carried(
+    def _carry(
         self, window: Window, k: int, start: Start, before: Carried, springs: list[Array]
     ) -> tuple[Carried, list[Array]]:
-        """What gearboxes and springs carry at sample `k`, and what effects remember then."""
+        """Compute the torque that gearboxes and springs carry at sample `k`, and the memories of effects then."""
         q, motor_dq, motor_ddq = motion_at(window, k)
         needed, dq = self.elastic.links(q, motor_dq, motor_ddq), self._drive.joint_angle(motor_dq)
         return self._springs.next(needed, q, dq, start.bend, before, springs, window.dt)
 
     def _lead(self, rows: Sequence[Carried], start: Start, dt: float) -> Lead:
-        """Lead at the middle one of an odd number of samples."""
+        """Compute the lead at the middle one of an odd number of samples."""
         return self.elastic.lead(np.stack([row.bend - start.bend for row in rows], axis=-2), dt)
 
     @cached_property
@@ -243,7 +247,7 @@ class ModelLaw(CausalLaw):
     def _state(
         self, sample: tuple[Array, Array, Array], carried: Carried, lead: Lead, start: Start, time: Array
     ) -> State:
-        """State at a sample, whose command is what keeps motors and links there, but for friction and effects."""
+        """Build the state at a sample; its command keeps motors and links there, but for friction and effects."""
         (q, motor_dq, motor_ddq), drive = sample, self._drive
         rotor = drive.rotor_inertia * (motor_ddq + drive.motor_angle(lead.acceleration))
         return self._still.with_values(
@@ -257,7 +261,7 @@ class ModelLaw(CausalLaw):
         )
 
     def _seen(self, state: State, lead: Lead, start: Start) -> Lead:
-        """The lead as the resolver shows it to the servo."""
+        """Compute the lead as the resolver shows it to the servo."""
         angle, speed = state.motor_angle, state.motor_speed
         read_angle, read_speed = self.machine.read_by_resolver(angle, speed)
         return Lead(

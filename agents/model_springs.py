@@ -1,4 +1,4 @@
-"""Effects behind the gearbox in model feed-forward: how far a spring bends that is not linear, and pulls on the link.
+"""Effects behind the gearbox in model feed-forward: deflection of springs that are not linear, and torque on the link.
 
 In the quasi-static balance of a link, with all torques link side and the deflection delta of link behind gearbox,
 
@@ -23,12 +23,12 @@ from ffgym.effects.transmission.backlash import Backlash
 from ffgym.simulation.plant import Machine
 
 REACH = 1e-3
-"""Deflection [rad] beyond that of the linear spring in which the root is looked for; chosen: three arc minutes, more
+"""Deflection [rad] beyond that of the linear spring within which the root is sought; chosen: three arc minutes, more
 than gearboxes of any make lose."""
 PARTS = 16
-"""Into which the interval is cut in one evaluation; chosen: sixteen states cost hardly more than one."""
+"""Parts into which the interval is cut in one evaluation; chosen: sixteen states cost hardly more than one."""
 ROUNDS = 9
-"""Of cutting, to 3e-14 rad."""
+"""Rounds of cutting, to 3e-14 rad."""
 CROSSING = 4
 """Samples before and after a change of the load's sign in which a motor crosses a gap; chosen: of 1 to 16, 4 leaves the
 smallest path error with gaps of 0.01 to 0.2 mrad on circles at 10 to 100 mm/s."""
@@ -38,7 +38,7 @@ LOOSE = 1e-9
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Carried:
-    """What gearbox and spring carry at a sample, (..., N) each, link side but for the reaction."""
+    """Torque that gearbox and spring carry at a sample, (..., N) each, link side but for the reaction."""
 
     load: Array
     """Torque that the gearbox passes on to the link [N m]."""
@@ -56,7 +56,7 @@ class Springs:
 
     @cached_property
     def effects(self) -> tuple[TorqueEffect, ...]:
-        """All but gaps, in the order in which a plant adds them up."""
+        """Effects on springs and links without gaps, in the order in which a plant adds them up."""
         chosen = (e for e in self.machine.torque_effects if e.side == "link" and not isinstance(e, Backlash))
         return tuple(in_order(chosen))
 
@@ -74,24 +74,24 @@ class Springs:
         return sum(gaps, np.zeros(self.machine.robot.n_joints))
 
     def rest(self, needed: Array, q: Array) -> tuple[Carried, list[Array]]:
-        """What is carried where the robot rests at `q` (..., N), and what effects remember there."""
+        """Find the torque carried where the robot rests at `q` (..., N), and the memories of effects there."""
         none = np.zeros_like(q)
         memories = relaxed(self.effects, self._state(q, none, none, none, none))
-        carried, _ = self._carried(lambda bent: self._state(q, none, bent, none, bent), needed, memories, 1.0)
+        carried, _ = self._solve_balance(lambda bent: self._state(q, none, bent, none, bent), needed, memories, 1.0)
         return self._beyond_gap(carried, self.machine.physical.drive.joint_stiffness * LOOSE), memories
 
     def next(
         self, needed: Array, q: Array, dq: Array, start: Array, before: Carried, memories: Sequence[Array], dt: float
     ) -> tuple[Carried, list[Array]]:
-        """What is carried at a sample, and what effects remember after it.
+        """Find the torque carried at a sample, and the memories of effects after it.
 
         Args:
             needed: torque that moves the arm [N m], link side, (..., N).
             q: reference [rad], (..., N).
             dq: its speed [rad/s], (..., N).
             start: torque of a linear spring that bends as at the start of the motion [N m], (..., N).
-            before: what is carried at the sample before.
-            memories: what effects remember, (..., N, M) each.
+            before: torque carried at the sample before.
+            memories: memories of effects, (..., N, M) each.
             dt: time between samples [s].
         """
         drive = self.machine.physical.drive
@@ -100,11 +100,11 @@ class Springs:
         def state(bent: Array) -> State:
             return self._state(q, dq, bent, (bent - last) / dt, started)
 
-        carried, later = self._carried(state, needed, memories, dt)
+        carried, later = self._solve_balance(state, needed, memories, dt)
         return self._beyond_gap(carried, CROSSING * np.abs(carried.load - before.load)), later
 
     def _beyond_gap(self, carried: Carried, full: Array) -> Carried:
-        """What is carried with the teeth on that side of the gap where the load presses them; from `full` load on."""
+        """Add the gap, on the side where the load presses the teeth; across it all from `full` load on."""
         if not self.half_gap.any():
             return carried
         pressed = np.divide(carried.load, full, out=np.sign(carried.load), where=full > 0)
@@ -114,9 +114,10 @@ class Springs:
         across = np.where(self.half_gap > 0, stiffness, 0.0) * self.half_gap * smooth
         return replace(carried, bend=carried.bend + across)
 
-    def _carried(
+    def _solve_balance(
         self, state: Callable[[Array], State], needed: Array, memories: Sequence[Array], dt: float
     ) -> tuple[Carried, list[Array]]:
+        """Solve the balance of the links for the deflection, by the equation in the head of this file."""
         drive = self.machine.physical.drive
         if not self.effects:
             return Carried(load=needed, bend=needed, reaction=np.zeros_like(needed)), []
@@ -128,7 +129,7 @@ class Springs:
                 balance = balance if torque is None else balance - torque
             return balance
 
-        bent = np.where(drive.is_rigid, 0.0, rising_root(pull, -needed / drive.joint_stiffness, REACH))
+        bent = np.where(drive.is_rigid, 0.0, find_rising_root(pull, -needed / drive.joint_stiffness, REACH))
         added, later = step(self.effects, state(bent), memories, dt)
         load = needed if added.link is None else needed - added.link
         bend = np.where(drive.is_rigid, load, -np.where(drive.is_rigid, 0.0, drive.joint_stiffness) * bent)
@@ -136,16 +137,16 @@ class Springs:
         return Carried(load=load, bend=bend, reaction=reaction), later
 
     def _state(self, q: Array, dq: Array, bent: Array, rate: Array, started: Array) -> State:
-        """State where links bend by `bent` and leave their motors by that less what they bend by at the start [rad]."""
+        """Build the state with deflection `bent`; motors are displaced by it less the deflection at the start [rad]."""
         return self._still.with_values(
             joint_angle=q + started - bent, joint_speed=dq - rate, deflection=bent, deflection_rate=rate
         )
 
 
-def rising_root(rising: Callable[[Array], Array], middle: Array, reach: float) -> Array:
-    """Where a function of each entry that rises with it is 0, within `reach` of `middle` (..., N).
+def find_rising_root(rising: Callable[[Array], Array], middle: Array, reach: float) -> Array:
+    """Find the root of a rising function of each entry, within `reach` of `middle` (..., N).
 
-    Each entry is looked for by itself, in a fixed number of steps, so that it does not depend on the others.
+    Each entry is sought by itself, in a fixed number of steps, so that it does not depend on the others.
     """
     low, width = middle - reach, np.full_like(middle, 2 * reach)
     cuts = (np.arange(1, PARTS) / PARTS).reshape(-1, *[1] * middle.ndim)
@@ -164,42 +165,42 @@ class Start:
     bend: Array
     """Torque of linear springs that bend as far [N m], link side."""
     added: Array
-    """What effects add to the motors [N m], motor side."""
+    """Torque of effects on the motors [N m], motor side."""
     error: Array
-    """What resolvers read beyond the true angle [rad], motor side."""
+    """Error of the resolvers, reading less true angle [rad], motor side."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Past:
-    """What is remembered when the torque for a sample is asked for, (..., N) each."""
+    """Memory of the law at a sample whose torque is computed, (..., N) each."""
 
     start: Start
     carried: tuple[Carried, ...]
-    """At the samples around this one that are known, 2 w of them."""
+    """Torques carried at the 2 w known samples around this one."""
     time: Array
-    """Of this sample since the motion began [s], as are all that follow."""
+    """Time of this sample since the motion began [s]; all that follow are at this sample."""
     lead: Lead
     integral: Array
-    """Of what the servo sees of the lead [rad s], link side."""
+    """Integral of the lead as the servo sees it [rad s], link side."""
     bristle: Array
     """Deflection of the bristles [rad]."""
     lost: Array
-    """Part of friction, less what effects add, of the step before [N m]."""
+    """Part of friction, less torque of effects, of the step before [N m]."""
     springs: list[Array]
-    """What effects on springs and links remember at the newest sample, (..., N, M) each."""
+    """Memories of effects on springs and links at the newest sample, (..., N, M) each."""
     motors: list[Array]
-    """What effects on motors remember, (..., N, M) each."""
+    """Memories of effects on motors, (..., N, M) each."""
 
-    def packed(self) -> Array:
-        """As one array (..., K)."""
+    def pack(self) -> Array:
+        """Pack the memory into one array (..., K)."""
         rows = [*_columns(self.start), *(row for each in self.carried for row in _columns(each))]
         rows += [self.time, *_columns(self.lead), self.integral, self.bristle, self.lost]
         flat = [memory.reshape(*memory.shape[:-2], -1) for memory in (*self.springs, *self.motors)]
         return np.concatenate([*rows, *flat], axis=-1)
 
 
-def unpacked(memory: Array, n: int, samples: int, springs: Sequence[int], motors: Sequence[int]) -> Past:
-    """What was `packed`, of N joints, with carried torques at so many samples, and effects that remember so much."""
+def unpack_past(memory: Array, n: int, samples: int, springs: Sequence[int], motors: Sequence[int]) -> Past:
+    """Unpack memory of N joints, with the number of samples and the lengths of the memories of effects."""
     n_rows = len(fields(Start)) + samples * len(fields(Carried)) + 1 + len(fields(Lead)) + 3
     ends = np.cumsum([n * n_rows, *(n * length for length in (*springs, *motors))])
     first, *others = np.split(memory, ends[:-1], axis=-1)

@@ -17,14 +17,14 @@ _MOTION = ("time", "joint_angle", "joint_speed", "deflection", "deflection_rate"
 
 
 def state_between(here: State, after: State, shares: Array) -> State:
-    """State of a motion at `shares` (S,) of the straight way from one to another, (S, ..., N) each."""
+    """Interpolate states at `shares` (S,) of the straight way from one to another, (S, ..., N) each."""
     across = shares.reshape(-1, *[1] * here.load.ndim)
     ends = {name: (getattr(here, name), getattr(after, name)) for name in _MOTION}
     return here.with_values(**{name: start + (end - start) * across for name, (start, end) in ends.items()})
 
 
 ROUNDS = 5
-"""Of the search for the command whose effects are a share of it: 0.1 to this power is below what matters."""
+"""Rounds of the search for the command whose effects are a share of it: 0.1 to this power is negligible."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -35,25 +35,25 @@ class Motors:
 
     @cached_property
     def effects(self) -> tuple[TorqueEffect, ...]:
-        """Those of the machine, in a fixed order."""
+        """Effects on the motors of the machine, in a fixed order."""
         return tuple(in_order(effect for effect in self.machine.torque_effects if effect.side != "link"))
 
     def rest(self, state: State) -> tuple[Array, list[Array]]:
-        """What effects add to motors that rest [N m], (..., N), and what they remember there."""
+        """Find the torque of effects on motors that rest [N m], (..., N), and their memories there."""
         needed, added, memories = state.command, np.zeros_like(state.load), list[Array]()
         for _ in range(ROUNDS + 1):
             state = state.with_values(command=needed - added)
             memories = relaxed(self.effects, state)
-            added = self._added(self.effects, state, memories, 1.0)[0]
+            added = self._sum_torques(self.effects, state, memories, 1.0)[0]
         return added, memories
 
     def within(self, states: State, friction: Array, memories: Sequence[Array], dt: float) -> tuple[Array, list[Array]]:
-        """What effects add within a control step [N m], motor side, (S, ..., N), and what they remember after it.
+        """Compute torque of effects within a control step [N m], motor side, (S, ..., N), and their memories after it.
 
         Args:
-            states: in the middle of S sub-steps, (S, ..., N); commands are without friction and effects.
+            states: states in the middle of S sub-steps, (S, ..., N); commands are without friction and effects.
             friction: LuGre friction there [N m], (S, ..., N).
-            memories: what effects remember before, (..., N, M) each.
+            memories: memories before the step, (..., N, M) each.
             dt: length of the step [s].
         """
         needed = states.command + friction
@@ -66,25 +66,27 @@ class Motors:
         torques = []
         for state in samples(states) if lasting else ():
             ones = [self.effects[k] for k in lasting]
-            torque, after = self._added(ones, state, [later[k] for k in lasting], dt / len(needed))
+            torque, after = self._sum_torques(ones, state, [later[k] for k in lasting], dt / len(needed))
             torques.append(torque)
             for k, memory in zip(lasting, after, strict=True):
                 later[k] = memory
         added = np.stack(torques) if torques else np.zeros_like(needed)
-        # the others at once: what they add to a command that gives what is needed with them
+        # the others at once: their torque under the command that balances it, by fixed-point rounds
         others = [k for k in range(len(memories)) if k not in lasting]
         needed, at_once = needed - added, np.zeros_like(needed)
         for _ in range(ROUNDS):
             states.set_values(command=needed - at_once)
             before = at_once
-            at_once, _ = self._added([self.effects[k] for k in others], states, [memories[k] for k in others], 1.0)
+            at_once, _ = self._sum_torques(
+                [self.effects[k] for k in others], states, [memories[k] for k in others], 1.0
+            )
             if np.array_equal(before, at_once):  # further rounds change no bit
                 break
         return added + at_once, later
 
-    def _added(
+    def _sum_torques(
         self, effects: Sequence[TorqueEffect], state: State, memories: Sequence[Array], dt: float
     ) -> tuple[Array, list[Array]]:
-        """Torque on the motors, motor side [N m], and what effects remember `dt` [s] later."""
+        """Sum the torque on the motors, motor side [N m], and advance memories by `dt` [s]."""
         added, later = step(effects, state, memories, dt)
         return np.zeros_like(state.load) if added.motor is None else added.motor, later
