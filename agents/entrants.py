@@ -13,7 +13,7 @@ from ffgym.agents.shared_trials import learn_together
 from ffgym.agents.submission import LOADERS
 from ffgym.agents.trials import CountedTrial, RigTrial, Trial, add_sensors
 from ffgym.control import CausalLaw, FeedForwardLaw, Policy
-from ffgym.leaderboard.entrants import Entrant, Maker, Ready, Registry, one_by_one
+from ffgym.leaderboard.entrants import Entrant, Maker, ReadyAgent, Registry, one_by_one
 from ffgym.leaderboard.plants import DRAW, NOMINAL, TestPlant
 from ffgym.leaderboard.submission.entrant import entrant_of
 from ffgym.leaderboard.tasks import Task, references_of
@@ -66,25 +66,27 @@ def _entrant(entry: AgentEntry) -> Entrant | None:
     )
 
 
-def _make(entry: AgentEntry, plant: TestPlant, seed: int, tasks: tuple[Task, ...]) -> Ready | None:
+def _make(entry: AgentEntry, plant: TestPlant, seed: int, tasks: tuple[Task, ...]) -> ReadyAgent | None:
     """Make a law from the description, from trials, or from the truth; None where that is shut away."""
     if entry.track == "oracle" and plant.truth is None:
         return None
     assert entry.make is not None  # see _entrant
     trial = CountedTrial(RigTrial(rig=add_sensors(plant.rig), seed=seed))
     law = entry.make(AgentSetting(arm=plant.rig.arm, trial=trial, truth=plant.truth, seed=seed))
-    return Ready(law=law, timed=_run_in_steps(law), robot_seconds=trial.robot_seconds)
+    return ReadyAgent(law=law, timed=_run_in_steps(law), robot_seconds=trial.robot_seconds)
 
 
-def _practise(entry: AgentEntry, plant: TestPlant, seeds: Sequence[int], tasks: tuple[Task, ...]) -> list[Ready | None]:
+def _practise(
+    entry: AgentEntry, plant: TestPlant, seeds: Sequence[int], tasks: tuple[Task, ...]
+) -> list[ReadyAgent | None]:
     """Let a law practise the tasks through the machine's sensors; all seeds learn side by side."""
     references, make = references_of(plant.rig.arm, tasks), entry.make
     assert make is not None  # see _entrant
 
-    def learn(seed: int, trial: Trial) -> Ready:
+    def learn(seed: int, trial: Trial) -> ReadyAgent:
         counted = CountedTrial(trial)
         law = make(AgentSetting(arm=plant.rig.arm, trial=counted, references=references, seed=seed))
-        return Ready(law=law, robot_seconds=counted.robot_seconds)  # learned beforehand, so that nothing is timed
+        return ReadyAgent(law=law, robot_seconds=counted.robot_seconds)  # learned beforehand, so that nothing is timed
 
     found = learn_together(add_sensors(plant.rig), {seed: (seed, partial(learn, seed)) for seed in seeds})
     return [found[seed] for seed in seeds]
@@ -92,14 +94,14 @@ def _practise(entry: AgentEntry, plant: TestPlant, seeds: Sequence[int], tasks: 
 
 def _read(
     entry: AgentEntry, manifest: ArtefactManifest, plant: TestPlant, seed: int, tasks: tuple[Task, ...]
-) -> Ready | None:
+) -> ReadyAgent | None:
     """Read a trained agent, on drawn plants the one of the nominal plant; None if it was not trained for a plant."""
     artefact = _artefact(manifest, plant.name, seed)
     if artefact is None:
         return None
     loaded = entry.load(locate_artefact(manifest.name, artefact), plant.rig.arm)
     law, policy = (loaded, None) if isinstance(loaded, FeedForwardLaw) else (None, loaded)
-    return Ready(
+    return ReadyAgent(
         law=law,
         policy=policy,
         timed=None if law is None else _run_in_steps(law),

@@ -12,7 +12,7 @@ from ffgym.agents.artefacts import TRAINED, add_artefacts, describe_artefact
 from ffgym.agents.model import FITTED
 from ffgym.cli.improve import run as improve
 from ffgym.cli.log_options import Improve
-from ffgym.leaderboard.plants import THESIS_WORKCELL, plant_named
+from ffgym.leaderboard.plants import THESIS_WORKCELL, find_plant
 from ffgym.recordings.io import read_folder
 
 COMMAND = "python -m scripts.fit_models"
@@ -56,7 +56,7 @@ def main(config: Config) -> None:
 
 def store(seed: int, folder: Path, out: Path) -> None:
     """Take the extended model of a round into the artefacts."""
-    plant = plant_named(THESIS_WORKCELL)
+    plant = find_plant(THESIS_WORKCELL)
     file = f"{THESIS_WORKCELL.replace(':', '_')}/seed_{seed}.toml"
     (out / FITTED / file).parent.mkdir(parents=True, exist_ok=True)
     copyfile(folder / "extended.toml", out / FITTED / file)

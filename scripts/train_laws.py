@@ -17,7 +17,7 @@ from ffgym.agents.shared_trials import learn_together
 from ffgym.agents.trials import CountedTrial, Trial, add_sensors
 from ffgym.control import FeedForwardLaw
 from ffgym.core.errors import FFGymError
-from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL, plant_named
+from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL, find_plant
 from ffgym.simulation import Rig
 
 COMMAND = "python -m scripts.train_laws"
@@ -44,7 +44,7 @@ Learned = tuple[FeedForwardLaw, float]
 def main(config: Config) -> None:
     """Train and write."""
     for plant in config.plants:
-        rig = add_sensors(plant_named(plant).rig)
+        rig = add_sensors(find_plant(plant).rig)
         learners: dict[tuple[str, int], tuple[int, Callable[[Trial], Learned]]] = {
             (name, seed): (seed, partial(learned, name, rig, seed)) for name in config.agents for seed in config.seeds
         }

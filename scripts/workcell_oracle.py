@@ -12,9 +12,9 @@ from ffgym.agents.entrants import REGISTRY
 from ffgym.agents.law_agent import LawPolicy
 from ffgym.agents.model import model_law
 from ffgym.leaderboard.board import Board
-from ffgym.leaderboard.entrants import Ready
-from ffgym.leaderboard.evaluation.jobs import Starter, outcomes_of
-from ffgym.leaderboard.plants import THESIS_WORKCELL, plant_named
+from ffgym.leaderboard.entrants import ReadyAgent
+from ffgym.leaderboard.evaluation.jobs import SeededAgent, outcomes_of
+from ffgym.leaderboard.plants import THESIS_WORKCELL, find_plant
 from ffgym.leaderboard.tasks import SPLITS
 from ffgym.workcell import workcell
 
@@ -31,13 +31,13 @@ class Config:
 
 def main(config: Config) -> None:
     """Run the oracle and keep its outcome."""
-    plant = plant_named(THESIS_WORKCELL)
+    plant = find_plant(THESIS_WORKCELL)
     truth = workcell(THESIS_WORKCELL.partition(":")[2])
     law = model_law(truth.machine, plant.rig.arm, name="oracle")
     acts = LawPolicy(make=lambda robot: law, preview=law.preview)
-    starter = Starter(name="oracle", seed=0, ready=Ready(law=law, timed=acts))
+    starter = SeededAgent(name="oracle", seed=0, ready=ReadyAgent(law=law, timed=acts))
     board = Board(registry=REGISTRY, folder=config.out)
-    with board.held():
+    with board.hold():
         board.keep(outcomes_of(plant, [starter], plant.tasks(config.splits)))
 
 

@@ -18,8 +18,8 @@ from ffgym.core.files import write_text
 from ffgym.leaderboard.board import Board
 from ffgym.leaderboard.comparison.samples import SELECTIONS, group_of
 from ffgym.leaderboard.comparison.standings import standings
-from ffgym.leaderboard.entrants import Entrant, Registry, entrants_in
-from ffgym.leaderboard.plants import NOMINAL, ROBOT, draw_name, plant_named
+from ffgym.leaderboard.entrants import Entrant, Registry, find_entrants
+from ffgym.leaderboard.plants import NOMINAL, ROBOT, draw_name, find_plant
 from ffgym.leaderboard.presentation.page import render_page
 from ffgym.leaderboard.presentation.pictures import paths_of
 from ffgym.leaderboard.presentation.table import format_standings
@@ -72,7 +72,7 @@ def _entrants(config: Leaderboard, registry: Registry) -> list[Entrant]:
     named = [name for name in config.agents if not name.endswith(".zip")]
     for name in named:
         check_choice("agent", name, [*GROUPS, *ENTRANTS])
-    every = entrants_in(registry)
+    every = find_entrants(registry)
     names = {"none", *named, *(name for name in every if name not in ENTRANTS)}
     if "all" in names:
         names |= set(ENTRANTS)
@@ -85,7 +85,7 @@ def _plants(config: Leaderboard) -> list[str]:
     check_whole("--draws", config.draws, low=0, high=10_000)
     names = dict.fromkeys([*config.plants, *map(draw_name, range(config.draws))])
     for name in names:
-        plant_named(name)
+        find_plant(name)
     if not names:
         raise FFGymError(f"There is no plant to run on. Name some, e.g. --plants {NOMINAL}, or --draws 20.")
     return list(names)
@@ -118,9 +118,9 @@ def _bare(simulated: float) -> float:
 
 def _write(config: Leaderboard, rows: Sequence[Row], plants: Sequence[str], times: dict[str, float]) -> None:
     """Write the page, and every circle with what it belongs to, as `ffgym demo` has them."""
-    info = provenance("ffgym leaderboard", config, ROBOT, plant_named(plants[0]).fingerprint, None)
+    info = provenance("ffgym leaderboard", config, ROBOT, find_plant(plants[0]).fingerprint, None)
     every = dict.fromkeys([*plants, *(outcome.plant for row in rows for outcome in row.outcomes)])
-    info["fingerprints"] = {plant: plant_named(plant).fingerprint for plant in every}
+    info["fingerprints"] = {plant: find_plant(plant).fingerprint for plant in every}
     if config.page is not None:
         write_text(config.page, render_page(rows, tracks=paths_of(rows), provenance=info))
     circles = []

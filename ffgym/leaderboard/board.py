@@ -1,4 +1,4 @@
-"""The leaderboard as a folder: one file per row; what is missing in it is run, and kept as soon as it is complete."""
+"""Leaderboard as a folder with one file per row; missing outcomes are run, and kept as soon as they are complete."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -9,9 +9,9 @@ from ffgym.core.claims import claimed
 from ffgym.core.errors import FFGymError
 from ffgym.core.executors import Executor
 from ffgym.core.files import made_folder, write_text
-from ffgym.leaderboard.entrants import Entrant, Registry, entrants_in
+from ffgym.leaderboard.entrants import Entrant, Registry, find_entrants
 from ffgym.leaderboard.evaluation import jobs as work
-from ffgym.leaderboard.plants import plant_named
+from ffgym.leaderboard.plants import find_plant
 from ffgym.leaderboard.results import DIGITS, Outcome, Row, decode_row, encode_row, read_row
 from ffgym.leaderboard.tasks import SPLITS, references_of
 from ffgym.simulation.run import Progress
@@ -22,12 +22,12 @@ class Board:
     """Rows, in memory and, if there is a folder, in files."""
 
     registry: Registry
-    """Where entrants are found, see `entrants_in`."""
+    """Source of the entrants, see `find_entrants`."""
     folder: Path | None = None
     rows: dict[str, Row] = field(default_factory=dict, init=False)
 
     def __post_init__(self) -> None:
-        """Read what the folder holds; FFGymError if it is no folder, or a file in it cannot be read."""
+        """Read the files of the folder; FFGymError if it is no folder, or a file in it cannot be read."""
         try:
             is_other = self.folder is not None and self.folder.exists() and not self.folder.is_dir()
         except OSError as error:
@@ -44,8 +44,8 @@ class Board:
             self.rows[row.name] = row
 
     @contextmanager
-    def held(self) -> Iterator[None]:
-        """Nobody else fills the folder meanwhile; what others wrote before is known."""
+    def hold(self) -> Iterator[None]:
+        """Hold the folder against other processes, after reading the rows that they wrote before."""
         if self.folder is None:
             yield
             return
@@ -62,29 +62,29 @@ class Board:
         executor: Executor,
         progress: Progress | None = None,
     ) -> float:
-        """Run what is missing; returns the simulated seconds of what was run.
+        """Run missing outcomes; return their simulated seconds.
 
         Args:
-            entrants: who.
-            plants: where, by name.
-            splits: circles.
-            n_seeds: of rows that a seed changes, at most.
-            executor: where the work is done.
-            progress: called with the simulated seconds done and their total.
+            entrants: agents to run.
+            plants: names of the plants.
+            splits: splits of circles.
+            n_seeds: largest number of seeds of rows that a seed changes.
+            executor: executor of the jobs.
+            progress: function that is called with the simulated seconds done and their total.
 
         Raises:
             FFGymError: if an agent or a plant cannot be run, a result cannot be written, or another process fills the
-                folder. What was complete is kept.
+                folder. Complete outcomes are kept.
         """
-        with self.held():
+        with self.hold():
             missing = list(self._missing(entrants, plants, splits, n_seeds))
             jobs = work.jobs_for(self.registry, missing, splits)
-            seconds = {plant: simulated_seconds([plant], splits) for plant in dict.fromkeys(plants)}
+            seconds = {plant: sum_durations([plant], splits) for plant in dict.fromkeys(plants)}
             total, done, run = sum(seconds[plant] for _, _, plant in missing), 0.0, 0.0
             for i, outcomes in executor.run(work.run_job, jobs):
                 self.keep(outcomes)
                 done += len(jobs[i].agents) * seconds[jobs[i].plant]
-                run += len(outcomes) * seconds[jobs[i].plant]  # without those that have nothing for a plant
+                run += len(outcomes) * seconds[jobs[i].plant]  # without agents that lack a plant
                 if progress is not None:
                     progress(done, total)
         return run
@@ -92,9 +92,10 @@ class Board:
     def _missing(
         self, entrants: Iterable[Entrant], plants: Sequence[str], splits: Sequence[str], n_seeds: int
     ) -> Iterable[work.Wanted]:
+        """List agents, seeds and plants whose outcomes are missing, old, or lack circles."""
         for plant in plants:
-            fingerprint = plant_named(plant).fingerprint
-            keys = {cell.key for task in plant_named(plant).tasks(splits) for cell in work.lost_cells(task)}
+            fingerprint = find_plant(plant).fingerprint
+            keys = {cell.key for task in find_plant(plant).tasks(splits) for cell in work.lost_cells(task)}
             for entrant in entrants:
                 for seed in entrant.seeds[:n_seeds]:
                     known = self._known(entrant.name, seed, plant)
@@ -107,14 +108,14 @@ class Board:
         return None if row is None else next((o for o in row.outcomes if o.key == (seed, plant)), None)
 
     def keep(self, outcomes: Sequence[tuple[str, Outcome]]) -> None:
-        """Take outcomes into their rows, and write these."""
-        every = entrants_in(self.registry)
+        """Put outcomes into their rows, and write the rows."""
+        every = find_entrants(self.registry)
         for name in dict.fromkeys(name for name, _ in outcomes):
             head = every[name].row()
             before = self.rows[name].outcomes if name in self.rows else ()
             made = replace(head, outcomes=tuple(outcome for own, outcome in outcomes if own == name))
             new = decode_row(encode_row(made), name).outcomes  # with the digits of a file
-            joined = [_joined(self._known(name, *o.key), o, every[name]) for o in new]
+            joined = [_join(self._known(name, *o.key), o, every[name]) for o in new]
             every_outcome = {outcome.key: outcome for outcome in (*before, *joined)}
             self.rows[name] = replace(head, outcomes=tuple(sorted(every_outcome.values(), key=_order)))
             if self.folder is not None:
@@ -122,19 +123,19 @@ class Board:
                     write_text(self.folder / f"{name}.json", encode_row(self.rows[name]))
 
     def current(self) -> tuple[list[Row], list[str]]:
-        """Rows that can be compared, in the order of entrants, and what else there is, in words.
+        """Return rows that can be compared, in the order of entrants, and sentences on those left out.
 
         Left out are outcomes of other physics or another artefact than those of this version, and rows of agents that
         are no entrants.
         """
-        every = entrants_in(self.registry)
+        every = find_entrants(self.registry)
         told = [f"{name} is no agent of this leaderboard" for name in self.rows if name not in every]
         rows = []
         for name, entrant in every.items():
             if name not in self.rows:
                 continue
             row = self.rows[name]
-            kept = tuple(o for o in row.outcomes if _is_current(o, entrant, plant_named(o.plant).fingerprint))
+            kept = tuple(o for o in row.outcomes if _is_current(o, entrant, find_plant(o.plant).fingerprint))
             if len(kept) < len(row.outcomes):
                 old = len(row.outcomes) - len(kept)
                 told.append(f"{name} has {old} of {len(row.outcomes)} outcomes of other physics or artefacts")
@@ -143,19 +144,19 @@ class Board:
 
 
 def _is_current(outcome: Outcome, entrant: Entrant, fingerprint: str) -> bool:
-    """Whether an outcome is of these physics, and of the agent as it is."""
+    """Check that an outcome is of these physics, and of the present artefact."""
     wanted = fingerprint, entrant.artefact(outcome.plant, outcome.seed)
     return (outcome.fingerprint, outcome.artefact) == wanted
 
 
 def _order(outcome: Outcome) -> tuple[bool, str, int, int]:
-    """Nominal, workcell, draws by number; then seeds."""
+    """Sort outcomes: nominal, workcell, draws by number; then seeds."""
     draw = outcome.plant_draw
     return draw is not None, "" if draw is not None else outcome.plant, -1 if draw is None else draw, outcome.seed
 
 
-def _joined(old: Outcome | None, new: Outcome, entrant: Entrant) -> Outcome:
-    """The new outcome, with cells and trails of the old one that it lacks, if that is of the same agent and physics.
+def _join(old: Outcome | None, new: Outcome, entrant: Entrant) -> Outcome:
+    """Add cells and trails of an old outcome of the same agent and physics to the new one.
 
     An agent that practises on every task moved the machine for those too, as long as they last.
     """
@@ -166,7 +167,7 @@ def _joined(old: Outcome | None, new: Outcome, entrant: Entrant) -> Outcome:
     seconds = new.robot_seconds
     if entrant.slow:
         before, now = ({cell.split for cell in each.cells} for each in (old, new))
-        share = simulated_seconds([new.plant], list(before - now)) / simulated_seconds([new.plant], list(before))
+        share = sum_durations([new.plant], list(before - now)) / sum_durations([new.plant], list(before))
         seconds += share * old.robot_seconds
     return replace(
         new,
@@ -177,7 +178,7 @@ def _joined(old: Outcome | None, new: Outcome, entrant: Entrant) -> Outcome:
     )
 
 
-def simulated_seconds(plants: Sequence[str], splits: Sequence[str]) -> float:
-    """How long all motions of splits on these plants last, once each [s]."""
-    arms = [(plant_named(plant).rig.arm, plant_named(plant).tasks(splits)) for plant in plants]
+def sum_durations(plants: Sequence[str], splits: Sequence[str]) -> float:
+    """Sum the durations of all motions of splits on these plants [s]."""
+    arms = [(find_plant(plant).rig.arm, find_plant(plant).tasks(splits)) for plant in plants]
     return sum(reference.duration for arm, tasks in arms for reference in references_of(arm, tasks))

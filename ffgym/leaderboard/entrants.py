@@ -1,4 +1,4 @@
-"""Who is compared: an agent by name, and what makes it ready for a plant."""
+"""Entrants of the leaderboard: agents by name, and the functions that make them for a plant."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -16,7 +16,7 @@ from ffgym.leaderboard.tasks import Task
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Ready:
+class ReadyAgent:
     """An agent for one plant: a law, which runs along whole references, or a policy, which acts in an environment."""
 
     law: FeedForwardLaw | None = None
@@ -35,14 +35,14 @@ class Ready:
             raise FFGymError("An agent is either a law or a policy; give one of both.")
 
 
-Maker: TypeAlias = Callable[[TestPlant, Sequence[int], tuple[Task, ...]], list[Ready | None]]
-"""Makes an agent once for each seed."""
+Maker: TypeAlias = Callable[[TestPlant, Sequence[int], tuple[Task, ...]], list[ReadyAgent | None]]
+"""Function that makes an agent once for each seed."""
 
 
-def one_by_one(make: Callable[[TestPlant, int, tuple[Task, ...]], Ready | None]) -> Maker:
-    """Maker of an agent whose seeds have nothing to share."""
+def one_by_one(make: Callable[[TestPlant, int, tuple[Task, ...]], ReadyAgent | None]) -> Maker:
+    """Return a maker that makes an agent seed by seed."""
 
-    def each(plant: TestPlant, seeds: Sequence[int], tasks: tuple[Task, ...]) -> list[Ready | None]:
+    def each(plant: TestPlant, seeds: Sequence[int], tasks: tuple[Task, ...]) -> list[ReadyAgent | None]:
         return [make(plant, seed, tasks) for seed in seeds]
 
     return each
@@ -50,7 +50,7 @@ def one_by_one(make: Callable[[TestPlant, int, tuple[Task, ...]], Ready | None])
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Entrant:
-    """An agent that takes part; what its fields mean says `Row`."""
+    """An agent that takes part; `Row` describes the fields that it shares."""
 
     name: str
     title: str
@@ -59,19 +59,19 @@ class Entrant:
     page: str | None = None
     base: str | None = None
     seeds: tuple[int, ...] = (0,)
-    """One, unless a seed changes it."""
+    """Seeds to run; one, unless a seed changes the agent."""
     command: str | None = None
     ranked: bool = True
     slow: bool = False
-    """Whether it practises on every task first, which takes minutes; it takes part if it is named."""
+    """True if it practises on every task first, which takes minutes; it takes part only if it is named."""
     artefact: Callable[[str, int], str | None] = field(default=lambda plant, seed: None, repr=False)
     """sha256 of the file for a plant, by name, and a seed; None if it is not read from one."""
     learning_curve: Callable[[], tuple[tuple[float, float], ...]] = field(default=tuple, repr=False)
     ready: Maker = field(repr=False)
-    """Makes the agent for a plant, each of some seeds, and the tasks to come; None if it has nothing for the plant."""
+    """Function that makes the agent for a plant, each seed, and the tasks to come; None if it has none."""
 
     def row(self) -> Row:
-        """Its row, without outcomes."""
+        """Make its row, without outcomes."""
         names = ("name", "title", "track", "about", "page", "base", "command", "ranked")
         said: dict[str, Any] = {name: getattr(self, name) for name in names}
         return Row(**said, seeded=len(self.seeds) > 1, outcomes=(), learning_curve=self.learning_curve())
@@ -79,21 +79,21 @@ class Entrant:
 
 @dataclass(frozen=True)
 class Registry:
-    """Where entrants are found, in this process and in others; places are given as 'package.module:NAME'."""
+    """Source of entrants for this process and others; places are given as 'package.module:NAME'."""
 
     known: str
-    """A mapping from names to entrants."""
+    """Place of a mapping from names to entrants."""
     maker: str = ""
-    """A function that makes an entrant of a file."""
+    """Place of a function that makes an entrant from a file."""
     files: tuple[str, ...] = ()
-    """Of further entrants."""
+    """Files of further entrants."""
 
 
-def entrants_in(registry: Registry) -> Mapping[str, Entrant]:
-    """Everybody in a registry; FFGymError if the entrant of a file cannot be made, or has the name of another."""
+def find_entrants(registry: Registry) -> Mapping[str, Entrant]:
+    """Find all entrants of a registry; FFGymError if the entrant of a file cannot be made, or has the name of another."""
     found: dict[str, Entrant] = dict(_at(registry.known))
     for file in registry.files:
-        entrant = _made(registry.maker, file)
+        entrant = _make(registry.maker, file)
         if entrant.name in found:
             raise FFGymError(f"{file}: its name {entrant.name!r} is that of another agent; submit it with another one.")
         found[entrant.name] = entrant
@@ -101,7 +101,7 @@ def entrants_in(registry: Registry) -> Mapping[str, Entrant]:
 
 
 @cache
-def _made(maker: str, file: str) -> Entrant:
+def _make(maker: str, file: str) -> Entrant:
     entrant: Entrant = _at(maker)(Path(file))
     return entrant
 
@@ -111,7 +111,7 @@ def _at(place: str) -> Any:
     return getattr(import_module(module), name)
 
 
-def entrant_named(registry: Registry, name: str) -> Entrant:
-    """Find one by its name."""
-    every = entrants_in(registry)
+def find_entrant(registry: Registry, name: str) -> Entrant:
+    """Find an entrant by its name."""
+    every = find_entrants(registry)
     return every[check_choice("agent", name, list(every))]

@@ -19,14 +19,14 @@ from ffgym.simulation.plant import Machine, PlantDistribution
 ROBOT = "irb4600_60_205"
 """Robot of the leaderboard."""
 NOMINAL = "nominal"
-"""Plant that is what its controller believes."""
+"""Plant that equals the nominal model of its controller."""
 THESIS_WORKCELL = WORKCELL + "thesis"
 """Workcell of the leaderboard."""
 DRAW = "draw:"
-"""What names of drawn plants begin with."""
+"""Prefix of the names of drawn plants."""
 _DRAW_NAME = re.compile(rf"{DRAW}(0|[1-9]\d{{0,8}})")
 _DRAWS = 20261122
-"""Begins the seeds of drawn plants, so that none is a plant that a training met: those draw from seeds of their own."""
+"""First number of the seeds of drawn plants, so that no training met one of them: trainings have seeds of their own."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -34,42 +34,42 @@ class TestPlant:
     """A machine under its controller, for laws (a rig) and for agents (an environment)."""
 
     __test__ = False
-    """No test of pytest's."""
+    """Mark for pytest: no test."""
     name: str
     rig: Rig
     env_id: str
     """Environment with the same machine."""
     env_arguments: Mapping[str, Any] = field(default_factory=dict)
-    """Its keyword arguments."""
+    """Keyword arguments of the environment."""
     sensors: tuple[Sensor, ...] = ()
-    """What measures recordings of the environment, as on the rig."""
+    """Sensors of recordings of the environment, as on the rig."""
     truth: RobotDescription | None = None
     """The machine's true parameters; None where they are shut away."""
 
     def tasks(self, splits: Sequence[str]) -> list[Task]:
-        """Motions of splits."""
+        """List the motions of splits."""
         assert self.rig.robot.work_area is not None  # robots of the leaderboard have one
         return tasks_of(splits, list(self.rig.robot.work_area.positions))
 
     @property
     def fingerprint(self) -> str:
-        """Of the physics."""
+        """Fingerprint of the physics."""
         return self.rig.fingerprint
 
 
 def draw_name(number: int) -> str:
-    """Name of a drawn plant."""
+    """Return the name of a drawn plant."""
     return f"{DRAW}{number}"
 
 
 def draw_number(name: str) -> int | None:
-    """Number of a drawn plant by its name; None if it is none. Every plant has one name."""
+    """Return the number in the name of a drawn plant; None for other names. Every plant has one name."""
     found = _DRAW_NAME.fullmatch(name)
     return None if found is None else int(found[1])
 
 
 @cache
-def plant_named(name: str) -> TestPlant:
+def find_plant(name: str) -> TestPlant:
     """Find a plant by its name: 'nominal', 'workcell:<name or seed>' or 'draw:<number>'."""
     if is_workcell(name):
         cell = rig_of(name)
@@ -96,5 +96,5 @@ def plant_named(name: str) -> TestPlant:
 
 @cache
 def _nominal_arm() -> RigidArm:
-    """One for all plants that have it, so that references are made once."""
+    """Load the nominal arm, one for all plants, so that references are made once."""
     return RigidArm(load_robot(ROBOT))

@@ -17,37 +17,37 @@ from ffgym.leaderboard.tasks import SPLITS
 FORMAT = 1
 """Version of the file format; see docs/leaderboard/results.md."""
 DIGITS = 6
-"""Significant digits of errors in files: a thousandth of what the laser tracker resolves, of the largest error."""
+"""Significant digits of errors in files: of the largest error, a thousandth of the tracker's resolution."""
 
 _AGAIN = "Remove it, and run `ffgym leaderboard` again."
 
 
 @dataclass(frozen=True, kw_only=True)
-class Cell:
-    """One circle: path errors [mm], motor errors [rad]; None where the robot stopped before its end."""
+class CircleResult:
+    """Errors on one circle: of the path [mm], of motors [rad]; None where the robot stopped before its end."""
 
     split: str
     position: str
     radius_mm: float
     speed_mm_s: float
     rms_mm: float | None = None
-    """In the plane of the circle, as the thesis."""
+    """RMS path error in the plane of the circle, as in the thesis."""
     max_mm: float | None = None
     rms_3d_mm: float | None = None
-    """In space."""
+    """RMS path error in space."""
     max_3d_mm: float | None = None
     motor_rms_rad: tuple[float, ...] | None = None
-    """Per joint, motor side, over lead-in, circle and lead-out."""
+    """RMS error of each motor over lead-in, circle and lead-out."""
 
     @property
     def key(self) -> tuple[str, str, float, float]:
-        """Which circle it is: split, position, radius [mm], speed [mm/s]."""
+        """Identity of the circle: split, position, radius [mm], speed [mm/s]."""
         return self.split, self.position, self.radius_mm, self.speed_mm_s
 
 
 @dataclass(frozen=True, kw_only=True)
 class Trail:
-    """Where the tool went on one circle, for pictures."""
+    """Path of the tool on one circle, for pictures."""
 
     position: str
     radius_mm: float
@@ -61,24 +61,24 @@ class Outcome:
     """One agent with one seed on one plant."""
 
     seed: int
-    """Of its training and, on the workcell, of the sensors' noise."""
+    """Seed of its training and, on the workcell, of the sensors' noise."""
     plant: str
-    """'nominal', 'workcell:<name>' or 'draw:<k>'."""
+    """Name of the plant: 'nominal', 'workcell:<name>' or 'draw:<k>'."""
     fingerprint: str
-    """Of the plant's physics."""
+    """Fingerprint of the plant's physics."""
     versions: str
-    """Of everything that can change a number, as 'ffgym 0.1.0, mujoco 4.0.0'; of several runs one after the other."""
+    """Versions of everything that can change a number, as 'ffgym 0.1.0, mujoco 4.0.0'; several runs in a row."""
     artefact: str | None
-    """sha256 of the file that the agent was read from; None if it was made from nothing but the robot's description."""
+    """sha256 of the file that the agent was read from; None if it was made from the robot's description alone."""
     robot_seconds: float
     """Time that a machine moved while the agent learned for this plant [s]."""
     env_steps: int
     """Control steps of simulated training, which cost no robot time."""
     inference_us: float | None
     """Median time of one decision for one robot [us]; None for a law that is computed before the motion."""
-    cells: tuple[Cell, ...]
+    cells: tuple[CircleResult, ...]
     trails: tuple[Trail, ...] = ()
-    """Of some circles, where pictures are drawn."""
+    """Trails of some circles, for pictures."""
 
     @property
     def plant_draw(self) -> int | None:
@@ -87,7 +87,7 @@ class Outcome:
 
     @property
     def key(self) -> tuple[int, str]:
-        """Which one it is."""
+        """Identity of the outcome: seed, plant."""
         return self.seed, self.plant
 
 
@@ -98,26 +98,26 @@ class Row:
     name: str
     title: str
     track: str
-    """What it may know; see `ffgym.agents.declaration.Track`."""
+    """Knowledge of the agent; see `ffgym.agents.declaration.Track`."""
     about: str
-    """One or two sentences: what it does, and what it learned from."""
+    """One or two sentences: method, and data that it learned from."""
     page: str | None
-    """Its page below docs/agents."""
+    """Page below docs/agents."""
     base: str | None
     """Name of the row that it is a residual on."""
     seeded: bool
-    """Whether a seed changes it."""
+    """True if a seed changes it."""
     command: str | None
-    """What makes its artefacts again."""
+    """Command that makes its artefacts again."""
     ranked: bool
     """False for rows that are shown only."""
     outcomes: tuple[Outcome, ...]
     learning_curve: tuple[tuple[float, float], ...] = ()
-    """Steps of training, mean reward per step over seeds; empty for what is not trained with steps."""
+    """Steps of training, mean reward per step over seeds; empty without training in steps."""
 
 
 def encode_row(row: Row) -> str:
-    """Text of a row's file: one line per circle, so that differences can be read."""
+    """Encode a row as the text of its file: one line per circle, so that differences can be read."""
     head = {"format": FORMAT} | {key: value for key, value in asdict(row).items() if key != "outcomes"}
     lines = []
     for outcome in row.outcomes:
@@ -140,7 +140,7 @@ def read_row(path: Path) -> Row:
 
 
 def decode_row(text: str, path: str) -> Row:
-    """The row in the text of a file; FFGymError that names the path if it is damaged, or of another format."""
+    """Decode the row in the text of a file; FFGymError that names the path if it is damaged, or of another format."""
     try:
         tree = json.loads(text, parse_constant=_no_number)
     except ValueError as error:
@@ -149,6 +149,7 @@ def decode_row(text: str, path: str) -> Row:
     if found != FORMAT:
         raise FFGymError(f"{path}: has format {found!r}, this version of ffgym reads {FORMAT}.")
     try:
+        # structure, then the values that must be names, numbers or unique
         row: Row = from_json(Row, {key: value for key, value in tree.items() if key != "format"}, "row")
         _check_once("outcome", [outcome.key for outcome in row.outcomes])
         for outcome in row.outcomes:
@@ -177,7 +178,7 @@ def _check_once(what: str, keys: Sequence[object]) -> None:
 
 
 def _short(value: Any) -> Any:
-    """Numbers with DIGITS significant digits."""
+    """Round numbers to DIGITS significant digits."""
     if isinstance(value, float):
         return float(f"{value:.{DIGITS}g}")
     if isinstance(value, dict):

@@ -1,4 +1,4 @@
-"""Circles that every agent is scored on: those of the thesis, and circles that nobody learns on; in named splits."""
+"""Circles that every agent is scored on: those of the thesis, and circles held out from learning; in named splits."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,14 +11,14 @@ from ffgym.robot import RigidArm
 from ffgym.studies import circle_references
 
 SPLITS = ("train", "positions", "radii", "speeds")
-"""Where agents may learn; the other three are never learned on: other positions, radii, speeds."""
+"""Split that agents may learn on, and three held out from learning: other positions, radii, speeds."""
 HELD_OUT = SPLITS[1:]
-"""Splits that nobody learns on, but families that practise the very task."""
+"""Splits held out from learning, but for families that practise the very task."""
 THESIS = ("train", "positions")
 """Splits that together are the 36 circles of the thesis."""
 
 TRAIN_POSITION = "p1"
-"""Where the thesis trains (5.3.2)."""
+"""Training position of the thesis (5.3.2)."""
 NEW_RADII = (0.002, 0.004)
 """Radii between those of the thesis [m]; chosen."""
 NEW_SPEEDS = (0.020, 0.070)
@@ -31,14 +31,14 @@ class Task:
 
     position: str
     speed: float
-    """Of the TCP [m/s]."""
+    """Speed of the TCP [m/s]."""
     radii: tuple[float, ...]
-    """[m]."""
+    """Radii of the circles [m]."""
     split: str
 
 
 def tasks_of(splits: Sequence[str], positions: Sequence[str]) -> list[Task]:
-    """Motions of splits, in the order of SPLITS; `positions` are those of the robot's work area."""
+    """List the motions of splits, in the order of SPLITS; `positions` are those of the robot's work area."""
     check_choice("position", TRAIN_POSITION, positions)
     for split in splits:
         check_choice("split", split, SPLITS)
@@ -53,12 +53,12 @@ def tasks_of(splits: Sequence[str], positions: Sequence[str]) -> list[Task]:
 
 
 def noise_seed(task: Task, seed: int) -> list[int]:
-    """Seed of the sensors' noise in a task, the same whatever runs beside it."""
+    """Return the seed of the sensors' noise in a task, the same whatever runs beside it."""
     return [seed, crc32(repr(task).encode())]
 
 
 def references_of(arm: RigidArm, tasks: Sequence[Task]) -> list[Reference]:
-    """References of tasks; those of one arm are made once."""
+    """Make the references of tasks; those of one arm are made once."""
     return [_reference(arm, task) for task in tasks]
 
 

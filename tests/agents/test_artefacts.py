@@ -7,7 +7,7 @@ import pytest
 from ffgym.agents.artefacts import TRAINED, add_artefacts, locate_artefact, read_manifest
 from ffgym.agents.entrants import ENTRANTS
 from ffgym.core.errors import FFGymError
-from ffgym.leaderboard.plants import NOMINAL, plant_named
+from ffgym.leaderboard.plants import NOMINAL, find_plant
 
 NAMES = sorted(path.parent.name for path in TRAINED.glob("*/manifest.json"))
 
@@ -36,7 +36,7 @@ def test_it_was_trained_on_the_physics_of_today_with_five_seeds_for_each_plant(n
     for plant in {artefact.plant for artefact in manifest.artefacts}:
         own = [artefact for artefact in manifest.artefacts if artefact.plant == plant]
         assert [artefact.seed for artefact in own] == [0, 1, 2, 3, 4]
-        physics = plant_named(NOMINAL if plant == "any" else plant).fingerprint
+        physics = find_plant(NOMINAL if plant == "any" else plant).fingerprint
         assert {artefact.fingerprint for artefact in own} == {physics}
         assert len({artefact.sha256 for artefact in own}) == 5
 
@@ -85,7 +85,7 @@ def test_what_was_never_trained_has_no_manifest():
 
 def test_on_drawn_robots_an_agent_is_what_it_learned_on_the_nominal_one():
     learned, fitted = ENTRANTS["bsn_static"], ENTRANTS["model_fitted"]
-    plant = plant_named("draw:0")
+    plant = find_plant("draw:0")
     [ready] = learned.ready(plant, [2], ())
     assert ready.artefact == learned.artefact("draw:0", 2) == learned.artefact(NOMINAL, 2)
     assert ready.artefact != learned.artefact("workcell:thesis", 2)

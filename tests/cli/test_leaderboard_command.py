@@ -6,7 +6,7 @@ import time
 import pytest
 
 from ffgym.cli.main import main
-from ffgym.leaderboard.plants import plant_named
+from ffgym.leaderboard.plants import find_plant
 
 SMALL = ["--plants", "nominal", "--splits", "speeds", "--jobs", "1"]
 
@@ -31,7 +31,7 @@ def test_it_prints_the_standings_and_what_the_bare_engine_takes(finished):
 def test_the_numbers_have_a_row_for_every_circle_as_those_of_the_demo(finished):
     folder, _ = finished
     numbers = json.loads((folder / "all.json").read_text())
-    assert numbers["physics_fingerprint"] == plant_named("nominal").fingerprint
+    assert numbers["physics_fingerprint"] == find_plant("nominal").fingerprint
     assert numbers["versions"]["mujoco"]
     rows = numbers["rows"]
     assert len(rows) == 3 * 6
@@ -70,8 +70,8 @@ def test_every_selection_that_was_run_is_printed_and_the_page_names_all_plants(t
     assert "drawn robots; held-out speeds" in printed
     assert main([*command, "--plants", "nominal", "--splits", "speeds", "--page", str(tmp_path / "page.html")]) == 0
     page = (tmp_path / "page.html").read_text()
-    assert plant_named("draw:3").fingerprint in page
-    assert plant_named("nominal").fingerprint in page
+    assert find_plant("draw:3").fingerprint in page
+    assert find_plant("nominal").fingerprint in page
 
 
 @pytest.mark.parametrize(

@@ -7,8 +7,8 @@ from zlib import crc32
 import numpy as np
 
 from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL, draw_name
-from ffgym.leaderboard.presentation.page import ToolPath
-from ffgym.leaderboard.results import Cell, Outcome, Row
+from ffgym.leaderboard.presentation.page import ToolTrace
+from ffgym.leaderboard.results import CircleResult, Outcome, Row
 
 POSITIONS = ("p1", "p2", "p3", "p4")
 SPEEDS = (10.0, 40.0, 100.0)
@@ -92,7 +92,7 @@ def outcome(name: str, seed: int, plant: str) -> Outcome:
         rms = zero * share * (1.0 if name == "none" else float(np.exp(0.06 * own.normal())))
         motor = tuple((rms * 1e-2 * np.array([4.1, 3.3, 3.9, 6.0, 5.2, 7.4]) * own.uniform(0.8, 1.2, 6)).tolist())
         cells.append(
-            Cell(
+            CircleResult(
                 split=split, position=position, radius_mm=radius, speed_mm_s=speed, rms_mm=rms, max_mm=2.3 * rms,
                 rms_3d_mm=1.2 * rms, max_3d_mm=2.9 * rms, motor_rms_rad=motor,
             )
@@ -137,14 +137,14 @@ def rows(draws: int = 20, seeds: int = 5) -> list[Row]:
     return [row(name, known if name == "oracle" else every, seeds) for name in SORTS]
 
 
-def tracks() -> dict[str, dict[float, ToolPath]]:
+def tracks() -> dict[str, dict[float, ToolTrace]]:
     """Paths of the tool on one circle of 3 mm at 10, 40 and 100 mm/s."""
     return {name: {speed: _path(sort, speed) for speed in SPEEDS} for name, sort in SORTS.items() if name != "random"}
 
 
-def _path(sort: Sort, speed: float) -> ToolPath:
+def _path(sort: Sort, speed: float) -> ToolTrace:
     angle = np.linspace(0, 2 * np.pi, 400)
     size = left(sort, speed) * LEVEL_UM[speed] * 1e-3
     outward = size * (0.5 * np.cos(2 * angle + 0.4) + np.exp(-(((angle - 2.0) / 0.2) ** 2)) - 0.4)
     unit = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    return ToolPath(reference=3.0 * unit, tool=(3.0 + outward)[:, None] * unit, where="p2, r = 3 mm, invented")
+    return ToolTrace(reference=3.0 * unit, tool=(3.0 + outward)[:, None] * unit, where="p2, r = 3 mm, invented")

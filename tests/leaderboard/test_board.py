@@ -15,8 +15,8 @@ from ffgym.core.claims import claimed
 from ffgym.core.errors import FFGymError
 from ffgym.core.executors import Executor
 from ffgym.core.provenance import is_installed
-from ffgym.leaderboard.board import Board, simulated_seconds
-from ffgym.leaderboard.entrants import Entrant, Ready, Registry, one_by_one
+from ffgym.leaderboard.board import Board, sum_durations
+from ffgym.leaderboard.entrants import Entrant, ReadyAgent, Registry, one_by_one
 from ffgym.leaderboard.evaluation import jobs
 from ffgym.leaderboard.results import decode_row, encode_row, read_row
 from ffgym.leaderboard.tasks import references_of
@@ -125,7 +125,7 @@ def test_the_order_of_runs_is_not_seen_in_the_file(tmp_path):
 
 
 def _practised(plant, seed, tasks):
-    return Ready(law=NoCompensation(), robot_seconds=sum(r.duration for r in references_of(plant.rig.arm, tasks)))
+    return ReadyAgent(law=NoCompensation(), robot_seconds=sum(r.duration for r in references_of(plant.rig.arm, tasks)))
 
 
 PRACTISES = MappingProxyType(
@@ -140,7 +140,7 @@ def test_who_practises_every_task_moved_the_machine_for_all_of_them(tmp_path):
         for split in orders:
             board.run(list(PRACTISES.values()), ["nominal"], [split], 1, HERE)
         [outcome] = board.rows["none"].outcomes
-        assert outcome.robot_seconds == pytest.approx(simulated_seconds(["nominal"], ["radii", "speeds"]), rel=1e-5)
+        assert outcome.robot_seconds == pytest.approx(sum_durations(["nominal"], ["radii", "speeds"]), rel=1e-5)
 
 
 def test_results_of_other_versions_stay_and_are_told(tmp_path):
@@ -268,7 +268,7 @@ def test_a_folder_that_is_a_file_is_refused(tmp_path):
 
 
 def _nothing(plant, seed, tasks):
-    return Ready(law=NoCompensation()) if plant.name == "nominal" else None
+    return ReadyAgent(law=NoCompensation()) if plant.name == "nominal" else None
 
 
 SHY = MappingProxyType({"none": Entrant(name="none", title="-", track="causal", about="-", ready=one_by_one(_nothing))})
@@ -278,7 +278,7 @@ SHY = MappingProxyType({"none": Entrant(name="none", title="-", track="causal", 
 def test_who_has_nothing_for_a_plant_has_no_outcome_there():
     board = Board(registry=Registry(f"{__name__}:SHY"))
     seconds = board.run(list(SHY.values()), ["nominal", "draw:0"], ["speeds"], 1, HERE)
-    assert seconds == simulated_seconds(["nominal"], ["speeds"])
+    assert seconds == sum_durations(["nominal"], ["speeds"])
     assert [outcome.plant for outcome in board.rows["none"].outcomes] == ["nominal"]
 
 

@@ -11,7 +11,7 @@ from ffgym.core.executors import Executor
 from ffgym.leaderboard.board import Board
 from ffgym.leaderboard.comparison.samples import DRAWS, GROUPS
 from ffgym.leaderboard.comparison.standings import standings
-from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL, draw_name, plant_named
+from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL, draw_name, find_plant
 from ffgym.leaderboard.presentation.page import all_standings
 from ffgym.leaderboard.presentation.table import format_standings, table_of
 
@@ -29,7 +29,7 @@ def rows():
 
 @pytest.mark.parametrize("plant", [NOMINAL, THESIS_WORKCELL, draw_name(0), draw_name(N_DRAWS - 1)])
 def test_results_are_of_this_physics(plant, rows):
-    fingerprint = plant_named(plant).fingerprint
+    fingerprint = find_plant(plant).fingerprint
     found = {name: {o.fingerprint for o in row.outcomes if o.plant == plant} for name, row in rows.items()}
     assert {name: prints for name, prints in found.items() if not prints <= {fingerprint}} == {}
     assert found["none"] == {fingerprint}

@@ -6,12 +6,12 @@ from ffgym.agents.declaration import AgentSetting
 from ffgym.agents.entrants import ENTRANTS, REGISTRY
 from ffgym.agents.law_agent import LawPolicy
 from ffgym.core.errors import FFGymError
-from ffgym.leaderboard.entrants import Entrant, Ready
-from ffgym.leaderboard.evaluation.closed_loop import fly
+from ffgym.leaderboard.entrants import Entrant, ReadyAgent
+from ffgym.leaderboard.evaluation.closed_loop import run_rollouts
 from ffgym.leaderboard.evaluation.jobs import (
     TOGETHER,
     Job,
-    Starter,
+    SeededAgent,
     cells_of,
     jobs_for,
     lost_cells,
@@ -19,8 +19,8 @@ from ffgym.leaderboard.evaluation.jobs import (
     run_job,
     trails_of,
 )
-from ffgym.leaderboard.plants import plant_named
-from ffgym.leaderboard.results import Cell
+from ffgym.leaderboard.plants import find_plant
+from ffgym.leaderboard.results import CircleResult
 from ffgym.leaderboard.tasks import HELD_OUT, SPLITS, THESIS, Task, noise_seed, references_of, tasks_of
 from ffgym.paths import RADII, SPEEDS
 from ffgym.simulation import Run
@@ -41,8 +41,8 @@ def law_cells(plant, law, task, seed=0):
 
 @pytest.mark.parametrize("name", ["nominal", "draw:4"])
 def test_a_law_scores_the_same_on_a_rig_and_as_a_policy_in_the_environment(name):
-    plant = plant_named(name)
-    [[flight]] = fly(plant, [LawPolicy(make=elastic, preview=4)], [FAST])
+    plant = find_plant(name)
+    [[flight]] = run_rollouts(plant, [LawPolicy(make=elastic, preview=4)], [FAST])
     flown, run = cells_of(FAST, flight.recording), law_cells(plant, elastic(plant.rig.robot), FAST)
     for one, other in zip(flown, run, strict=True):
         assert one.key == other.key
@@ -51,17 +51,19 @@ def test_a_law_scores_the_same_on_a_rig_and_as_a_policy_in_the_environment(name)
 
 
 def test_a_law_scores_the_same_on_the_workcell_with_the_same_noise():
-    plant = plant_named("workcell:thesis")
-    [[_, flight]] = fly(plant, [LawPolicy(make=elastic, preview=4)], [Task("p3", 0.1, (0.001,), "positions"), FAST])
+    plant = find_plant("workcell:thesis")
+    [[_, flight]] = run_rollouts(
+        plant, [LawPolicy(make=elastic, preview=4)], [Task("p3", 0.1, (0.001,), "positions"), FAST]
+    )
     [flown], [run] = cells_of(FAST, flight.recording), law_cells(plant, elastic(plant.rig.robot), FAST)
     assert flown.rms_mm == pytest.approx(run.rms_mm, rel=1e-6)
 
 
 def test_who_flies_beside_changes_nothing():
-    plant = plant_named("nominal")
+    plant = find_plant("nominal")
     other = Task("p1", 0.1, (0.001,), "train")
-    [[alone]] = fly(plant, [LawPolicy(make=elastic, preview=4)], [FAST])
-    flights = fly(plant, [LawPolicy(make=elastic, preview=4)] * 2, [other, FAST])
+    [[alone]] = run_rollouts(plant, [LawPolicy(make=elastic, preview=4)], [FAST])
+    flights = run_rollouts(plant, [LawPolicy(make=elastic, preview=4)] * 2, [other, FAST])
     for mine in flights:
         assert mine[1].actions.tobytes() == alone.actions.tobytes()
         assert cells_of(FAST, mine[1].recording) == cells_of(FAST, alone.recording)
@@ -77,7 +79,7 @@ def test_actions_that_push_the_robot_out_of_its_limits_lose_the_cell():
         def predict(self, observation, state=None, episode_start=None, deterministic=True):
             return np.ones((len(observation), 6)), None
 
-    [[flight]] = fly(plant_named("nominal"), [Push()], [FAST])
+    [[flight]] = run_rollouts(find_plant("nominal"), [Push()], [FAST])
     assert flight.recording is None
     assert len(flight.actions) < 600
     assert [cell.rms_mm for cell in lost_cells(FAST)] == [None]
@@ -99,16 +101,16 @@ def test_noise_differs_from_task_to_task_and_seed_to_seed():
 
 
 def test_drawn_plants_are_all_different_and_always_the_same():
-    prints = [plant_named(f"draw:{k}").fingerprint for k in range(4)]
+    prints = [find_plant(f"draw:{k}").fingerprint for k in range(4)]
     assert len(set(prints)) == 4
-    plant_named.cache_clear()
-    assert plant_named("draw:2").fingerprint == prints[2]
+    find_plant.cache_clear()
+    assert find_plant("draw:2").fingerprint == prints[2]
 
 
 @pytest.mark.parametrize("name", ["draw", "draw:x", "draw:-1", "moon", "workcell:moon"])
 def test_an_unknown_plant_is_refused(name):
     with pytest.raises(FFGymError, match="Unknown"):
-        plant_named(name)
+        find_plant(name)
 
 
 def test_jobs_keep_plants_apart_and_begin_with_the_long_ones():
@@ -127,28 +129,28 @@ def test_a_job_gives_outcomes_of_everybody_who_is_ready():
     assert len(plain) == 6
     assert (best < 0.2 * plain).all()
     assert outcomes["oracle"].cells == outcomes["elastic"].cells  # the nominal plant is what is believed
-    assert outcomes["none"].fingerprint == plant_named("nominal").fingerprint
+    assert outcomes["none"].fingerprint == find_plant("nominal").fingerprint
 
 
 def test_the_oracle_has_nothing_to_say_on_a_workcell():
-    plant = plant_named("workcell:thesis")
+    plant = find_plant("workcell:thesis")
     assert ENTRANTS["oracle"].ready(plant, [0], ()) == [None]
 
 
 def test_pictures_show_one_held_out_circle_and_its_error():
-    plant = plant_named("nominal")
+    plant = find_plant("nominal")
     task = Task("p2", 0.1, (0.001, 0.003), "positions")
     [recording] = plant.rig.run([Run(reference=references_of(plant.rig.arm, [task])[0])])
     [trail] = trails_of(task, recording)
     assert (trail.radius_mm, trail.speed_mm_s) == (3.0, 100.0)
-    cell: Cell = cells_of(task, recording)[1]
+    cell: CircleResult = cells_of(task, recording)[1]
     assert np.sqrt(np.mean(np.square(trail.deviation_um))) == pytest.approx(1e3 * cell.rms_mm, rel=0.05)
     assert trails_of(FAST.__class__("p1", 0.1, (0.003,), "train"), recording) == []
 
 
 def test_an_agent_is_a_law_or_a_policy():
     with pytest.raises(FFGymError, match="either a law or a policy"):
-        Ready()
+        ReadyAgent()
 
 
 def test_everybody_has_what_a_row_needs():
@@ -168,10 +170,10 @@ def test_everybody_has_what_a_row_needs():
     ids=["motors", "tool"],
 )
 def test_who_practises_each_motion_learns_through_sensors_and_is_scored_on_all_of_them(name, minimised, noisy):
-    plant, tasks = plant_named("draw:0"), [FAST, Task("p3", 0.1, (0.001,), "positions")]
+    plant, tasks = find_plant("draw:0"), [FAST, Task("p3", 0.1, (0.001,), "positions")]
     ready = ENTRANTS[name].ready(plant, [0, 1], tuple(tasks))
-    starters = [Starter(name=name, seed=seed, ready=each) for seed, each in enumerate(ready)]
-    zero = Starter(name="none", seed=0, ready=ENTRANTS["none"].ready(plant, [0], ())[0])
+    starters = [SeededAgent(name=name, seed=seed, ready=each) for seed, each in enumerate(ready)]
+    zero = SeededAgent(name="none", seed=0, ready=ENTRANTS["none"].ready(plant, [0], ())[0])
     (_, first), (_, second), (_, nothing) = outcomes_of(plant, [*starters, zero], tasks)
     for one, other, before in zip(first.cells, second.cells, nothing.cells, strict=True):
         assert minimised(one) < 0.5 * minimised(before)
@@ -180,5 +182,5 @@ def test_who_practises_each_motion_learns_through_sensors_and_is_scored_on_all_o
     assert first.robot_seconds == pytest.approx(10 * moved)
     assert first.inference_us is None
     [alone] = ENTRANTS[name].ready(plant, [1], tuple(tasks))
-    [(_, again)] = outcomes_of(plant, [Starter(name=name, seed=1, ready=alone)], tasks)
+    [(_, again)] = outcomes_of(plant, [SeededAgent(name=name, seed=1, ready=alone)], tasks)
     assert again == second  # whoever learns beside it

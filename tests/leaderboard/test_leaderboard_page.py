@@ -10,9 +10,9 @@ import pytest
 from ffgym.core.errors import FFGymError
 from ffgym.leaderboard.comparison.samples import GROUPS, SELECTIONS
 from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL
-from ffgym.leaderboard.presentation.page import ToolPath, render_page
+from ffgym.leaderboard.presentation.page import ToolTrace, render_page
 from ffgym.leaderboard.presentation.pictures import number, paths_of, tool_pictures
-from ffgym.leaderboard.presentation.words import best_reductions, published_rows
+from ffgym.leaderboard.presentation.words import best_reductions, list_published_rows
 from ffgym.leaderboard.results import Trail
 from tests.leaderboard.conftest import PROVENANCE
 from tests.leaderboard.synthetic_rows import SORTS, row, tracks
@@ -122,7 +122,7 @@ def test_residuals_that_are_better_than_their_base_are_named_in_the_headline(boa
 
 
 def test_published_rows_are_marked_never_ranked_and_of_measured_circles_only():
-    assert published_rows([("radii", "p1", 2.0, 10.0), ("speeds", "p1", 3.0, 20.0)]) == []
+    assert list_published_rows([("radii", "p1", 2.0, 10.0), ("speeds", "p1", 3.0, 20.0)]) == []
     page = render(small())
     lines = data_of(page)[f"{THESIS_WORKCELL}|positions"]["lines"]
     published = [line for line in lines if line[0] == "published"]
@@ -190,18 +190,18 @@ def circle(outward, n=100):
 
 def test_only_the_distance_from_the_path_is_enlarged_not_the_delay():
     reference, tool = circle(0.1)
-    path = ToolPath(reference=reference, tool=np.roll(tool[:-1], 7, axis=0))
-    np.testing.assert_allclose(np.linalg.norm(path.enlarged(5.0), axis=1), 3.5, atol=0.01)
+    path = ToolTrace(reference=reference, tool=np.roll(tool[:-1], 7, axis=0))
+    np.testing.assert_allclose(np.linalg.norm(path.enlarge(5.0), axis=1), 3.5, atol=0.01)
 
 
 @pytest.mark.parametrize(("outward", "factor"), [(0.001, 100), (0.08, 10), (0.3, 2), (2.0, 1)])
 def test_an_error_is_enlarged_as_far_as_the_path_stays_recognisable(outward, factor):
     reference, tool = circle(outward)
-    assert ToolPath(reference=reference, tool=tool).magnification == factor
+    assert ToolTrace(reference=reference, tool=tool).magnification == factor
 
 
 def test_an_agents_error_is_enlarged_as_much_as_that_of_zero_action():
-    own, zero = (ToolPath(reference=circle(d)[0], tool=circle(d)[1]) for d in (0.001, 0.08))
+    own, zero = (ToolTrace(reference=circle(d)[0], tool=circle(d)[1]) for d in (0.001, 0.08))
     picture = tool_pictures({10.0: own}, {10.0: zero})[0]
     assert picture.caption == "10 mm/s, error × 10"
     assert [line.colour for line in picture.lines] == ["reference", "zero", "own"]
@@ -213,7 +213,7 @@ def test_trails_of_results_become_paths_of_the_first_seed():
     with_trail = replace(some, outcomes=tuple(replace(each, trails=(trail,)) for each in some.outcomes))
     paths = paths_of([row("none", [THESIS_WORKCELL]), with_trail])
     assert list(paths) == ["elastic"]
-    np.testing.assert_allclose(np.linalg.norm(paths["elastic"][40.0].enlarged(2.0), axis=1), 3.2, atol=1e-3)
+    np.testing.assert_allclose(np.linalg.norm(paths["elastic"][40.0].enlarge(2.0), axis=1), 3.2, atol=1e-3)
     assert paths["elastic"][40.0].where == "p2, r = 3 mm, workcell:thesis"
 
 

@@ -10,7 +10,7 @@ from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL
 from ffgym.leaderboard.presentation.page import all_standings
 from ffgym.leaderboard.presentation.table import format_standings
 from ffgym.leaderboard.presentation.words import circles_note, residual_sentence
-from ffgym.leaderboard.results import Cell, Outcome, Row
+from ffgym.leaderboard.results import CircleResult, Outcome, Row
 from tests.leaderboard.synthetic_rows import rows
 
 KEYS = [
@@ -27,7 +27,7 @@ def cell(key, rms, motor=(1e-3, 2e-3)):
     split, position, radius, speed = key
     values = (None,) * 4 if rms is None else (rms, 2 * rms, 1.1 * rms, 2.2 * rms)
     names = ("rms_mm", "max_mm", "rms_3d_mm", "max_3d_mm")
-    return Cell(
+    return CircleResult(
         split=split, position=position, radius_mm=radius, speed_mm_s=speed,
         motor_rms_rad=None if rms is None else motor, **dict(zip(names, values, strict=True)),
     )  # fmt: skip

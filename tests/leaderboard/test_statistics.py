@@ -8,11 +8,11 @@ from ffgym.core.errors import FFGymError
 from ffgym.leaderboard.comparison.statistics import (
     Interval,
     difference,
+    draw_resamples,
     interquartile_mean,
     interval,
-    resampled_iqms,
-    resampled_means,
-    resamples,
+    resample_iqms,
+    resample_means,
 )
 
 numbers = st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=40)
@@ -56,25 +56,25 @@ def spelled_out(values, by, statistic):
 @pytest.mark.parametrize("shape", [(5, 3, 7), (1, 4, 2), (3, 1, 1), (1, 1, 4)])
 def test_resampled_statistics_are_those_of_the_values_that_were_taken(shape):
     values = np.random.default_rng(3).lognormal(size=shape)
-    by = resamples("someone", *shape[:2], count=50)
-    np.testing.assert_allclose(resampled_iqms(values, by), spelled_out(values, by, interquartile_mean), rtol=1e-12)
-    np.testing.assert_allclose(resampled_means(values, by), spelled_out(values, by, np.mean), rtol=1e-12)
+    by = draw_resamples("someone", *shape[:2], count=50)
+    np.testing.assert_allclose(resample_iqms(values, by), spelled_out(values, by, interquartile_mean), rtol=1e-12)
+    np.testing.assert_allclose(resample_means(values, by), spelled_out(values, by, np.mean), rtol=1e-12)
 
 
 def test_a_resample_that_takes_stopped_robots_is_as_bad_as_they_are():
     values = np.random.default_rng(4).lognormal(size=(4, 2, 3))
     values[1] = np.inf
-    by = resamples("someone", 4, 2, count=60)
-    np.testing.assert_allclose(resampled_iqms(values, by), spelled_out(values, by, interquartile_mean), rtol=1e-12)
-    assert np.isinf(resampled_means(values, by)).tolist() == (by.seeds[:, 1] > 0).tolist()
-    assert np.isinf(resampled_iqms(np.full((4, 2, 3), np.inf), by)).all()
+    by = draw_resamples("someone", 4, 2, count=60)
+    np.testing.assert_allclose(resample_iqms(values, by), spelled_out(values, by, interquartile_mean), rtol=1e-12)
+    assert np.isinf(resample_means(values, by)).tolist() == (by.seeds[:, 1] > 0).tolist()
+    assert np.isinf(resample_iqms(np.full((4, 2, 3), np.inf), by)).all()
 
 
 def test_rows_share_plants_but_not_seeds_and_a_name_always_gives_the_same():
-    one, other = resamples("one", 5, 6), resamples("other", 5, 6)
+    one, other = draw_resamples("one", 5, 6), draw_resamples("other", 5, 6)
     np.testing.assert_array_equal(one.plants, other.plants)
     assert (one.seeds != other.seeds).any()
-    np.testing.assert_array_equal(one.seeds, resamples.__wrapped__("one", 5, 6).seeds)
+    np.testing.assert_array_equal(one.seeds, draw_resamples.__wrapped__("one", 5, 6).seeds)
 
 
 def test_two_that_stopped_do_not_differ():
@@ -98,7 +98,7 @@ def covered(statistic, resampled, n_seeds, n_plants, experiments=250):
     for k in range(experiments):
         shifts = (n_seeds > 1) * rng.normal(size=(n_seeds, 1, 1)) + (n_plants > 1) * rng.normal(size=(1, n_plants, 1))
         values = cells + shifts + 0.3 * rng.normal(size=(n_seeds, n_plants, len(cells)))
-        by = resamples(str(k), n_seeds, n_plants, count=300)
+        by = draw_resamples(str(k), n_seeds, n_plants, count=300)
         found = interval(resampled(values, by), by.levels)
         held += found.includes(0.0)
     return held / experiments
@@ -106,8 +106,8 @@ def covered(statistic, resampled, n_seeds, n_plants, experiments=250):
 
 @pytest.mark.parametrize(("n_seeds", "n_plants"), [(5, 1), (1, 20), (5, 20)])
 def test_intervals_hold_the_truth_about_as_often_as_they_say(n_seeds, n_plants):
-    means = covered(np.mean, resampled_means, n_seeds, n_plants)
-    iqms = covered(interquartile_mean, resampled_iqms, n_seeds, n_plants)
+    means = covered(np.mean, resample_means, n_seeds, n_plants)
+    iqms = covered(interquartile_mean, resample_iqms, n_seeds, n_plants)
     assert 0.90 <= means <= 0.995
     assert 0.90 <= iqms <= 0.995
 

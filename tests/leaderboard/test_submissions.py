@@ -13,9 +13,9 @@ import pytest
 from ffgym.agents.submission import LOADERS, load
 from ffgym.control import ObservationLayout
 from ffgym.core.files import decode_arrays, encode_arrays
-from ffgym.leaderboard.evaluation.closed_loop import fly
+from ffgym.leaderboard.evaluation.closed_loop import run_rollouts
 from ffgym.leaderboard.evaluation.jobs import cells_of
-from ffgym.leaderboard.plants import plant_named
+from ffgym.leaderboard.plants import find_plant
 from ffgym.leaderboard.submission import judge as judging
 from ffgym.leaderboard.submission import manifest as manifests
 from ffgym.leaderboard.submission import python_agent
@@ -90,7 +90,7 @@ def test_a_law_is_accepted_and_acts_as_the_law_in_this_process():
     verdict = judge().verify(data)
     assert set(verdict.manifest.files) == {ACTIONS}
     here = load({"kind": "law", "law": "lugre_dynamic", "file": None}, PAGE, load_robot(ROBOT))
-    ((flight,),) = fly(plant_named("nominal"), [here], PLAN["nominal"])
+    ((flight,),) = run_rollouts(find_plant("nominal"), [here], PLAN["nominal"])
     assert np.allclose(decode_arrays(decode_archive(data)[ACTIONS])["nominal_0"], flight.actions, rtol=0, atol=1e-7)
     (cell,) = cells_of(PLAN["nominal"][0], flight.recording)
     assert cell.rms_mm == pytest.approx(verdict.claims[0].rms_mm, rel=1e-4)
@@ -121,7 +121,7 @@ def test_tolerances_are_far_above_what_rounding_makes_of_a_feedback(tmp_path):
     found = []
     for size in (0.0, 1e-7):
         agent = Noisy(policy.agent(load_robot(ROBOT), layout), size)
-        ((flight,),) = fly(plant_named("nominal"), [policy], tasks, agents=[agent])
+        ((flight,),) = run_rollouts(find_plant("nominal"), [policy], tasks, agents=[agent])
         found.append((flight.actions, cells_of(tasks[0], flight.recording)[0]))
     (actions, cell), (noisy, other) = found
     assert 0 < np.max(np.abs(noisy - actions) / np.abs(actions).max(axis=0)) < ACTION_TOLERANCE / 1000
@@ -209,7 +209,7 @@ def test_arrays_of_an_agent_that_would_unpack_to_too_much_are_refused(honest, mo
 
 def test_an_agent_that_is_too_large_is_refused_before_it_is_run(monkeypatch):
     monkeypatch.setattr(manifests, "LARGEST", 3000)
-    monkeypatch.setattr(judging, "fly", None)
+    monkeypatch.setattr(judging, "run_rollouts", None)
     with pytest.raises(Refused, match="would unpack to"):
         packed(content=agent_file() + b"#" * 3000)
 
@@ -255,7 +255,7 @@ def test_an_agent_that_lets_the_robot_stop_is_refused_when_it_is_packed():
 def test_agents_know_the_robot_that_the_controller_of_the_plant_knows():
     assert {controller_of(name) for name in PLAN} == {"irb4600_60_205"}
     known = load_robot(controller_of("workcell:thesis"))
-    assert np.array_equal(known.friction.static, plant_named("workcell:thesis").rig.arm.robot.friction.static)
+    assert np.array_equal(known.friction.static, find_plant("workcell:thesis").rig.arm.robot.friction.static)
 
 
 def test_actions_are_logged_as_they_act(honest):

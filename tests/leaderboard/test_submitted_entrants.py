@@ -10,9 +10,9 @@ from ffgym.control import ObservationLayout
 from ffgym.core.errors import FFGymError
 from ffgym.core.executors import Executor
 from ffgym.leaderboard.board import Board
-from ffgym.leaderboard.entrants import Registry, entrants_in
+from ffgym.leaderboard.entrants import Registry, find_entrants
 from ffgym.leaderboard.evaluation.closed_loop import environment_for
-from ffgym.leaderboard.plants import plant_named
+from ffgym.leaderboard.plants import find_plant
 from ffgym.leaderboard.results import read_row
 from ffgym.leaderboard.submission.manifest import AgentSource
 from tests.leaderboard.submission_samples import agent_file, changed, packed
@@ -51,13 +51,13 @@ def test_a_submission_gets_a_row_like_that_of_the_law_in_it(law, tmp_path, capsy
 @pytest.mark.slow
 def test_other_processes_find_it_too(law):
     board = Board(registry=Registry(REGISTRY.known, REGISTRY.maker, (str(law),)))
-    every = entrants_in(board.registry)
+    every = find_entrants(board.registry)
     board.run([every["none"], every["mine"]], ["nominal", "draw:0"], ["speeds"], 1, Executor(jobs=2))
     assert [outcome.plant for outcome in board.rows["mine"].outcomes] == ["nominal", "draw:0"]
 
 
 def test_its_process_ends_when_nobody_asks_it_any_more(law):
-    plant = plant_named("nominal")
+    plant = find_plant("nominal")
     [ready] = make_submitted(law).ready(plant, [0], ())
     env = environment_for(plant, ready.policy.preview, ready.policy.action_scale, 1, n_threads=1)
     layout = env.unwrapped.observation_layout
@@ -96,7 +96,7 @@ def test_a_name_that_cannot_be_a_row_is_refused(law, tmp_path, name, reason):
     place = tmp_path / "other.zip"
     place.write_bytes(changed(law.read_bytes(), manifest={"name": name}))
     with pytest.raises(FFGymError, match=reason):
-        entrants_in(Registry(REGISTRY.known, REGISTRY.maker, (str(place),)))
+        find_entrants(Registry(REGISTRY.known, REGISTRY.maker, (str(place),)))
 
 
 def test_a_file_that_is_no_submission_is_one_line(tmp_path, capsys):

@@ -1,1 +1,1 @@
-"""Who is where: samples of rows, intervals by bootstrap, scores, ranks and ties."""
+"""Comparison of rows: samples, intervals by bootstrap, scores, ranks and ties."""

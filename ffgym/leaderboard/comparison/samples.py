@@ -1,4 +1,4 @@
-"""Results of a row as arrays over seeds, plants and circles, and what a row lacks to be compared."""
+"""Samples: results of a row as arrays over seeds, plants and circles, and the completeness of rows."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -10,17 +10,17 @@ import numpy as np
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.types import Array
 from ffgym.leaderboard.plants import DRAW, NOMINAL, THESIS_WORKCELL
-from ffgym.leaderboard.results import Cell, Outcome, Row
+from ffgym.leaderboard.results import CircleResult, Outcome, Row
 from ffgym.leaderboard.tasks import HELD_OUT, SPLITS, THESIS
 
 DRAWS = "draws"
 """Group of all drawn plants."""
 GROUPS = (THESIS_WORKCELL, NOMINAL, DRAWS)
-"""Plants of the leaderboard; the ones that count most first. Every other workcell is a group of its own."""
+"""Plants of the leaderboard, the most important first. Every other workcell is a group of its own."""
 SELECTIONS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {"held_out": HELD_OUT} | {split: (split,) for split in HELD_OUT} | {"thesis": THESIS, "train": SPLITS[:1]}
 )
-"""Splits of circles by the name of their selection; the one that counts most first."""
+"""Splits of circles by the name of their selection; the most important first."""
 
 CellKey: TypeAlias = tuple[str, str, float, float]
 """Split, position, radius [mm], speed [mm/s]."""
@@ -33,17 +33,17 @@ class Grid:
     plants: tuple[str, ...]
     cells: tuple[CellKey, ...]
     fingerprints: Mapping[str, str]
-    """Of the physics that the zero action met, by plant."""
+    """Fingerprints of the physics that the zero action met, by plant."""
     left_out: tuple[str, ...] = ()
     """Plants of the group where zero action lacks some of the circles."""
 
     @property
     def speeds_mm_s(self) -> tuple[float, ...]:
-        """Slowest first."""
+        """Speeds of the circles, slowest first."""
         return tuple(sorted({speed for *_, speed in self.cells}))
 
     def at(self, speed_mm_s: float) -> list[int]:
-        """Indices of the circles at a speed."""
+        """Find the indices of the circles at a speed."""
         return [k for k, (*_, speed) in enumerate(self.cells) if speed == speed_mm_s]
 
 
@@ -53,35 +53,35 @@ class Sample:
 
     seeds: tuple[int, ...]
     rms: Array
-    """In the plane of the circle [mm], shape (S, P, C)."""
+    """RMS in the plane of the circle [mm], shape (S, P, C)."""
     max: Array
     """Largest deviation in the plane [mm], shape (S, P, C)."""
     rms_3d: Array
-    """In space [mm], shape (S, P, C)."""
+    """RMS in space [mm], shape (S, P, C)."""
     motor: Array
     """RMS of each joint, motor side [rad], shape (S, P, C, N); N is 0 if the robot stopped everywhere."""
 
 
 def group_of(plant: str) -> str:
-    """Group that standings have a plant in: drawn ones are one group, any other is its own."""
+    """Return the group of a plant in standings: drawn plants are one group, any other is its own."""
     return DRAWS if plant.startswith(DRAW) else plant
 
 
 def groups_of(row: Row) -> list[str]:
-    """Groups that a row ran on: those of GROUPS in their order, then others by name."""
+    """List the groups that a row ran on: those of GROUPS in their order, then others by name."""
     found = {group_of(outcome.plant) for outcome in row.outcomes}
     return [*(group for group in GROUPS if group in found), *sorted(found - set(GROUPS))]
 
 
 def outcomes_on(row: Row, grid: Grid) -> list[Outcome]:
-    """Outcomes of a row on the plants of a grid, by seed and plant."""
+    """List the outcomes of a row on the plants of a grid, by seed and plant."""
     return sorted((each for each in row.outcomes if each.plant in grid.plants), key=lambda each: each.key)
 
 
 def grid_of(row: Row, group: str, splits: Sequence[str]) -> Grid:
-    """All circles of some splits that a row ran on, and the plants where it ran on all of them.
+    """Collect the circles of some splits that a row ran on, and the plants where it ran on all of them.
 
-    It is empty if the row has nothing of one of the splits. Order of results in the row does not matter.
+    The grid is empty if the row lacks one of the splits altogether. Order of results in the row does not matter.
     """
     for split in splits:
         check_choice("split", split, SPLITS)
@@ -97,8 +97,8 @@ def grid_of(row: Row, group: str, splits: Sequence[str]) -> Grid:
     )
 
 
-def lacking(row: Row, grid: Grid) -> str | None:
-    """What a row lacks to be compared on a grid, in words; None if nothing."""
+def explain_lack(row: Row, grid: Grid) -> str | None:
+    """Explain what a row lacks to be compared on a grid; return None if it is complete."""
     outcomes = {outcome.key: outcome for outcome in outcomes_on(row, grid)}
     if not outcomes:
         return "not run on these plants"
@@ -115,13 +115,13 @@ def lacking(row: Row, grid: Grid) -> str | None:
 
 
 def sample_of(row: Row, grid: Grid) -> Sample:
-    """Errors of a row on a grid; FFGymError if it lacks anything, or an error is not above 0 and has no logarithm."""
-    why = lacking(row, grid)
+    """Collect the errors of a row on a grid; FFGymError if it is incomplete, or an error is not above 0."""
+    why = explain_lack(row, grid)
     if why is not None:
         raise FFGymError(f"Row {row.name!r} cannot be compared: {why}. Run `ffgym leaderboard` for it again.")
     outcomes = outcomes_on(row, grid)
     seeds = tuple(sorted({outcome.seed for outcome in outcomes}))
-    cells: list[Cell] = []
+    cells: list[CircleResult] = []
     for outcome in outcomes:
         by_key = {cell.key: cell for cell in outcome.cells}
         cells += [by_key[key] for key in grid.cells]
@@ -129,7 +129,7 @@ def sample_of(row: Row, grid: Grid) -> Sample:
     joints = max((len(cell.motor_rms_rad or ()) for cell in cells), default=0)
 
     def errors(values: Iterable[float | None]) -> Array:
-        """A robot that stopped is worse than any error."""
+        """Shape errors; a robot that stopped has infinite ones."""
         return np.reshape([np.inf if value is None or np.isnan(value) else value for value in values], shape)
 
     sample = Sample(

@@ -1,11 +1,11 @@
-"""Who is where: scores, ranks and ties of all rows on one group of plants and one selection of circles."""
+"""Standings: scores, ranks and ties of all rows on one group of plants and one selection of circles."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from ffgym.core.errors import FFGymError, check_choice
-from ffgym.leaderboard.comparison.samples import DRAWS, SELECTIONS, Grid, grid_of, group_of, lacking, sample_of
-from ffgym.leaderboard.comparison.scores import Difference, Score, Scored, compared, score_of
+from ffgym.leaderboard.comparison.samples import DRAWS, SELECTIONS, Grid, explain_lack, grid_of, group_of, sample_of
+from ffgym.leaderboard.comparison.scores import Difference, Score, ScoredRow, compare_rows, compute_score
 from ffgym.leaderboard.results import Row
 from ffgym.leaderboard.tasks import HELD_OUT
 from ffgym.report.laws import ORACLE, UNCOMPENSATED
@@ -15,17 +15,17 @@ _WORDS = {-1: "better than its base", 1: "worse than its base", 0: "not better: 
 
 @dataclass(frozen=True, kw_only=True)
 class AgainstBase:
-    """A residual beside the row that it is a residual on, on circles that nobody learned on."""
+    """A residual beside its base, on circles held out from learning."""
 
     base: str
     difference: Difference | None
-    """None if there is nothing to compare."""
+    """Difference of the errors; None if one of both did not run."""
     sentence: str
-    """'better than its base', 'worse than its base', 'not better: the interval includes zero', or why it is unknown."""
+    """'better than its base', 'worse than its base', 'not better: the interval includes zero', or why unknown."""
 
     @property
     def is_better(self) -> bool:
-        """Whether it is shown to be."""
+        """True if the interval shows that it is better."""
         return self.sentence == _WORDS[-1]
 
 
@@ -36,13 +36,13 @@ class Standing:
     row: Row
     score: Score
     rank: int | None
-    """Among all tracks; None if it is shown only."""
+    """Rank among all tracks; None if it is shown only."""
     track_rank: int | None
-    """Within its track."""
+    """Rank within its track."""
     against_base: AgainstBase | None
-    """None if it is no residual."""
+    """Comparison with its base; None if it is no residual."""
     unproven: str | None
-    """Why chance was not measured, as 'one seed'; None if it was, or there is none."""
+    """Reason why chance was not measured, as 'one seed'; None if it was, or there is none."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,28 +54,28 @@ class Standings:
     grid: Grid
     lines: tuple[Standing, ...]
     missing: Mapping[str, str]
-    """Why a row is not here, by its name."""
+    """Reason why a row is left out, by its name."""
 
     @property
     def ranked(self) -> tuple[Standing, ...]:
-        """Best first."""
+        """Ranked rows, best first."""
         return tuple(line for line in self.lines if line.rank is not None)
 
     def line(self, name: str) -> Standing | None:
-        """Line by the row's name; None if it is not here."""
+        """Find the line of a row by its name; return None if it is left out."""
         return next((line for line in self.lines if line.row.name == name), None)
 
 
 def standings(rows: Sequence[Row], group: str, selection: str) -> Standings:
     """Compare rows; neither their order nor that of their results matters.
 
-    A row that lacks a plant or a circle of the zero action's row is left out, and the reason is told: a mean over
-    fewer circles is another number.
+    A row that lacks a plant or a circle of the zero action's row is left out with the reason: a mean over fewer circles
+    is another number.
 
     Args:
-        rows: with different names, among them one named 'none', the zero action.
-        group: of plants, see `group_of`.
-        selection: of circles, in SELECTIONS.
+        rows: rows with different names, among them 'none', the zero action.
+        group: group of plants, see `group_of`.
+        selection: selection of circles, in SELECTIONS.
 
     Raises:
         FFGymError: if two rows have one name, the zero action was not run here or stopped, or a name is unknown.
@@ -86,20 +86,22 @@ def standings(rows: Sequence[Row], group: str, selection: str) -> Standings:
         raise FFGymError("Two rows of the leaderboard have one name; names must differ. Remove one of their files.")
     if UNCOMPENSATED not in by_name:
         raise FFGymError(f"Standings need the zero action's row {UNCOMPENSATED!r}; run `ffgym leaderboard` for it.")
-    grid, scored = _scored(by_name, group, splits)
-    missing = {name: why for name, row in sorted(by_name.items()) if (why := lacking(row, grid))}
+    # scores of complete rows, and reasons of the others
+    grid, scored = _score_rows(by_name, group, splits)
+    missing = {name: why for name, row in sorted(by_name.items()) if (why := explain_lack(row, grid))}
     zero = scored[UNCOMPENSATED].sample
     oracle = scored[ORACLE].sample if ORACLE in scored else None
     against = _against_bases(by_name, group)
+    # ranks among all tracks, and within each
     best_first = sorted(scored.values(), key=lambda each: (each.mean, each.row.name))
     ranked = [each for each in best_first if _is_ranked(each.row)]
-    ranks, within = ranks_of(ranked, compared), {}
+    ranks, within = ranks_of(ranked, compare_rows), {}
     for track in dict.fromkeys(each.row.track for each in ranked):
-        within.update(ranks_of([each for each in ranked if each.row.track == track], compared))
+        within.update(ranks_of([each for each in ranked if each.row.track == track], compare_rows))
     lines = tuple(
         Standing(
             row=each.row,
-            score=score_of(each, grid, zero, oracle),
+            score=compute_score(each, grid, zero, oracle),
             rank=ranks.get(each.row.name),
             track_rank=within.get(each.row.name),
             against_base=against.get(each.row.name),
@@ -110,16 +112,15 @@ def standings(rows: Sequence[Row], group: str, selection: str) -> Standings:
     return Standings(group=group, selection=selection, grid=grid, lines=lines, missing=missing)
 
 
-def ranks_of(best_first: Sequence[Scored], compare: Callable[[Scored, Scored], Difference]) -> dict[str, int]:
-    """Ranks by name: 1, 1, 3, 4, 4, ...
+def ranks_of(best_first: Sequence[ScoredRow], compare: Callable[[ScoredRow, ScoredRow], Difference]) -> dict[str, int]:
+    """Rank rows by name: 1, 1, 3, 4, 4, ...
 
     The first row of a rank leads it. A row shares the rank of the leader before it if the interval of their difference
-    includes zero; otherwise it leads the next rank, whose number is its place. So a rank never says that its members
-    are equal, only that none of them was told from its leader; and two neighbours on either side of a border may be as
-    near to each other.
+    includes zero; otherwise it leads the next rank, whose number is its place. Members of a rank are not equal; each is
+    only not distinguished from its leader, and two neighbours on either side of a border may be as near to each other.
     """
     ranks: dict[str, int] = {}
-    leader: Scored | None = None
+    leader: ScoredRow | None = None
     for place, each in enumerate(best_first, start=1):
         if leader is not None and compare(leader, each).sign == 0:
             ranks[each.row.name] = ranks[leader.row.name]
@@ -128,41 +129,42 @@ def ranks_of(best_first: Sequence[Scored], compare: Callable[[Scored, Scored], D
     return ranks
 
 
-def _scored(by_name: Mapping[str, Row], group: str, splits: Sequence[str]) -> tuple[Grid, dict[str, Scored]]:
-    """Grid of the zero action's row, and all rows that are complete on it."""
+def _score_rows(by_name: Mapping[str, Row], group: str, splits: Sequence[str]) -> tuple[Grid, dict[str, ScoredRow]]:
+    """Score all rows that are complete on the grid of the zero action's row."""
     grid = grid_of(by_name[UNCOMPENSATED], group, splits)
     if not grid.cells:
         raise FFGymError(f"The zero action {UNCOMPENSATED!r} was not run on {group} with {', '.join(splits)}.")
     zero = sample_of(by_name[UNCOMPENSATED], grid)
     if not (zero.rms < float("inf")).all():
         raise FFGymError(f"The robot stopped with zero action on {group}, so that nothing can be compared with it.")
-    complete = [row for row in by_name.values() if lacking(row, grid) is None]
-    return grid, {row.name: Scored.of(row, sample_of(row, grid), zero) for row in complete}
+    complete = [row for row in by_name.values() if explain_lack(row, grid) is None]
+    return grid, {row.name: ScoredRow.of(row, sample_of(row, grid), zero) for row in complete}
 
 
 def _is_ranked(row: Row) -> bool:
     return row.ranked and row.name not in (UNCOMPENSATED, ORACLE)
 
 
-def _unproven(scored: Scored, grid: Grid) -> str | None:
-    """What varies in general and did not here: nobody knows then what another seed or robot would give."""
+def _unproven(scored: ScoredRow, grid: Grid) -> str | None:
+    """Name the factor that did not vary, so that the effect of another seed or robot is unknown; None if both did."""
     if scored.row.seeded and len(scored.sample.seeds) == 1:
         return "one seed"
     return "one drawn robot" if group_of(grid.plants[0]) == DRAWS and len(grid.plants) == 1 else None
 
 
 def _against_bases(by_name: Mapping[str, Row], group: str) -> dict[str, AgainstBase]:
-    """Residuals beside their bases, on all held-out circles that the zero action was run on."""
+    """Compare residuals with their bases, on all held-out circles that the zero action was run on."""
     residuals = {name: row.base for name, row in by_name.items() if row.base is not None}
     run = [split for split in HELD_OUT if grid_of(by_name[UNCOMPENSATED], group, [split]).cells]
-    scored: dict[str, Scored] = {}
+    scored: dict[str, ScoredRow] = {}
     if residuals and run:
         needed = {UNCOMPENSATED, *residuals, *residuals.values()}
-        grid, scored = _scored({name: row for name, row in by_name.items() if name in needed}, group, run)
+        grid, scored = _score_rows({name: row for name, row in by_name.items() if name in needed}, group, run)
     found = {}
     for name, base in residuals.items():
         lost = [each for each in (name, base) if each not in scored]
-        difference = None if lost else compared(scored[name], scored[base])
+        difference = None if lost else compare_rows(scored[name], scored[base])
+        # sentence, from lack of data to the sign of the difference
         if not run:
             words = "unknown: zero action has no held-out circles here"
         elif difference is None:

@@ -1,4 +1,4 @@
-"""Interquartile means, and what resampling seeds and plants says about their spread; a stopped robot is the worst.
+"""Interquartile means and their intervals by resampling seeds and plants; a stopped robot is the worst.
 
 Departs from Agarwal et al. in two points, both because intervals would otherwise be too narrow, so that rows that do
 not differ would get different ranks (tested: coverage):
@@ -28,13 +28,13 @@ from ffgym.core.types import Array, IntArray
 TRIM = 0.25
 """Share of values that an interquartile mean leaves out at either end."""
 CONFIDENCE = 0.95
-"""Of every interval."""
+"""Confidence of every interval."""
 RESAMPLES = 2000
-"""Chosen: with other random numbers the ends of an interval scatter by less than a tenth of its length (standard
-deviation, of means over 5 seeds, over 20 plants, and over both)."""
+"""Resamples of a row. Chosen: with other random numbers the ends of an interval scatter by less than a tenth of its
+length (standard deviation, of means over 5 seeds, over 20 plants, and over both)."""
 
 _SEED = 20210830
-"""Begins the seeds of all resamples; chosen: the day that the paper appeared."""
+"""First number of the seeds of all resamples; chosen: the day that the paper appeared."""
 _CHUNK = 500_000
 """Weights that are held at once; chosen to stay within the cache of a processor."""
 
@@ -47,40 +47,40 @@ class Interval:
     high: float
 
     def includes(self, value: float) -> bool:
-        """Whether a value is in it, ends counted."""
+        """Check that a value is in it, ends included."""
         return self.low <= value <= self.high
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Resamples:
-    """How often each of S seeds and each of P plants is taken in each of R resamples."""
+    """Counts of each of S seeds and each of P plants in each of R resamples."""
 
     seeds: IntArray
-    """Shape (R, S)."""
+    """Counts of seeds, shape (R, S)."""
     plants: IntArray
-    """Shape (R, P)."""
+    """Counts of plants, shape (R, P)."""
 
     @property
     def levels(self) -> int:
-        """Fewest seeds or plants of a factor that has more than one; 1 if nothing is random."""
+        """Fewest seeds or plants of a factor that has more than one; 1 without randomness."""
         return min((part.shape[1] for part in (self.seeds, self.plants) if part.shape[1] > 1), default=1)
 
 
 @lru_cache(maxsize=64)
-def resamples(name: str, n_seeds: int, n_plants: int, count: int = RESAMPLES) -> Resamples:
-    """Resamples of a row.
+def draw_resamples(name: str, n_seeds: int, n_plants: int, count: int = RESAMPLES) -> Resamples:
+    """Draw the resamples of a row.
 
     Rows of any name share the plants of a resample, so that differences between rows are paired by plant; seeds of two
     rows are independent trainings, and are drawn independently. The same name gives the same resamples.
     """
     return Resamples(
-        seeds=_drawn(n_seeds, count, np.random.default_rng([_SEED, 1, crc32(name.encode())])),
-        plants=_drawn(n_plants, count, np.random.default_rng([_SEED, 2])),
+        seeds=_draw(n_seeds, count, np.random.default_rng([_SEED, 1, crc32(name.encode())])),
+        plants=_draw(n_plants, count, np.random.default_rng([_SEED, 2])),
     )
 
 
 def interquartile_mean(values: Array) -> float:
-    """Mean of the values without the lowest and the highest quarter; NaN counts as the worst, infinity."""
+    """Compute the mean without the lowest and the highest quarter; NaN counts as the worst, infinity."""
     flat = np.sort(_worst(values), axis=None)
     if not len(flat):
         raise FFGymError("An interquartile mean needs at least one value, got none.")
@@ -88,19 +88,19 @@ def interquartile_mean(values: Array) -> float:
     return float(flat[cut : len(flat) - cut].mean())
 
 
-def resampled_means(values: Array, by: Resamples) -> Array:
-    """Mean of all values, shape (S, P, C), in every resample, shape (R,)."""
+def resample_means(values: Array, by: Resamples) -> Array:
+    """Compute the mean of all values, shape (S, P, C), in every resample, shape (R,)."""
     each = _worst(values).mean(axis=-1)
     stopped = np.isinf(each)
-    sums = _summed(np.where(stopped, 0.0, each), by) / each.size
-    return np.where(_summed(stopped.astype(float), by) > 0, np.inf, sums)
+    sums = _sum(np.where(stopped, 0.0, each), by) / each.size
+    return np.where(_sum(stopped.astype(float), by) > 0, np.inf, sums)
 
 
-def resampled_iqms(values: Array, by: Resamples) -> Array:
-    """Interquartile mean of all values, shape (S, P, C), in every resample, shape (R,).
+def resample_iqms(values: Array, by: Resamples) -> Array:
+    """Compute the interquartile mean of all values, shape (S, P, C), in every resample, shape (R,).
 
-    Of values in ascending order, E_i says how many of a resample are among the first i. What lies between the quarters
-    is then their sum by parts: sum (c_i - c_(i-1)) v_i with c = E, clipped to what the quarters leave.
+    E_i counts the values of a resample among the first i of all in ascending order. The sum between the quarters is
+    then a sum by parts: sum (c_i - c_(i-1)) v_i with c = E, clipped to the range between the quarters.
     """
     flat = _worst(values).ravel()
     order = np.argsort(flat, kind="stable")
@@ -108,8 +108,10 @@ def resampled_iqms(values: Array, by: Resamples) -> Array:
     low, high = int(TRIM * n), n - int(TRIM * n)
     if not finite:
         return np.full(len(by.seeds), np.inf)
+    # seed and plant of each value, in ascending order of values; infinite ones come last
     unit = np.repeat(np.arange(values.shape[0] * values.shape[1]), values.shape[2])[order[:finite]]
     ordered = flat[order[:finite]]
+    # chunks of resamples
     means, step = [], max(1, _CHUNK // n)
     for start in range(0, len(by.seeds), step):
         rows = slice(start, start + step)
@@ -122,15 +124,15 @@ def resampled_iqms(values: Array, by: Resamples) -> Array:
 
 
 def difference(first: Array, second: Array) -> Array:
-    """First minus second; two that are both infinite do not differ."""
+    """Subtract the second from the first; two that are both infinite do not differ."""
     same = np.asarray(first) == np.asarray(second)
     return np.where(same, 0.0, np.subtract(first, second, where=~same, out=np.zeros(np.shape(same))))
 
 
 def interval(samples: Array, levels: int) -> Interval | None:
-    """Expanded percentile interval of a statistic in every resample, shape (R,); None if it is exact.
+    """Compute the expanded percentile interval of a statistic in every resample, (R,); None if it is exact.
 
-    `levels` is how many seeds or plants were resampled, the smaller number if both were.
+    `levels` is the number of seeds or plants that were resampled, the smaller one if both were.
     """
     if levels < 2:
         return None
@@ -141,11 +143,11 @@ def interval(samples: Array, levels: int) -> Interval | None:
     return Interval(float(low), float(high))
 
 
-def _drawn(n: int, count: int, rng: np.random.Generator) -> IntArray:
+def _draw(n: int, count: int, rng: np.random.Generator) -> IntArray:
     return rng.multinomial(n, np.full(n, 1 / n), size=count).astype(np.intp)
 
 
-def _summed(values: Array, by: Resamples) -> Array:
+def _sum(values: Array, by: Resamples) -> Array:
     return cast(Array, np.einsum("rs,sp,rp->r", by.seeds, values, by.plants, optimize=True))
 
 

@@ -1,1 +1,1 @@
-"""What agents did: they run on plants, in jobs that any process can do, and are scored."""
+"""Evaluation of agents: runs on plants, in jobs that any process can do, scored by circles."""

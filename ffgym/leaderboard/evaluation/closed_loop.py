@@ -1,4 +1,4 @@
-"""Agents in an environment, on many tasks side by side: what a policy sees, decides, and what the machine records."""
+"""Rollouts of agents in an environment, on many tasks side by side: observations, decisions and recordings."""
 
 import time
 from collections.abc import Sequence
@@ -26,16 +26,16 @@ TIMED = 100
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Flight:
-    """What came of one task."""
+class Rollout:
+    """Recording and actions of one task."""
 
     recording: Recording | None
-    """None if the robot stopped before the end of its motion."""
+    """Recording of the run; None if the robot stopped before the end of its motion."""
     actions: Array
-    """As the agent gave them, clipped to [-1, 1], shape (T, N)."""
+    """Actions of the agent, clipped to [-1, 1], shape (T, N)."""
 
 
-def fly(
+def run_rollouts(
     plant: TestPlant,
     policies: Sequence[Policy],
     tasks: Sequence[Task],
@@ -44,18 +44,18 @@ def fly(
     seeds: Sequence[int] | None = None,
     n_threads: int = 0,
     progress: Progress | None = None,
-) -> list[list[Flight]]:
-    """Run policies on tasks, all side by side in one environment; one list of flights per policy.
+) -> list[list[Rollout]]:
+    """Run policies on tasks, all side by side in one environment; return one list of rollouts per policy.
 
     Args:
         plant: the machine.
-        policies: what acts; all with one preview and one action scale.
+        policies: policies to run, all with one preview and one action scale.
         tasks: motions for each of them.
-        agents: who decides in place of the policies' own agents, e.g. in another process; None makes these.
-        seeds: of the sensors' noise for each policy, None for 0; the same task and seed have the same noise for every
+        agents: agents in place of the policies' own, e.g. in another process; None makes these.
+        seeds: seed of the sensors' noise for each policy, None for 0; one task and seed have the same noise for every
             policy, and for laws on the rig.
-        n_threads: of the engine, 0 for all cores.
-        progress: called now and then with the simulated seconds done and their total.
+        n_threads: threads of the engine, 0 for all cores.
+        progress: function that is called now and then with the simulated seconds done and their total.
 
     Raises:
         FFGymError: if a policy does not fit the robot, or an action is not finite or has the wrong shape.
@@ -65,25 +65,26 @@ def fly(
     env = environment_for(plant, *view, len(policies) * n, recorder=recorder, n_threads=n_threads)
     core: TrackingCore = env.unwrapped.core
     robot, layout = core.robot, core.observation_layout
-    # Agents decide on equal shares of the rows.
+    # agents decide on equal shares of the rows
     decide = agents or [policy.agent(robot, layout) for policy in policies]
     own = [0] * len(policies) if seeds is None else list(seeds)
     each = [{"position": task.position, "speed": task.speed, "radii": task.radii} for task in tasks]
     of_rows = [seed + i for seed in own for i in range(n)]
     observation, _ = env.reset(seed=of_rows, options={"each": each * len(policies)})
     try:
-        flights = _run(env, recorder, decide, observation, progress)
+        rollouts = _run(env, recorder, decide, observation, progress)
     finally:
         env.close()
-    for i, flight in enumerate(flights):
-        if flight.recording is not None:
+    # sensors' noise by task and seed, whatever runs beside
+    for i, rollout in enumerate(rollouts):
+        if rollout.recording is not None:
             rng = np.random.default_rng(noise_seed(tasks[i % n], own[i // n]))
-            flights[i] = replace(flight, recording=measure(flight.recording, plant.sensors, rng))
-    return [flights[i : i + n] for i in range(0, len(flights), n)]
+            rollouts[i] = replace(rollout, recording=measure(rollout.recording, plant.sensors, rng))
+    return [rollouts[i : i + n] for i in range(0, len(rollouts), n)]
 
 
 def environment_for(plant: TestPlant, preview: int, action_scale: float, n: int, **arguments: Any) -> Any:
-    """Environment of a plant for a policy: `n` sub-environments that run each task to its end and wait."""
+    """Make the environment of a plant: `n` sub-environments that run each task to its end and wait."""
     return gym.make_vec(
         plant.env_id,
         num_envs=n,
@@ -96,8 +97,8 @@ def environment_for(plant: TestPlant, preview: int, action_scale: float, n: int,
 
 def _run(
     env: Any, recorder: EpisodeRecorder, agents: Sequence[Agent], observation: Array, progress: Progress | None
-) -> list[Flight]:
-    """Step until every motion has ended; what came of each row."""
+) -> list[Rollout]:
+    """Step until every motion has ended; return the rollout of each row."""
     core: TrackingCore = env.unwrapped.core
     total, dt = sum(motion.n_steps for motion in core.motions if motion is not None), core.robot.servo.control_dt
     going: BoolArray = np.ones(len(observation), dtype=np.bool_)
@@ -106,6 +107,7 @@ def _run(
     actions: list[Array] = []
     recordings: dict[int, Recording] = {}
     while going.any():
+        # decisions of the agents whose motions still run
         action = np.zeros((len(going), core.robot.n_joints))
         for i, agent in enumerate(agents):
             rows = slice(i * share, (i + 1) * share)
@@ -115,6 +117,7 @@ def _run(
         observation, _, terminated, truncated, _ = env.step(action)
         actions.append(np.clip(action, -1.0, 1.0))
         lengths += going
+        # recordings of motions that end here; emergency stops have none
         ended = going & (terminated | truncated)
         recorded = zip(np.flatnonzero(ended).tolist(), recorder.recordings, strict=True)
         recordings |= {i: recording for i, recording in recorded if not terminated[i]}
@@ -123,11 +126,11 @@ def _run(
         if progress is not None:
             progress(float(lengths.sum() * dt), total * dt)
     acted = np.stack(actions)
-    return [Flight(recording=recordings.get(i), actions=acted[:length, i]) for i, length in enumerate(lengths)]
+    return [Rollout(recording=recordings.get(i), actions=acted[:length, i]) for i, length in enumerate(lengths)]
 
 
 def inference_time(plant: TestPlant, policy: Policy) -> float:
-    """Median time of one decision for one robot [us]; it waits at the start of a motion, which takes as long as any."""
+    """Measure the median time of one decision for one robot [us], at the start of a motion; all take as long."""
     robot, layout, observation = _waiting(plant, policy.preview, policy.action_scale)
     agent = policy.agent(robot, layout)
     state, times = None, []
@@ -140,7 +143,7 @@ def inference_time(plant: TestPlant, policy: Policy) -> float:
 
 @lru_cache(maxsize=8)
 def _waiting(plant: TestPlant, preview: int, action_scale: float) -> tuple[RobotDescription, ObservationLayout, Array]:
-    """What one robot of a plant shows an agent with such a view when a motion begins."""
+    """Return robot, layout and observation of a plant when a motion begins, for agents with such arguments."""
     env = environment_for(plant, preview, action_scale, 1, n_threads=1)
     observation, _ = env.reset(seed=0)
     core: TrackingCore = env.unwrapped.core

@@ -1,4 +1,4 @@
-"""Agents on plants: cut into jobs that any process can do, scored by circles, and put together as outcomes."""
+"""Jobs: runs of agents on plants that any process can do, scored by circles and collected as outcomes."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,10 +7,10 @@ from itertools import groupby
 import numpy as np
 
 from ffgym.core.provenance import versions
-from ffgym.leaderboard.entrants import Ready, Registry, entrant_named
-from ffgym.leaderboard.evaluation.closed_loop import fly, inference_time
-from ffgym.leaderboard.plants import DRAW, TestPlant, plant_named
-from ffgym.leaderboard.results import Cell, Outcome, Trail
+from ffgym.leaderboard.entrants import ReadyAgent, Registry, find_entrant
+from ffgym.leaderboard.evaluation.closed_loop import inference_time, run_rollouts
+from ffgym.leaderboard.plants import DRAW, TestPlant, find_plant
+from ffgym.leaderboard.results import CircleResult, Outcome, Trail
 from ffgym.leaderboard.tasks import Task, noise_seed, references_of
 from ffgym.recordings import Recording
 from ffgym.recordings.metrics import deviation_along
@@ -20,11 +20,11 @@ from ffgym.studies import circle_scores, in_mm
 PICTURED = ("p2", 0.003)
 """Position and radius [m] of the circles that pictures show: held out, of the thesis' middle size; chosen."""
 _POINTS = 120
-"""Of a picture's circle: every 3 degrees."""
+"""Points of a picture's circle: every 3 degrees."""
 
 TOGETHER = 8
-"""About how many agents one job has on one plant. More side by side cost less each, as the effects of a workcell are
-computed for all at once; chosen so that a dozen agents keep two cores busy."""
+"""Agents of one job on one plant, about. More side by side cost less each, as the effects of a workcell are computed
+for all at once; chosen so that a dozen agents keep two cores busy."""
 
 Wanted = tuple[str, int, str]
 """Name of an agent, its seed, name of a plant."""
@@ -35,17 +35,17 @@ class Job:
     """Some agents, each with a seed, on one plant."""
 
     registry: Registry
-    """Where entrants are found, see `entrants_in`."""
+    """Source of the entrants, see `find_entrants`."""
     plant: str
     agents: tuple[tuple[str, int], ...]
     """Names and seeds."""
     splits: tuple[str, ...]
     threads: int = 1
-    """Of the engine."""
+    """Threads of the engine."""
 
 
 def jobs_for(registry: Registry, wanted: Sequence[Wanted], splits: Sequence[str], threads: int = 1) -> list[Job]:
-    """Jobs for agents, seeds and plants; those of one plant go together, the longest work first."""
+    """Divide agents, seeds and plants into jobs, by plant, the longest work first."""
     jobs = []
     order = sorted(wanted, key=lambda each: (not each[2].startswith("workcell:"), each[2]))
     for plant, group in groupby(order, key=lambda each: each[2]):
@@ -59,61 +59,64 @@ def jobs_for(registry: Registry, wanted: Sequence[Wanted], splits: Sequence[str]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Starter:
-    """An agent on the start."""
+class SeededAgent:
+    """An agent that is ready to run, with its seed."""
 
     name: str
     seed: int
-    ready: Ready
+    ready: ReadyAgent
 
 
 def run_job(job: Job) -> list[tuple[str, Outcome]]:
-    """Run one job here."""
-    plant = plant_named(job.plant)
+    """Run one job in this process."""
+    plant = find_plant(job.plant)
     tasks = plant.tasks(job.splits)
-    starters = []
+    seeded = []
     for name, group in groupby(job.agents, key=lambda agent: agent[0]):
         seeds = [seed for _, seed in group]
-        made = entrant_named(job.registry, name).ready(plant, seeds, tuple(tasks))
+        made = find_entrant(job.registry, name).ready(plant, seeds, tuple(tasks))
         found = zip(seeds, made, strict=True)
-        starters += [Starter(name=name, seed=seed, ready=ready) for seed, ready in found if ready is not None]
-    return outcomes_of(plant, starters, tasks, job.threads)
+        seeded += [SeededAgent(name=name, seed=seed, ready=ready) for seed, ready in found if ready is not None]
+    return outcomes_of(plant, seeded, tasks, job.threads)
 
 
 def outcomes_of(
-    plant: TestPlant, starters: Sequence[Starter], tasks: Sequence[Task], threads: int = 0
+    plant: TestPlant, seeded: Sequence[SeededAgent], tasks: Sequence[Task], threads: int = 0
 ) -> list[tuple[str, Outcome]]:
-    """Outcomes of agents on a plant, laws first, with their names."""
-    laws = [(starter, starter.ready.law) for starter in starters if starter.ready.law is not None]
-    policies = [(starter, starter.ready.policy) for starter in starters if starter.ready.policy is not None]
+    """Run agents on a plant; return names and outcomes, laws first."""
+    laws = [(agent, agent.ready.law) for agent in seeded if agent.ready.law is not None]
+    policies = [(agent, agent.ready.policy) for agent in seeded if agent.ready.policy is not None]
     recordings: list[Sequence[Recording | None]] = []
-    if laws:  # all side by side in one batch
+    # laws on the rig, all side by side in one batch
+    if laws:
         references = references_of(plant.rig.arm, tasks)
         runs = [Run(reference=reference, law=law) for _, law in laws for reference in references]
-        noise = [np.random.default_rng(noise_seed(task, starter.seed)) for starter, _ in laws for task in tasks]
+        noise = [np.random.default_rng(noise_seed(task, agent.seed)) for agent, _ in laws for task in tasks]
         recorded = plant.rig.run(runs, seed=noise, n_threads=threads)
         recordings += [recorded[i : i + len(tasks)] for i in range(0, len(recorded), len(tasks))]
-    for _, group in groupby(policies, key=lambda entry: entry[0].name):  # those of one row side by side
+    # policies in the environment, seeds of one row side by side
+    for _, group in groupby(policies, key=lambda entry: entry[0].name):
         row = list(group)
-        seeds = [starter.seed for starter, _ in row]
-        flown = fly(plant, [policy for _, policy in row], tasks, seeds=seeds, n_threads=threads)
-        recordings += [[flight.recording for flight in flights] for flights in flown]
-    ran = [starter for starter, _ in (*laws, *policies)]
+        seeds = [agent.seed for agent, _ in row]
+        found = run_rollouts(plant, [policy for _, policy in row], tasks, seeds=seeds, n_threads=threads)
+        recordings += [[rollout.recording for rollout in rollouts] for rollouts in found]
+    ran = [agent for agent, _ in (*laws, *policies)]
     return [(one.name, _outcome(plant, one, tasks, own)) for one, own in zip(ran, recordings, strict=True)]
 
 
 def _outcome(
-    plant: TestPlant, starter: Starter, tasks: Sequence[Task], recordings: Sequence[Recording | None]
+    plant: TestPlant, agent: SeededAgent, tasks: Sequence[Task], recordings: Sequence[Recording | None]
 ) -> Outcome:
-    ready, acts = starter.ready, starter.ready.policy or starter.ready.timed
+    """Score the recordings of an agent on its tasks."""
+    ready, acts = agent.ready, agent.ready.policy or agent.ready.timed
     pairs = list(zip(tasks, recordings, strict=True))
     cells = [
         cell for task, recording in pairs for cell in (cells_of(task, recording) if recording else lost_cells(task))
     ]
-    pictured = starter.seed == 0 and not plant.name.startswith(DRAW)
+    pictured = agent.seed == 0 and not plant.name.startswith(DRAW)
     trails = [trail for task, recording in pairs if pictured and recording for trail in trails_of(task, recording)]
     return Outcome(
-        seed=starter.seed,
+        seed=agent.seed,
         plant=plant.name,
         fingerprint=plant.fingerprint,
         versions=", ".join(f"{name} {version}" for name, version in versions().items()),
@@ -127,7 +130,7 @@ def _outcome(
 
 
 def trails_of(task: Task, recording: Recording) -> list[Trail]:
-    """Where the tool went on the circle that pictures show, if the task has it."""
+    """Compute the trail of the circle that pictures show, if the task has it."""
     position, radius = PICTURED
     if task.position != position or radius not in task.radii:
         return []
@@ -143,10 +146,10 @@ def trails_of(task: Task, recording: Recording) -> list[Trail]:
     ]
 
 
-def cells_of(task: Task, recording: Recording) -> list[Cell]:
-    """Cells of a task that ran to its end."""
+def cells_of(task: Task, recording: Recording) -> list[CircleResult]:
+    """Score the circles of a task that ran to its end."""
     return [
-        Cell(
+        CircleResult(
             split=task.split,
             position=task.position,
             speed_mm_s=in_mm(task.speed),
@@ -156,10 +159,10 @@ def cells_of(task: Task, recording: Recording) -> list[Cell]:
     ]
 
 
-def lost_cells(task: Task) -> list[Cell]:
-    """Cells of a task in which the robot stopped: no figures, which counts as the worst."""
+def lost_cells(task: Task) -> list[CircleResult]:
+    """Make results without figures for a task in which the robot stopped, which counts as the worst."""
     speed = in_mm(task.speed)
     return [
-        Cell(split=task.split, position=task.position, radius_mm=in_mm(radius), speed_mm_s=speed)
+        CircleResult(split=task.split, position=task.position, radius_mm=in_mm(radius), speed_mm_s=speed)
         for radius in task.radii
     ]

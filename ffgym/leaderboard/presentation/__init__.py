@@ -1,1 +1,1 @@
-"""The standings for people: on the terminal, and as one page with table, pictures and cards."""
+"""Presentation of the standings: on the terminal, and as one page with table, pictures and cards."""

@@ -1,4 +1,4 @@
-"""The leaderboard as one HTML page that needs nothing else and asks for nothing else."""
+"""Page of the leaderboard: one HTML file that loads no other."""
 
 import base64
 import hashlib
@@ -8,16 +8,16 @@ from typing import Any, TypeAlias
 
 from ffgym.leaderboard.comparison.samples import GROUPS, SELECTIONS, grid_of, groups_of
 from ffgym.leaderboard.comparison.standings import Standing, Standings, standings
-from ffgym.leaderboard.presentation.figures import changed, count, digits, duration, share
+from ffgym.leaderboard.presentation.figures import count, digits, duration, length_with_change, share
 from ffgym.leaderboard.presentation.pictures import (
     LearningCurve,
     Picture,
-    ToolPaths,
+    ToolTraces,
     glance,
     learning_curve,
     tool_pictures,
 )
-from ffgym.leaderboard.presentation.pictures import ToolPath as ToolPath
+from ffgym.leaderboard.presentation.pictures import ToolTrace as ToolTrace
 from ffgym.leaderboard.presentation.table import every_column, table_of
 from ffgym.leaderboard.presentation.words import SELECTION_TITLES, group_title, headline, residual_sentence
 from ffgym.leaderboard.results import Row
@@ -32,17 +32,17 @@ Card: TypeAlias = tuple[Row, list[tuple[str, Standing]], LearningCurve | None, l
 def render_page(
     rows: Sequence[Row],
     *,
-    tracks: ToolPaths | None = None,
+    tracks: ToolTraces | None = None,
     provenance: Mapping[str, Any],
     agent_pages: str = "../agents/",
 ) -> str:
-    """HTML of the leaderboard; the same rows, in whatever order, give the same text.
+    """Render the leaderboard as HTML; the same rows, in any order, give the same text.
 
     Args:
-        rows: with different names, among them the zero action 'none'.
+        rows: rows with different names, among them the zero action 'none'.
         tracks: path of the tool by row name and TCP speed [mm/s]; rows without one have no picture.
-        provenance: where the numbers come from, by name; a dict in it gives a line per entry.
-        agent_pages: where links to the agents' pages begin, from where this page will lie.
+        provenance: origin of the numbers, by name; a dict in it gives a line per entry.
+        agent_pages: start of the links to the agents' pages, relative to the place of this page.
 
     Raises:
         FFGymError: if rows cannot be compared, or matplotlib or jinja2 is missing.
@@ -51,7 +51,7 @@ def render_page(
     tables = [table_of(each) for each in every]
     first, script = every[0], resource("leaderboard.js")
     on_workcell = [each for each in every if (each.group, each.selection) == (GROUPS[0], "positions")]
-    # Data cannot end the script it stands in, whatever a row is called; the page's policy lets only `script` run.
+    # data cannot end the script around it, whatever a row is called; the page's policy lets only `script` run
     data = json.dumps({table.key: table.plain() for table in tables}, separators=(",", ":"), allow_nan=False)
     data = data.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")
     script_hash = "sha256-" + base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
@@ -74,12 +74,12 @@ def render_page(
         script_hash=script_hash,
         data=data,
         provenance=provenance_lines(provenance),
-        **{each.__name__: each for each in (changed, count, digits, duration, group_title, share)},
+        **{each.__name__: each for each in (length_with_change, count, digits, duration, group_title, share)},
     )
 
 
 def all_standings(rows: Sequence[Row]) -> list[Standings]:
-    """Standings on every group of plants and selection of circles that the zero action was run on."""
+    """Compute standings on every group of plants and selection of circles that the zero action was run on."""
     found = [
         standings(rows, group, selection)
         for row in rows
@@ -88,12 +88,13 @@ def all_standings(rows: Sequence[Row]) -> list[Standings]:
         for selection in SELECTIONS
         if grid_of(row, group, SELECTIONS[selection]).cells
     ]
-    return found or [standings(rows, GROUPS[0], next(iter(SELECTIONS)))]  # which tells what is missing
+    return found or [standings(rows, GROUPS[0], next(iter(SELECTIONS)))]  # which names the missing rows
 
 
-def _cards(rows: Sequence[Row], every: Sequence[Standings], paths: ToolPaths) -> list[Card]:
-    """A card per row; those of the first standings on held-out circles in their order, then the others by name."""
-    held_out: dict[str, Standings] = {}  # of each group on the most circles; selections are in the order of what counts
+def _cards(rows: Sequence[Row], every: Sequence[Standings], paths: ToolTraces) -> list[Card]:
+    """Make a card per row: those of the first standings on held-out circles in their order, then the others by name."""
+    # standings of each group on the most circles, as selections are in order of importance
+    held_out: dict[str, Standings] = {}
     for each in every:
         if set(SELECTIONS[each.selection]) <= set(HELD_OUT):
             held_out.setdefault(each.group, each)

@@ -1,4 +1,4 @@
-"""Numbers of the pictures of the page, which a template draws: tool paths, learning curves, standings at a glance."""
+"""Pictures of the page as numbers that a template draws: tool paths, learning curves, standings at a glance."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -24,7 +24,7 @@ _REACH = 0.3
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class ToolPath:
+class ToolTrace:
     """Path of the tool and of its reference seen along the normal of their plane, on one motion."""
 
     reference: ArrayLike
@@ -32,21 +32,21 @@ class ToolPath:
     tool: ArrayLike
     """Points [mm], shape (T, 2); T may differ from R."""
     where: str = ""
-    """Which motion on which machine, in words."""
+    """Motion and machine, in words."""
     points: Array = field(init=False, repr=False)
-    """The reference, as it is drawn [mm], shape (R, 2)."""
+    """Drawn points of the reference [mm], shape (R, 2)."""
     _near: Array = field(init=False, repr=False)
     _error: Array = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         reference = check_shape("reference", self.reference, (None, 2))
-        tool = _thinned(check_shape("tool", self.tool, (None, 2)))
+        tool = _thin(check_shape("tool", self.tool, (None, 2)))
         near = nearest_on_polylines(tool, np.broadcast_to(reference, (len(tool), *reference.shape)))
-        for name, value in (("points", _thinned(reference)), ("_near", near), ("_error", tool - near)):
+        for name, value in (("points", _thin(reference)), ("_near", near), ("_error", tool - near)):
             object.__setattr__(self, name, value)
 
-    def enlarged(self, factor: float) -> Array:
-        """Path of the tool with its distance from the nearest point of the reference enlarged [mm], shape (T, 2)."""
+    def enlarge(self, factor: float) -> Array:
+        """Enlarge the distance of the tool from the nearest point of the reference [mm], shape (T, 2)."""
         return magnify(self._near, self._error, factor)
 
     @property
@@ -57,16 +57,16 @@ class ToolPath:
         return magnification(room, largest, MOST)
 
 
-ToolPaths = Mapping[str, Mapping[float, ToolPath]]
-"""By name of the row and TCP speed [mm/s]."""
+ToolTraces = Mapping[str, Mapping[float, ToolTrace]]
+"""Traces by name of the row and TCP speed [mm/s]."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Line:
+class PictureLine:
     """A line of a picture, whose width does not grow with it."""
 
     points: str
-    """Places as SVG has them, y downwards."""
+    """Points in SVG, y downwards."""
     colour: str
     """Name of a colour in the template."""
     width: float
@@ -74,18 +74,18 @@ class Line:
 
     @classmethod
     def through(cls, points: ArrayLike, colour: str, width: float, dash: str = "") -> Self:
-        """Line through points, shape (T, 2), y upwards."""
+        """Make a line through points, shape (T, 2), y upwards."""
         places = " ".join(f"{number(x)},{number(-y)}" for x, y in np.asarray(points, dtype=float))
         return cls(points=places, colour=colour, width=width, dash=dash)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Picture:
-    """Path of the tool and what stands below it."""
+    """Path of the tool with its caption."""
 
-    lines: tuple[Line, ...]
+    lines: tuple[PictureLine, ...]
     box: str
-    """Corner and size of what is seen, as SVG has them."""
+    """View box of SVG: corner and size."""
     caption: str
 
 
@@ -99,12 +99,12 @@ class LearningCurve:
     """Lowest reward."""
     high: float
     """Upper end of the axis."""
-    line: Line
+    line: PictureLine
     """The curve in its frame of 348 x 154 pixels."""
 
 
 def learning_curve(points: Sequence[tuple[float, float]]) -> LearningCurve | None:
-    """Curve of steps and rewards; None if there are fewer than two points."""
+    """Scale the curve of steps and rewards to its frame; return None for fewer than two points."""
     if len(points) < 2:
         return None
     steps, rewards = np.asarray(points, dtype=float).T
@@ -112,26 +112,26 @@ def learning_curve(points: Sequence[tuple[float, float]]) -> LearningCurve | Non
     high = max(float(rewards.max()), low + 1.0 * (np.ptp(rewards) == 0))
     x = 58 + 348 * (steps - steps[0]) / max(float(np.ptp(steps)), 1.0)
     y = 12 + 154 * (high - rewards) / (high - low)
-    line = Line.through(np.stack([x, -y], axis=1), "own", 1.8)
+    line = PictureLine.through(np.stack([x, -y], axis=1), "own", 1.8)
     return LearningCurve(steps=steps, rewards=rewards, low=low, high=high, line=line)
 
 
 def number(value: float) -> str:
-    """A number of a picture, with three digits behind the point at most."""
+    """Format a number of a picture, with three digits behind the point at most."""
     digits = f"{value:.3f}".rstrip("0").rstrip(".")
     return "0" if digits == "-0" else digits
 
 
-def paths_of(rows: Sequence[Row], plant: str = THESIS_WORKCELL) -> dict[str, dict[float, ToolPath]]:
-    """Paths from the trails of results on a plant, those of each row's first seed; rows without any are left out."""
+def paths_of(rows: Sequence[Row], plant: str = THESIS_WORKCELL) -> dict[str, dict[float, ToolTrace]]:
+    """Compute traces from the trails on a plant, of each row's first seed; rows without trails are left out."""
     circle = unit_vectors(np.linspace(0, 2 * np.pi, 721))
-    found: dict[str, dict[float, ToolPath]] = {}
+    found: dict[str, dict[float, ToolTrace]] = {}
     for row in rows:
         known = [outcome for outcome in row.outcomes if outcome.plant == plant and outcome.trails]
         for trail in min(known, key=lambda outcome: outcome.seed).trails if known else ():
             deviation = np.asarray(trail.deviation_um) * 1e-3
             outwards = unit_vectors(np.linspace(0, 2 * np.pi, len(deviation), endpoint=False))
-            found.setdefault(row.name, {})[trail.speed_mm_s] = ToolPath(
+            found.setdefault(row.name, {})[trail.speed_mm_s] = ToolTrace(
                 reference=trail.radius_mm * circle,
                 tool=(trail.radius_mm + deviation)[:, None] * outwards,
                 where=f"{trail.position}, r = {trail.radius_mm:g} mm, {plant}",
@@ -139,19 +139,20 @@ def paths_of(rows: Sequence[Row], plant: str = THESIS_WORKCELL) -> dict[str, dic
     return found
 
 
-def tool_pictures(paths: Mapping[float, ToolPath], zero: Mapping[float, ToolPath]) -> list[Picture]:
-    """One picture per speed, slowest first; with the path of the zero action where there is one, equally enlarged."""
+def tool_pictures(paths: Mapping[float, ToolTrace], zero: Mapping[float, ToolTrace]) -> list[Picture]:
+    """Draw one picture per speed, slowest first, with the path of the zero action equally enlarged, if any."""
     return [_picture(paths[speed], zero.get(speed), speed) for speed in sorted(paths)]
 
 
-def _picture(path: ToolPath, zero: ToolPath | None, speed: float) -> Picture:
+def _picture(path: ToolTrace, zero: ToolTrace | None, speed: float) -> Picture:
+    """Draw reference, zero action and tool, all at one magnification."""
     factor = path.magnification if zero is None else zero.magnification
-    lines = [Line.through(path.points, "reference", 1, "4 3")]
-    drawn = [path.points, path.enlarged(factor)]
+    lines = [PictureLine.through(path.points, "reference", 1, "4 3")]
+    drawn = [path.points, path.enlarge(factor)]
     if zero is not None and zero is not path:
-        drawn.append(zero.enlarged(factor))
-        lines.append(Line.through(drawn[-1], "zero", 1.2))
-    lines.append(Line.through(drawn[1], "own", 1.8))
+        drawn.append(zero.enlarge(factor))
+        lines.append(PictureLine.through(drawn[-1], "zero", 1.2))
+    lines.append(PictureLine.through(drawn[1], "own", 1.8))
     every = np.concatenate(drawn)
     low, span = every.min(axis=0), float(np.ptp(every, axis=0).max()) * 1.06
     corner = low - (span - np.ptp(every, axis=0)) / 2
@@ -159,7 +160,7 @@ def _picture(path: ToolPath, zero: ToolPath | None, speed: float) -> Picture:
     return Picture(lines=tuple(lines), box=box, caption=f"{speed:g} mm/s, {scale_words(factor)}")
 
 
-def _thinned(points: Array) -> Array:
+def _thin(points: Array) -> Array:
     return points[np.unique(np.linspace(0, len(points) - 1, min(_POINTS, len(points))).round().astype(int))]
 
 
@@ -174,15 +175,15 @@ class Glance:
     """Share of the zero action's mean error that ranked rows leave at every speed, on a logarithmic axis."""
 
     colours: dict[float, str]
-    """By speed [mm/s]."""
+    """Colours by speed [mm/s]."""
     ticks: list[tuple[float, float]]
-    """Shares that are marked, and their places along the axis, 0 to 1."""
+    """Marked shares, and their positions along the axis, 0 to 1."""
     rows: list[tuple[str, dict[float, float]]]
-    """Rank and title of each row, and its places by speed."""
+    """Rank and title of each row, and its positions by speed."""
 
 
 def glance(standings: Standings) -> Glance | None:
-    """All standings at a glance; None if no robot moved."""
+    """Scale all standings to one axis; return None if no robot moved."""
     speeds = standings.grid.speeds_mm_s
     shares = [[1 - each.reduction for each in line.score.speeds] for line in standings.ranked]
     finite = [share for row in shares for share in row if np.isfinite(share) and share > 0]

@@ -1,4 +1,4 @@
-"""Standings as a table, on the page and in a terminal: its columns, and each row's figure in every one of them."""
+"""Standings as a table, on the page and in a terminal: columns, and the figures of each row."""
 
 import tomllib
 from collections.abc import Mapping
@@ -11,11 +11,11 @@ from ffgym.leaderboard.presentation.figures import (
     NOTHING,
     Figure,
     change,
-    changed,
     count,
     digits,
     duration,
     length,
+    length_with_change,
     share,
     sortable,
 )
@@ -24,7 +24,7 @@ from ffgym.leaderboard.presentation.words import (
     PublishedRow,
     circles_note,
     group_title,
-    published_rows,
+    list_published_rows,
     residual_sentence,
 )
 from ffgym.report import table as report
@@ -32,7 +32,7 @@ from ffgym.report.page import resource
 
 
 @dataclass(frozen=True, kw_only=True)
-class Column:
+class StandingsColumn:
     """One column, see leaderboard_columns.toml."""
 
     key: str
@@ -44,32 +44,32 @@ class Column:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Line:
+class StandingsLine:
     """One row of the table."""
 
     kind: str
     """'ranked', 'shown' or 'published'."""
     name: str
-    """Of the row; a published method's, with 'published_' before it."""
+    """Name of the row; a published method's with the prefix 'published_'."""
     track: str
     learned: bool
-    """Whether it learned from motion of a machine, simulated or real."""
+    """True if it learned from motion of a machine, simulated or real."""
     cells: tuple[Figure, ...]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Table:
+class StandingsTable:
     """Columns and lines, in the order of the standings; published rows last."""
 
     key: str
     """Group and selection."""
-    columns: tuple[Column, ...]
-    lines: tuple[Line, ...]
+    columns: tuple[StandingsColumn, ...]
+    lines: tuple[StandingsLine, ...]
     note: str
-    """Which circles and plants, and who is missing."""
+    """Circles, plants, and rows that are left out."""
 
     def plain(self) -> dict[str, Any]:
-        """As JSON holds it: a cell is [text, sort, detail, bar], shortened from the end."""
+        """Convert to JSON: a cell is [text, sort, detail, bar], shortened from the end."""
         heads = [[column.key, column.title, column.unit, int(column.is_text)] for column in self.columns]
         lines = []
         for line in self.lines:
@@ -82,13 +82,13 @@ class Table:
 
 
 @cache
-def every_column() -> tuple[Column, ...]:
-    """All columns, those of speeds as one."""
-    return tuple(Column(**entry) for entry in tomllib.loads(resource("leaderboard_columns.toml"))["column"])
+def every_column() -> tuple[StandingsColumn, ...]:
+    """Read all columns, those of speeds as one."""
+    return tuple(StandingsColumn(**entry) for entry in tomllib.loads(resource("leaderboard_columns.toml"))["column"])
 
 
-def columns_of(standings: Standings) -> list[Column]:
-    """All columns; one per speed."""
+def columns_of(standings: Standings) -> list[StandingsColumn]:
+    """List all columns, with one per speed."""
     columns = []
     for column in every_column():
         if column.key == "speed":
@@ -99,15 +99,15 @@ def columns_of(standings: Standings) -> list[Column]:
     return columns
 
 
-def table_of(standings: Standings) -> Table:
-    """Table of standings."""
-    columns, published = columns_of(standings), published_rows(standings.grid.cells)
+def table_of(standings: Standings) -> StandingsTable:
+    """Make the table of standings."""
+    columns, published = columns_of(standings), list_published_rows(standings.grid.cells)
 
     def cells(figures: Mapping[str, Figure]) -> tuple[Figure, ...]:
         return tuple(figures.get(column.key, NOTHING) for column in columns)
 
     lines = [
-        Line(
+        StandingsLine(
             kind="shown" if line.rank is None else "ranked",
             name=line.row.name,
             track=line.row.track,
@@ -117,16 +117,16 @@ def table_of(standings: Standings) -> Table:
         for line in standings.lines
     ]
     lines += [
-        Line(
+        StandingsLine(
             kind="published",
             name=f"published_{row.method}",
             track="published",
             learned=row.method.startswith("bsn"),
-            cells=cells(_published(row)),
+            cells=cells(_figures_of_thesis(row)),
         )
         for row in published
     ]
-    return Table(
+    return StandingsTable(
         key=f"{standings.group}|{standings.selection}",
         columns=tuple(columns),
         lines=tuple(lines),
@@ -135,10 +135,10 @@ def table_of(standings: Standings) -> Table:
 
 
 def _figures(line: Standing) -> dict[str, Figure]:
-    """Figures of a row by the key of their column."""
+    """Compute the figures of a row by the key of their column."""
     row, score = line.row, line.score
     time = score.inference_us
-    return {f"speed{each.speed_mm_s:g}": changed(each.rms_um, each.reduction) for each in score.speeds} | {
+    return {f"speed{each.speed_mm_s:g}": length_with_change(each.rms_um, each.reduction) for each in score.speeds} | {
         "rank": _rank(line.rank),
         "agent": Figure(text=row.title, detail=f"on {row.base}" if row.base else "", sort=row.title.lower()),
         "left": share(score.left, score.left_interval, bar=True),
@@ -162,9 +162,9 @@ def _figures(line: Standing) -> dict[str, Figure]:
     }
 
 
-def _published(row: PublishedRow) -> dict[str, Figure]:
-    """Figures of a method of the thesis by the key of their column."""
-    return {f"speed{each.speed_mm_s:g}": changed(each.rms_um, each.reduction) for each in row.speeds} | {
+def _figures_of_thesis(row: PublishedRow) -> dict[str, Figure]:
+    """Compute the figures of a method of the thesis by the key of their column."""
+    return {f"speed{each.speed_mm_s:g}": length_with_change(each.rms_um, each.reduction) for each in row.speeds} | {
         "agent": Figure(text=row.title, detail="published, real robot", sort=row.title.lower()),
         "largest": NOTHING if row.max_um is None else length(row.max_um),
         "track": Figure(text="published", sort="published"),
@@ -187,11 +187,11 @@ _LEGEND = (
     "95 % interval; rows are ranked by it, ties share a rank. At each speed: mean RMS path error and its change. "
     "'-' as rank: shown only."
 )
-"""How to read a table in a terminal."""
+"""Explanation below a table in a terminal."""
 
 
 def format_standings(standings: Standings) -> str:
-    """Standings as plain text of at most 120 columns: rank, agent and figures; what does not fit goes below."""
+    """Format standings as text of at most 120 columns: rank, agent and figures; those that do not fit go below."""
     title = f"{group_title(standings.group)}; {SELECTION_TITLES[standings.selection]}"
     lines, figures = standings.lines, [_figures(line) for line in standings.lines]
     table = report.Table(

@@ -1,4 +1,4 @@
-"""What standings say in words, all of it computed; the numbers of the thesis that they stand beside."""
+"""Sentences on standings, computed from them, and the published numbers of the thesis beside them."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -7,7 +7,7 @@ from math import fsum, isfinite
 from ffgym.envs.machines import is_workcell
 from ffgym.leaderboard.comparison.samples import DRAWS, CellKey
 from ffgym.leaderboard.comparison.standings import Standing, Standings
-from ffgym.leaderboard.plants import NOMINAL, plant_named
+from ffgym.leaderboard.plants import NOMINAL, find_plant
 from ffgym.leaderboard.tasks import THESIS
 from ffgym.paths import RADII, SPEEDS
 from ffgym.published import METHODS, published_mm
@@ -27,7 +27,7 @@ class PublishedSpeed:
     speed_mm_s: float
     rms_um: float
     reduction: float
-    """Share of the mean without compensation on the same circles that is gone."""
+    """Reduction as a share of the mean without compensation on the same circles."""
     circles: int
 
 
@@ -42,15 +42,17 @@ class PublishedRow:
     """Largest published deviation; None if none was published."""
 
 
-def published_rows(cells: Sequence[CellKey]) -> list[PublishedRow]:
-    """Methods of the thesis on those of the circles that it measured; none if it measured none of them."""
+def list_published_rows(cells: Sequence[CellKey]) -> list[PublishedRow]:
+    """List the methods of the thesis on the circles that it measured; empty if it measured none of them."""
     styles = law_styles(METHODS)
     rows = [
         PublishedRow(
             method=method,
             title=styles[method].label,
             speeds=_speeds(method, cells),
-            max_um=max((x * 1e3 for cell in cells if (x := _published(method, "max", cell)) is not None), default=None),
+            max_um=max(
+                (x * 1e3 for cell in cells if (x := _read_published(method, "max", cell)) is not None), default=None
+            ),
         )
         for method in METHODS
     ]
@@ -58,10 +60,10 @@ def published_rows(cells: Sequence[CellKey]) -> list[PublishedRow]:
 
 
 def best_reductions() -> dict[float, tuple[str, float]]:
-    """Best published method and its reduction of the mean over all circles, by TCP speed [mm/s]."""
+    """Find the best published method and its reduction of the mean over all circles, by TCP speed [mm/s]."""
     cells = [(THESIS[0], p, in_mm(r), in_mm(v)) for v in SPEEDS for r in RADII for p in _POSITIONS]
     best: dict[float, tuple[str, float]] = {}
-    for row in published_rows(cells):
+    for row in list_published_rows(cells):
         for each in row.speeds:
             if each.speed_mm_s not in best or each.reduction > best[each.speed_mm_s][1]:
                 best[each.speed_mm_s] = (row.title, each.reduction)
@@ -69,11 +71,11 @@ def best_reductions() -> dict[float, tuple[str, float]]:
 
 
 def _speeds(method: str, cells: Sequence[CellKey]) -> tuple[PublishedSpeed, ...]:
-    """Means of a method at the speeds of some circles, over those that were measured with and without it."""
+    """Compute means of a method by speed, over the circles that were measured with and without it."""
     found = []
     for speed in sorted({speed for *_, speed in cells}):
         own = [cell for cell in cells if cell[3] == speed]
-        pairs = [(_published(method, "rms", cell), _published(UNCOMPENSATED, "rms", cell)) for cell in own]
+        pairs = [(_read_published(method, "rms", cell), _read_published(UNCOMPENSATED, "rms", cell)) for cell in own]
         known = [(value, zero) for value, zero in pairs if value is not None and zero is not None]
         if known:
             total, zero = fsum(value for value, _ in known), fsum(zero for _, zero in known)
@@ -82,8 +84,8 @@ def _speeds(method: str, cells: Sequence[CellKey]) -> tuple[PublishedSpeed, ...]
     return tuple(found)
 
 
-def _published(method: str, statistic: str, cell: CellKey) -> float | None:
-    """Published error [mm] on a circle."""
+def _read_published(method: str, statistic: str, cell: CellKey) -> float | None:
+    """Read the published error [mm] on a circle."""
     _, position, radius, speed = cell
     return published_mm(method, statistic, speed / 1e3, radius / 1e3, position)
 
@@ -96,44 +98,45 @@ SELECTION_TITLES: Mapping[str, str] = {
     "train": "where agents may learn",
     "thesis": "circles of the thesis",
 }
-"""Selections of circles, for readers."""
+"""Titles of the selections of circles."""
 PRACTISED = "per task"
 """Track of agents that practise the very motion that is scored."""
 
 
 def group_title(group: str) -> str:
-    """Group of plants, for readers."""
+    """Return the title of a group of plants."""
     kind, _, name = group.partition(":")
     return {NOMINAL: "nominal robot", DRAWS: "drawn robots"}.get(group, f"{kind} “{name}”")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Headline:
-    """Who is best on the workcell's held-out positions, by how much at each speed, beside the best of the thesis."""
+    """Best agent on the workcell's held-out positions, with its gain at each speed, beside the best of the thesis."""
 
     sentences: tuple[str, ...]
     speeds: tuple[float, ...] = ()
-    """[mm/s]."""
+    """TCP speeds [mm/s]."""
     lines: tuple[tuple[str, str, tuple[str, ...]], ...] = ()
-    """Who, with what knowledge, and the change of the mean RMS path error against no compensation at each speed."""
+    """Agent, its knowledge, and the change of the mean RMS path error against no compensation at each speed."""
 
 
 def headline(positions: Standings | None) -> Headline:
-    """Headline from standings on the workcell's held-out positions; None if they were not run."""
+    """Write the headline from standings on the workcell's held-out positions; None if they were not run."""
     if positions is None:
         return Headline(sentences=("The workcell's held-out positions have not been run yet.",))
     speeds = positions.grid.speeds_mm_s
     before = [line for line in positions.ranked if line.row.track != PRACTISED]
     after = [line for line in positions.ranked if line.row.track == PRACTISED]
     sentences, lines = [], []
+    # best agents without and with practice, then the thesis
     if before:
         best = before[0]
         ties = [line.row.title for line in before[1:] if line.rank == best.rank]
-        shared = f", which shares its rank with {_listed(ties)}," if ties else ""
+        shared = f", which shares its rank with {_join_words(ties)}," if ties else ""
         changes = [f"{each} at {speed:g} mm/s" for each, speed in zip(_changes(best), speeds, strict=True)]
         sentences.append(
             f"On the workcell, at positions where nobody trained, {best.row.title}{shared} leaves the least error of "
-            f"all agents that have not practised the very motion: {_listed(changes)} than without compensation."
+            f"all agents that have not practised the very motion: {_join_words(changes)} than without compensation."
         )
         lines.append((best.row.title, "workcell, held-out positions", _changes(best)))
     if after:
@@ -150,7 +153,7 @@ def headline(positions: Standings | None) -> Headline:
 
 
 def residual_sentence(standings: Standings) -> str | None:
-    """How many residuals are better than their bases; None if there is none."""
+    """Count the residuals that are better than their bases, in a sentence; return None without residuals."""
     pairs = [(line, line.against_base) for line in standings.lines if line.against_base is not None]
     if not pairs:
         return None
@@ -160,9 +163,9 @@ def residual_sentence(standings: Standings) -> str | None:
             spread = against.difference.interval
             ends = "" if spread is None else f", between {_change(spread.high)} and {_change(spread.low)}"
             better.append(f"{line.row.title} ({_change(against.difference.ratio)} error{ends})")
-    names = f": {_listed(better)}" if better else ""
+    names = f": {_join_words(better)}" if better else ""
     unknown = [line.row.title for line, against in pairs if against.sentence.startswith("unknown")]
-    rest = f" Unknown of {_listed(unknown)}." if unknown else ""
+    rest = f" Unknown of {_join_words(unknown)}." if unknown else ""
     return (
         f"Of {len(pairs)} agent{'' if len(pairs) == 1 else 's'} that learned on top of another one, {len(better)} "
         f"{'is better than its' if len(better) == 1 else 'are better than their'} base on held-out circles, "
@@ -171,7 +174,7 @@ def residual_sentence(standings: Standings) -> str | None:
 
 
 def circles_note(standings: Standings, published: Sequence[PublishedRow] = ()) -> str:
-    """Which circles on which plants, and which rows are missing and why."""
+    """Describe circles and plants, and name the rows that are left out with the reason."""
     grid = standings.grid
     plants = f"{len(grid.plants)} drawn robots" if len(grid.plants) > 1 else group_title(standings.group)
     _, positions, radii, speeds = (sorted(set(part)) for part in zip(*grid.cells, strict=True))
@@ -180,13 +183,13 @@ def circles_note(standings: Standings, published: Sequence[PublishedRow] = ()) -
         f"{', '.join(positions)}; {plants}."
     ]
     if is_workcell(standings.group):
-        (tracker,) = (each for each in plant_named(standings.group).sensors if isinstance(each, LaserTracker))
+        (tracker,) = (each for each in find_plant(standings.group).sensors if isinstance(each, LaserTracker))
         parts.append(
             f"The errors are what a laser tracker with {tracker.noise * 1e6:g} um of noise in each coordinate "
             "measures: none is below that noise."
         )
     if grid.left_out:
-        parts.append(f"Without {_listed(grid.left_out)}, where zero action lacks some of these circles.")
+        parts.append(f"Without {_join_words(grid.left_out)}, where zero action lacks some of these circles.")
     unproven = [f"{line.row.name} ({line.unproven})" for line in standings.lines if line.unproven and line.rank]
     if unproven:
         parts.append(
@@ -204,7 +207,7 @@ def circles_note(standings: Standings, published: Sequence[PublishedRow] = ()) -
 
 
 def _changes(line: Standing) -> tuple[str, ...]:
-    """Change of the mean error at each speed against no compensation."""
+    """Format the change of the mean error at each speed against no compensation."""
     return tuple(_change(1 - each.reduction) for each in line.score.speeds)
 
 
@@ -212,7 +215,7 @@ def _change(ratio: float) -> str:
     return percent(1 - ratio) if isfinite(ratio) else "unknown (the robot stopped)"
 
 
-def _listed(words: Sequence[str]) -> str:
+def _join_words(words: Sequence[str]) -> str:
     return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"
 
 

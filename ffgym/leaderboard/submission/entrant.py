@@ -6,7 +6,7 @@ from functools import partial
 from pathlib import Path
 
 from ffgym.core.errors import FFGymError
-from ffgym.leaderboard.entrants import Entrant, Ready, one_by_one
+from ffgym.leaderboard.entrants import Entrant, ReadyAgent, one_by_one
 from ffgym.leaderboard.plants import TestPlant
 from ffgym.leaderboard.submission.judge import controller_of
 from ffgym.leaderboard.submission.manifest import Refused, decode_submission, read_archive, sha256_of
@@ -15,11 +15,11 @@ from ffgym.leaderboard.submission.python_agent import View
 from ffgym.leaderboard.tasks import Task
 
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}")
-"""Of a row, as its result file is named after it."""
+"""Pattern of a row's name, as its result file is named after it."""
 
 
 def entrant_of(path: Path, loaders: Mapping[str, str]) -> Entrant:
-    """Entrant of a file of `ffgym leaderboard submit`; what it claims is left to `ffgym leaderboard verify`.
+    """Make the entrant of a file of `ffgym leaderboard submit`; its claims are checked by `ffgym leaderboard verify`.
 
     FFGymError if it cannot be read, is damaged, or has a name that no file may have.
     """
@@ -36,7 +36,7 @@ def entrant_of(path: Path, loaders: Mapping[str, str]) -> Entrant:
     known = sha256_of(data)
     content = None if manifest.agent.file is None else files[manifest.agent.file]
 
-    def ready(plant: TestPlant, seed: int, tasks: Sequence[Task]) -> Ready:
+    def ready(plant: TestPlant, seed: int, tasks: Sequence[Task]) -> ReadyAgent:
         start = partial(
             AgentProcess,
             manifest.agent,
@@ -47,7 +47,9 @@ def entrant_of(path: Path, loaders: Mapping[str, str]) -> Entrant:
             whose=f"The submission {manifest.name!r} was ended: ",
         )
         policy = View(preview=manifest.preview, action_scale=manifest.action_scale, make=lambda robot, layout: start())
-        return Ready(policy=policy, artefact=known, robot_seconds=manifest.robot_seconds, env_steps=manifest.env_steps)
+        return ReadyAgent(
+            policy=policy, artefact=known, robot_seconds=manifest.robot_seconds, env_steps=manifest.env_steps
+        )
 
     return Entrant(
         name=manifest.name,

@@ -1,4 +1,4 @@
-"""From an agent to its submission and back: run it and log its actions; replay them, and ask it for them again.
+"""Packing and checking of submissions: an agent is run and its actions are logged; a check replays both.
 
 An agent lives in a process of its own and sees observations only; the simulation, its truth and all errors are here.
 """
@@ -18,9 +18,9 @@ from ffgym.core.provenance import versions
 from ffgym.core.types import Array
 from ffgym.envs.circle_path import CONTROLLER
 from ffgym.envs.machines import is_workcell
-from ffgym.leaderboard.evaluation.closed_loop import Flight, fly
+from ffgym.leaderboard.evaluation.closed_loop import Rollout, run_rollouts
 from ffgym.leaderboard.evaluation.jobs import cells_of
-from ffgym.leaderboard.plants import NOMINAL, ROBOT, THESIS_WORKCELL, plant_named
+from ffgym.leaderboard.plants import NOMINAL, ROBOT, THESIS_WORKCELL, find_plant
 from ffgym.leaderboard.submission import manifest as files_of
 from ffgym.leaderboard.submission.manifest import (
     ACTIONS,
@@ -30,7 +30,7 @@ from ffgym.leaderboard.submission.manifest import (
     Claim,
     Manifest,
     Refused,
-    listed,
+    join_names,
 )
 from ffgym.leaderboard.submission.process import AgentProcess, Limits
 from ffgym.leaderboard.submission.python_agent import View
@@ -42,11 +42,11 @@ from ffgym.studies import in_mm
 
 _FAST, _MIDDLE, _SLOW = (Task("p2", speed, RADII, "positions") for speed in (0.1, 0.04, 0.01))
 STANDARD: Mapping[str, tuple[Task, ...]] = {NOMINAL: (_FAST, _MIDDLE, _SLOW), THESIS_WORKCELL: (_FAST, _MIDDLE)}
-"""Motions by plant, at a position that nobody learns on; slow circles on the workcell would take a minute."""
+"""Motions by plant, at a position held out from learning; slow circles on the workcell would take a minute."""
 SCORE_TOLERANCE = 1e-4
 """Relative difference of errors that is allowed. On one machine they are the same bit for bit. Another processor rounds
 in the sixteenth digit; noise in the seventh digit of every observation changes errors by 1e-8, which a test repeats.
-Chosen: far above that, and far below what tells agents apart."""
+Chosen: far above that, and far below the differences of agents."""
 SCORE_FLOOR_MM = 1e-6
 """Difference of errors that is always allowed [mm], for the same reason."""
 ACTION_TOLERANCE = 1e-3
@@ -61,17 +61,17 @@ CHECKS: Mapping[str, str] = {
     "replay": "the logged actions give the claimed errors in the simulation here",
     "time": "one decision for one robot fits into a control step, and all of a run keep up",
 }
-"""What is checked."""
+"""Checks, with a description of each."""
 
 
 def controller_of(plant: str) -> str:
-    """Name of the description that the controller of a plant knows, and agents on it."""
+    """Return the name of the nominal description of a plant's controller, which agents have too."""
     return CONTROLLER if is_workcell(plant) else ROBOT
 
 
 @dataclass(frozen=True, kw_only=True)
 class Verdict:
-    """A submission that is accepted, and what was found of it."""
+    """An accepted submission, with the findings of its check."""
 
     data: bytes
     """The ZIP file."""
@@ -81,26 +81,26 @@ class Verdict:
     inference_us: float
     """Median time of one decision for one robot on the first plant, here [us]."""
     action_difference: float
-    """Largest, in the largest logged action of that motor and task."""
+    """Largest difference of actions, relative to the largest logged action of that motor and task."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Judge:
-    """How submissions are packed and checked."""
+    """Judge that packs and checks submissions."""
 
     loaders: Mapping[str, str]
     """Modules that load agents, by kind."""
     plan: Mapping[str, Sequence[Task]] = field(default_factory=lambda: STANDARD)
     """Motions by plant."""
     limits: Limits | None = None
-    """What agents may use."""
+    """Limits of agents."""
     n_threads: int = 0
-    """Of the simulation, 0 for all cores."""
+    """Threads of the simulation, 0 for all cores."""
     stage: Callable[[str, str], AbstractContextManager[Progress | None]] = lambda title, unit: nullcontext()
-    """Context of a piece of work by its title and unit, which shows how far it is."""
+    """Context of a piece of work by its title and unit, which shows its progress."""
 
     def pack(self, about: About, source: AgentSource, content: bytes | None) -> Verdict:
-        """Run an agent, made from a source and the content of its file, on every plant; pack what came out, check that.
+        """Run an agent, made from a source and the content of its file, on every plant; pack and check the results.
 
         Raises:
             Refused: if the agent cannot be made, fails, or its submission would not be accepted.
@@ -109,7 +109,7 @@ class Judge:
         claims: list[Claim] = []
         own = {} if source.file is None or content is None else {source.file: content}
 
-        def packed(view: View) -> bytes:
+        def pack_archive(view: View) -> bytes:
             files = {ACTIONS: encode_arrays(actions)} | own
             manifest = Manifest(
                 **asdict(about),
@@ -117,36 +117,39 @@ class Judge:
                 preview=view.preview,
                 action_scale=view.action_scale,
                 versions=versions(),
-                plants={plant: plant_named(plant).fingerprint for plant in self.plan},
+                plants={plant: find_plant(plant).fingerprint for plant in self.plan},
                 files={name: files_of.sha256_of(data) for name, data in files.items()},
                 claims=tuple(claims),
             )
             text = json.dumps(manifest.tree(), indent=1, allow_nan=False) + "\n"
             return files_of.encode_archive({MANIFEST: text.encode()} | files)
 
-        files_of.decode_submission(packed(View(preview=1, action_scale=1.0)))  # complain now, not after minutes
+        files_of.decode_submission(pack_archive(View(preview=1, action_scale=1.0)))  # refuse now, not after minutes
+        # run on every plant, and log errors and actions
         for plant in self.plan:
             with self._process(source, content, plant, about.seed) as agent:
                 view = View(preview=agent.preview, action_scale=agent.action_scale)
-                flights = self._fly(plant, view, agent, about.seed, "running")
-            claims += self._claims(plant, flights)
-            actions |= {_key(plant, k): flight.actions.astype("<f4") for k, flight in enumerate(flights)}
-        return self.verify(packed(view))
+                rollouts = self._run_rollouts(plant, view, agent, about.seed, "running")
+            claims += self._claims(plant, rollouts)
+            actions |= {_key(plant, k): rollout.actions.astype("<f4") for k, rollout in enumerate(rollouts)}
+        return self.verify(pack_archive(view))
 
     def verify(self, data: bytes) -> Verdict:
-        """Check the bytes of a submission: replay its actions, while its agent is asked for them once more.
+        """Check the bytes of a submission: replay its actions, while its agent decides once more.
 
         Raises:
             Refused: with the first check that it does not pass.
         """
+        # contents, and physics of the claims
         manifest, files = files_of.decode_submission(data)
         check_physics(manifest, self.plan)
         source, seed = manifest.agent, manifest.seed
         view = View(preview=manifest.preview, action_scale=manifest.action_scale)
         claims: list[Claim] = []
-        replays: list[Replay] = []
-        for plant, logs in logged_actions(files[ACTIONS], self.plan).items():
-            replays.append(replay := Replay(logs, plant))
+        replays: list[ActionReplay] = []
+        for plant, logs in read_logged_actions(files[ACTIONS], self.plan).items():
+            replays.append(replay := ActionReplay(logs, plant))
+            # agents of each robot alone and of all together, beside the replay of the log
             every = tuple(range(len(logs)))
             with ExitStack() as stack:
                 for robots in {*((k,) for k in every), every}:  # each alone, and all together
@@ -156,11 +159,12 @@ class Judge:
                         ran = (view.preview, view.action_scale)
                         raise Refused("agent", f"it asks for {asks}, and {ran} is what it ran with.")
                     replay.asked[robots] = agent
-                flights = self._fly(plant, view, replay, seed, "replaying")
-            claims += self._claims(plant, flights)
-            for logged, flight in zip(logs, flights, strict=True):
-                if len(logged) != len(flight.actions):
-                    steps = f"{len(logged)} steps of a motion that has {len(flight.actions)}"
+                rollouts = self._run_rollouts(plant, view, replay, seed, "replaying")
+            claims += self._claims(plant, rollouts)
+            # lengths, and times of decisions
+            for logged, rollout in zip(logs, rollouts, strict=True):
+                if len(logged) != len(rollout.actions):
+                    steps = f"{len(logged)} steps of a motion that has {len(rollout.actions)}"
                     raise Refused("replay", f"{ACTIONS} has {steps}.")
             for times in replay.alone_us.values():
                 check_time(times, load_robot(controller_of(plant)).servo.control_dt)
@@ -177,33 +181,33 @@ class Judge:
         robot = controller_of(plant)
         return AgentProcess(source, content, robot, loaders=self.loaders, seed=seed, limits=self.limits)
 
-    def _fly(self, plant: str, view: View, agent: Agent, seed: int, title: str) -> list[Flight]:
-        tasks, machine = self.plan[plant], plant_named(plant)
+    def _run_rollouts(self, plant: str, view: View, agent: Agent, seed: int, title: str) -> list[Rollout]:
+        tasks, machine = self.plan[plant], find_plant(plant)
         with self.stage(f"{title}, {plant}", "s") as shown:
-            [flights] = fly(
+            [rollouts] = run_rollouts(
                 machine, [view], tasks, agents=[agent], seeds=[seed], n_threads=self.n_threads, progress=shown
             )
-        return flights
+        return rollouts
 
-    def _claims(self, plant: str, flights: Sequence[Flight]) -> list[Claim]:
+    def _claims(self, plant: str, rollouts: Sequence[Rollout]) -> list[Claim]:
         claims: list[Claim] = []
-        for task, flight in zip(self.plan[plant], flights, strict=True):
-            if flight.recording is None:
+        for task, rollout in zip(self.plan[plant], rollouts, strict=True):
+            if rollout.recording is None:
                 raise Refused(
                     "replay",
-                    f"the robot stopped on {plant} after {len(flight.actions)} steps at {task.position}, "
+                    f"the robot stopped on {plant} after {len(rollout.actions)} steps at {task.position}, "
                     f"{task.speed * 1e3:g} mm/s: a motor was too far from its reference.",
                 )
             names = ("position", "radius_mm", "speed_mm_s", "rms_mm", "max_mm")
-            found = cells_of(task, flight.recording)
+            found = cells_of(task, rollout.recording)
             claims += [Claim(plant=plant, **{name: getattr(cell, name) for name in names}) for cell in found]
         return claims
 
 
-class Replay:
-    """Logged actions (T, N) of each robot as an agent, which asks agents what they decide on the same observations.
+class ActionReplay:
+    """Logged actions (T, N) of each robot as an agent, compared with the decisions of agents on the same observations.
 
-    It compares; nothing is added where a log has ended.
+    No torque is added where a log has ended.
     """
 
     def __init__(self, logs: Sequence[Array], plant: str) -> None:
@@ -214,16 +218,16 @@ class Replay:
         self._largest = np.maximum(np.abs(self._rows).max(axis=0), np.finfo(np.float32).tiny)
         self._plant = plant
         self.asked: dict[tuple[int, ...], AgentProcess] = {}
-        """Agents, by the robots that each of them sees."""
+        """Agents by the robots that each of them controls."""
         self.alone_us: dict[int, list[float]] = {i: [] for i in range(len(logs))}
         """Time of each decision for one robot alone [us]."""
         self.worst = 0.0
-        """Largest difference from the log, in the largest of each motor."""
+        """Largest difference from the log, relative to the largest action of each motor."""
 
     def predict(
         self, observation: Array, state: Any = None, episode_start: Any = None, deterministic: bool = True
     ) -> tuple[Array, Any]:
-        """See `ffgym.control.Agent`; the state counts decisions. Refused if an agent fails, or decides otherwise."""
+        """Return the logged actions; the state counts decisions. Refused if an agent fails, or decides otherwise."""
         step = 0 if state is None else int(state)
         for robots, agent in self.asked.items():
             rows = list(robots)
@@ -249,16 +253,16 @@ class Replay:
 
 
 def _key(plant: str, task: int) -> str:
-    """Name of the array with the actions of a motion."""
+    """Return the name of the array with the actions of a motion."""
     return f"{plant.replace(':', '_')}_{task}"
 
 
 def check_physics(manifest: Manifest, tasks: Mapping[str, Sequence[Task]]) -> None:
-    """Check that claims are about the plants here, and about all circles that are wanted; Refused if not."""
+    """Check that claims are about the plants here, and about all circles of the plan; Refused if not."""
     if set(manifest.plants) != set(tasks):
-        raise Refused("physics", f"it was run on {listed(manifest.plants)}, must be run on {listed(tasks)}.")
+        raise Refused("physics", f"it was run on {join_names(manifest.plants)}, must be run on {join_names(tasks)}.")
     for name in tasks:
-        here, there = plant_named(name).fingerprint, manifest.plants[name]
+        here, there = find_plant(name).fingerprint, manifest.plants[name]
         if here != there:
             known = ", ".join(f"{each} {manifest.versions.get(each, 'unknown')[:20]}" for each in ("ffgym", "mujoco"))
             raise Refused(
@@ -273,15 +277,15 @@ def check_physics(manifest: Manifest, tasks: Mapping[str, Sequence[Task]]) -> No
         raise Refused("manifest", f"it claims {claimed} circles that are not the {len(wanted)} which are run.")
 
 
-def logged_actions(data: bytes, tasks: Mapping[str, Sequence[Task]]) -> dict[str, list[Array]]:
-    """Actions by plant, one array (T, N) for each of its tasks; Refused if they are no finite numbers in [-1, 1]."""
+def read_logged_actions(data: bytes, tasks: Mapping[str, Sequence[Task]]) -> dict[str, list[Array]]:
+    """Read actions by plant, one array (T, N) for each task; Refused if they are no finite numbers in [-1, 1]."""
     try:
         arrays = decode_arrays(data)
     except FFGymError as error:
         raise Refused("files", f"{ACTIONS}: {error}") from error
     wanted = {_key(plant, k): plant for plant, each in tasks.items() for k in range(len(each))}
     if set(arrays) != set(wanted):
-        raise Refused("files", f"{ACTIONS} holds {listed(arrays)}, must hold {listed(wanted)}.")
+        raise Refused("files", f"{ACTIONS} holds {join_names(arrays)}, must hold {join_names(wanted)}.")
     logs: dict[str, list[Array]] = {plant: [] for plant in tasks}
     for key, plant in wanted.items():
         array, n = arrays[key], load_robot(controller_of(plant)).n_joints
@@ -310,7 +314,7 @@ def check_claims(claimed: Sequence[Claim], found: Sequence[Claim]) -> None:
 
 
 def check_time(times_us: Sequence[float], control_dt: float) -> None:
-    """Check that a decision fits into a control step [s]; the first may load what is needed, and is not in the mean."""
+    """Check that a decision fits into a control step [s]; the first may load libraries, and is not in the mean."""
     limit = control_dt * 1e6
     for which, time in {"median": np.median(times_us), "mean": np.mean(times_us[1:] or times_us)}.items():
         if time > limit:

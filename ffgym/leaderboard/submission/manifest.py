@@ -1,4 +1,4 @@
-"""A submission as a ZIP file: a manifest, logged actions, the agent's file; read without trust in what it says."""
+"""Submission as a ZIP file: a manifest, logged actions, the agent's file; read without trust in its contents."""
 
 import hashlib
 import io
@@ -20,15 +20,15 @@ FORMAT = 1
 MANIFEST, ACTIONS = "manifest.json", "actions.npz"
 """Files of every submission, beside that of the agent."""
 Track = Literal["causal", "causal, nominal parameters", "per task"]
-"""Tracks of submissions; the oracle knows what no agent is told."""
+"""Tracks of submissions; the oracle has the truth, which no submission gets."""
 AGENT_FILES = {"law": ("agent.npz", "agent.toml"), "policy": ("agent.npz",), "python": ("agent.py",)}
-"""Kinds of agents, and how the file of each may be called; a law of the catalogue has none."""
+"""Kinds of agents, and the names that the file of each may have; a law of the catalogue has none."""
 LARGEST = 64 * 2**20
 """Bytes of a submission, unpacked, all files together; chosen: thousand times a residual policy of this package."""
 MOST = 8
-"""Files of a submission; it has three at most, and the rest is named when it is refused."""
+"""Largest number of files that are read; a submission has three at most, and a refusal names the rest."""
 LONGEST = 500
-"""Letters of a reason."""
+"""Largest number of letters of a reason."""
 
 
 class Refused(FFGymError):
@@ -42,10 +42,10 @@ class Refused(FFGymError):
 
 @dataclass(frozen=True, kw_only=True)
 class AgentSource:
-    """Where an agent comes from."""
+    """Source of an agent: its kind, and the name of a law or of a file."""
 
     kind: str
-    """In AGENT_FILES."""
+    """Kind of the agent, in AGENT_FILES."""
     law: str | None = None
     """Name in the catalogue, for a law that is made from the robot's description, or from a machine file."""
     file: str | None = None
@@ -78,21 +78,21 @@ class Claim:
 
     @property
     def circle(self) -> tuple[str, str, float, float]:
-        """Which circle it is."""
+        """Identity of the circle: plant, position, radius [mm], speed [mm/s]."""
         return self.plant, self.position, self.radius_mm, self.speed_mm_s
 
 
 @dataclass(frozen=True, kw_only=True)
 class About:
-    """What the author of a submission says."""
+    """Statements of the author of a submission."""
 
     name: str
     title: str
     author: str
     track: str
-    """In `Track`."""
+    """Track, in `Track`."""
     seed: int = 0
-    """Of the agent's randomness and the sensors' noise."""
+    """Seed of the agent's randomness and the sensors' noise."""
     env_steps: int = 0
     """Control steps of simulated training."""
     robot_seconds: float = 0.0
@@ -115,18 +115,18 @@ class About:
 
 @dataclass(frozen=True, kw_only=True)
 class Manifest(About):
-    """Everything but the files."""
+    """Manifest: everything but the files."""
 
     agent: AgentSource
     preview: int
-    """Samples of the reference that it sees ahead."""
+    """Samples of the reference that the agent observes ahead."""
     action_scale: float
     """Torque of an action of 1 in breakaway torques."""
     versions: dict[str, str]
     plants: dict[str, str]
     """Physics fingerprints by plant."""
     files: dict[str, str]
-    """sha256 by name."""
+    """Hashes (sha256) by name."""
     claims: tuple[Claim, ...]
 
     def __post_init__(self) -> None:
@@ -135,35 +135,35 @@ class Manifest(About):
         check_number("action_scale", self.action_scale, unit="breakaway torques", low=0.0, open_low=True)
 
     def tree(self) -> dict[str, Any]:
-        """For JSON, with format and digest."""
+        """Convert to JSON, with format and digest."""
         tree: dict[str, Any] = {"format": FORMAT, **asdict(self)}
         return tree | {"digest": digest_of(tree)}
 
 
 def digest_of(tree: Mapping[str, Any]) -> str:
-    """sha256 of a manifest without its digest, in canonical JSON: sorted keys, no blanks."""
+    """Hash a manifest without its digest, in canonical JSON: sorted keys, no blanks."""
     rest = {key: value for key, value in tree.items() if key != "digest"}
     return sha256_of(json.dumps(rest, sort_keys=True, separators=(",", ":"), allow_nan=False).encode())
 
 
 def sha256_of(data: bytes) -> str:
-    """Hash of a file, hexadecimal."""
+    """Hash the bytes of a file; return hexadecimal text."""
     return hashlib.sha256(data).hexdigest()
 
 
 def decode_submission(data: bytes) -> tuple[Manifest, dict[str, bytes]]:
-    """Manifest and files of a submission; Refused unless the files are those of the manifest, and as it says."""
+    """Decode manifest and files of a submission; Refused unless names and hashes are those of the manifest."""
     files = decode_archive(data)
     if MANIFEST not in files:
         raise Refused("archive", f"it has no {MANIFEST}.")
     manifest = decode_manifest(files[MANIFEST])
     wanted = {ACTIONS, manifest.agent.file} - {None}
     if set(manifest.files) != wanted:
-        raise Refused("files", f"the manifest names {listed(manifest.files)}, must name {listed(wanted)}.")
+        raise Refused("files", f"the manifest names {join_names(manifest.files)}, must name {join_names(wanted)}.")
     if missing := wanted - set(files):
-        raise Refused("files", f"{listed(missing)} is missing.")
+        raise Refused("files", f"{join_names(missing)} is missing.")
     if unknown := set(files) - wanted - {MANIFEST}:
-        raise Refused("files", f"{listed(unknown)} is no file of a submission; take it out.")
+        raise Refused("files", f"{join_names(unknown)} is no file of a submission; take it out.")
     for name, known in sorted(manifest.files.items()):
         if sha256_of(files[name]) != known:
             what = "logged actions" if name == ACTIONS else "weights"
@@ -174,7 +174,7 @@ def decode_submission(data: bytes) -> tuple[Manifest, dict[str, bytes]]:
 
 
 def decode_manifest(data: bytes) -> Manifest:
-    """Manifest from the bytes of manifest.json; Refused if it is damaged, of another format, incomplete or changed."""
+    """Decode the bytes of manifest.json; Refused if it is damaged, of another format, incomplete or changed."""
     try:
         tree = json.loads(data.decode())
     except (ValueError, RecursionError) as error:
@@ -194,11 +194,11 @@ def decode_manifest(data: bytes) -> Manifest:
 
 
 def read_archive(path: str | os.PathLike[str]) -> bytes:
-    """Bytes of a submission's file; one that is too large, or no ordinary file, is not read."""
+    """Read a submission's file; one that is too large, or no ordinary file, is refused."""
     try:
         found = Path(path).stat()
     except FileNotFoundError:
-        return read_bytes(path)  # which says so
+        return read_bytes(path)  # which raises the error
     except OSError as error:
         raise FFGymError(f"{path}: cannot be read: {error.strerror}.") from error
     if not stat.S_ISREG(found.st_mode):
@@ -208,7 +208,7 @@ def read_archive(path: str | os.PathLike[str]) -> bytes:
 
 
 def encode_archive(files: Mapping[str, bytes]) -> bytes:
-    """Bytes of a ZIP file; equal files in the same order give equal bytes."""
+    """Encode files as a ZIP file; equal files in the same order give equal bytes."""
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w") as archive:
         for name, data in files.items():
@@ -220,7 +220,7 @@ def encode_archive(files: Mapping[str, bytes]) -> bytes:
 
 
 def decode_archive(data: bytes, what: str = "it", most: int = MOST) -> dict[str, bytes]:
-    """Files of a ZIP file, by name; Refused if it is damaged, too large, or holds a name twice."""
+    """Decode the files of a ZIP file, by name; Refused if it is damaged, too large, or holds a name twice."""
     _check_size(f"{what} has", len(data))
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
@@ -229,7 +229,7 @@ def decode_archive(data: bytes, what: str = "it", most: int = MOST) -> dict[str,
             if len(entries) > most:
                 raise Refused("archive", f"{what} holds {len(entries)} files, must hold at most {most}.")
             if twice := {entry.filename for entry in entries if archive.getinfo(entry.filename) is not entry}:
-                raise Refused("archive", f"{what} holds {listed(twice)} more than once.")
+                raise Refused("archive", f"{what} holds {join_names(twice)} more than once.")
             files = {entry.filename: archive.read(entry) for entry in entries}
             if any(len(files[entry.filename]) != entry.file_size for entry in entries):
                 raise zipfile.BadZipFile
@@ -245,6 +245,6 @@ def _check_size(what: str, size: int) -> None:
         raise Refused("archive", f"{what} {size} bytes, must be at most {LARGEST}.")
 
 
-def listed(names: Iterable[Any]) -> str:
-    """Names in their order, for messages."""
+def join_names(names: Iterable[Any]) -> str:
+    """Join names in their order, for messages."""
     return ", ".join(sorted(names)) or "nothing"

@@ -1,4 +1,4 @@
-"""An agent in a process of its own, asked from here as if it were at hand; what goes wrong there is a refusal here.
+"""Agent in a process of its own, which behaves as one in this process; its failures become refusals.
 
 Bubblewrap isolates it where that is installed: no network, no other processes, and of the files only libraries and this
 package, without the truth of the workcells.
@@ -31,26 +31,26 @@ from ffgym.leaderboard.submission.manifest import AgentSource, Refused
 from ffgym.robot import load_robot
 
 DECLARED = "FFGYM_ISOLATED"
-"""Variable of the environment that says that something else isolates, as a container does."""
+"""Environment variable that declares another isolation, as of a container."""
 _PACKAGE = Path(os.path.realpath(ffgym.__file__ or "")).parent
 _SYSTEM = ("/usr", "/bin", "/lib", "/lib64", "/etc/alternatives", "/etc/ld.so.cache", "/etc/localtime", "/nix")
-"""Where programs and libraries are."""
+"""Folders of programs and libraries."""
 _BUBBLE = ("--unshare-all", "--die-with-parent", "--proc", "/proc", "--dev", "/dev", "--tmpfs", "/tmp")
 _PYTHON = (sys.executable, "-P", "-s", "-B")
-"""Neither its folder nor the user's own packages are searched, and nothing is written beside what is imported."""
+"""Command of Python, which searches neither its folder nor the user's own packages, and writes no byte code."""
 _HEAD = struct.Struct("<II")
 _LONGEST = 2**26
-"""Bytes of one part of a message."""
+"""Largest number of bytes of one part of a message."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Limits:
-    """What an agent may use; chosen so that honest ones never meet them."""
+    """Limits of an agent; chosen so that honest ones never meet them."""
 
     start_s: float = 120.0
     """Time to load it, with libraries [s]."""
     decision_s: float = 20.0
-    """Time of one decision, for all robots of a run [s]; what is usual is measured apart."""
+    """Time of one decision, for all robots of a run [s]; usual times are measured apart."""
     late_s: float = 10.0
     """Time that all decisions of a run may take beyond one control step for each decision of each robot [s]: the first
     ones of libraries take long, and computers do other things. It bounds how long a run may take."""
@@ -61,16 +61,16 @@ class Limits:
 
 
 class AgentProcess:
-    """An agent of others; `predict` is stable-baselines3's. It ends with `close`, a `with` block, or this object.
+    """Agent of a submission; `predict` is stable-baselines3's. It ends with `close`, a `with` block, or this object.
 
     Args:
-        source: what it is made from.
-        content: of its file; None if there is none.
-        robot: name of what it may know of its robot.
+        source: source of the agent.
+        content: bytes of its file; None if there is none.
+        robot: name of the robot's nominal description.
         loaders: modules that load agents, by kind: each has load(source, folder, robot), which returns a Policy.
-        seed: of its randomness.
-        limits: what it may use.
-        whose: begins what is said when it is refused.
+        seed: seed of its randomness.
+        limits: limits of time and memory.
+        whose: first words of a refusal.
 
     Raises:
         FFGymError: if no process can be started.
@@ -93,7 +93,7 @@ class AgentProcess:
         self._n_joints, self._control_dt = known.n_joints, known.servo.control_dt
         self._spent_s = self._due_s = 0.0
         self.elapsed_us = 0.0
-        """Time of the last decision [us], measured beside the agent; all together are measured from here."""
+        """Time of the last decision [us], measured beside the agent; the sum of all is measured in this process."""
         try:
             folder = TemporaryDirectory(prefix="ffgym-agent-")
             own = Path(folder.name).resolve() / "agent"
@@ -131,7 +131,7 @@ class AgentProcess:
     def predict(
         self, observation: Array, state: Any = None, episode_start: Any = None, deterministic: bool = True
     ) -> tuple[Array, Any]:
-        """Actions (B, N) for observations (B, D), and a state that says that there is one; it stays with the agent.
+        """Compute actions (B, N) for observations (B, D); the state is True, as the real one stays with the agent.
 
         Refused if the agent fails, takes too long, or answers with something else.
         """
@@ -155,7 +155,7 @@ class AgentProcess:
         return action, True
 
     def _ask(self, message: Mapping[str, Any], numbers: bytes, limit: float, what: str) -> tuple[dict[str, Any], bytes]:
-        """Answer to a message; the process is ended when it takes longer than the limit [s]."""
+        """Send a message and return the answer; end the process when it takes longer than the limit [s]."""
         assert self._process.stdin is not None
         assert self._process.stdout is not None
         deadline, timer = time.monotonic() + limit, threading.Timer(limit, _kill, [self._process])
@@ -182,7 +182,7 @@ class AgentProcess:
             raise Refused("agent", str(error), self._whose) from error
 
     def _last_words(self) -> str:
-        """How the process ended, and the last line that it wrote."""
+        """Describe the end of the process, with the last line that it wrote."""
         with suppress(subprocess.TimeoutExpired):
             self._process.wait(timeout=5.0)
         code = self._process.returncode
@@ -194,14 +194,14 @@ class AgentProcess:
 
 
 def send(pipe: IO[bytes], message: Mapping[str, Any], numbers: bytes = b"") -> None:
-    """Send JSON and numbers whose shape the other side knows, each after its length; nothing in it is a program."""
+    """Send JSON and numbers, each after its length; a message holds no program."""
     text = json.dumps(message).encode()
     pipe.write(_HEAD.pack(len(text), len(numbers)) + text + numbers)
     pipe.flush()
 
 
 def receive(pipe: IO[bytes]) -> tuple[dict[str, Any], bytes]:
-    """The next message; EOFError if the other side has gone, FFGymError if it is no message."""
+    """Receive the next message; EOFError if the other side has gone, FFGymError if it is no message."""
 
     def read(length: int) -> bytes:
         data = pipe.read(length)
@@ -219,10 +219,10 @@ def receive(pipe: IO[bytes]) -> tuple[dict[str, Any], bytes]:
 
 
 def launch(own: Path, log: Path) -> subprocess.Popen[bytes]:
-    """Process that waits for its order in the agent's own folder; `log` gets what it prints."""
+    """Launch the process that waits for its order in the agent's own folder; its output goes to `log`."""
     variables = {"PATH": os.defpath, "HOME": str(own), "TMPDIR": str(own), "TEMP": str(own), "LC_ALL": "C.UTF-8"}
     variables |= {"PYTHONHASHSEED": "0"}  # sets of names have the same order in every process
-    variables |= {"PYTHONPATH": str(_PACKAGE.parent)}  # the package that asks: another version decides otherwise
+    variables |= {"PYTHONPATH": str(_PACKAGE.parent)}  # the package that asks: another version may decide otherwise
     variables |= {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL")}
     variables |= {name: os.environ[name] for name in ("SYSTEMROOT", "TZ") if name in os.environ}
     with log.open("wb") as file:
@@ -238,7 +238,7 @@ def launch(own: Path, log: Path) -> subprocess.Popen[bytes]:
 
 
 def isolation_note() -> str | None:
-    """Sentence for the screen where nothing isolates agents; None if something does."""
+    """Return a warning for the screen if agents are not isolated, else None."""
     why = None if os.environ.get(DECLARED) else _exposed()
     return why and (
         f"Nothing isolates agents here ({why}): their code runs as you and can read your files. For one that you have "
@@ -248,7 +248,7 @@ def isolation_note() -> str | None:
 
 @cache
 def _exposed() -> str | None:
-    """Why bubblewrap does not isolate; None if it does."""
+    """Return the reason why bubblewrap does not isolate; None if it does."""
     if shutil.which("bwrap") is None:
         return "no program bwrap"
     with TemporaryDirectory() as own:
@@ -257,7 +257,7 @@ def _exposed() -> str | None:
 
 
 def _bubble(own: Path) -> list[str]:
-    """Command that runs another one where there is nothing but libraries, this package, and an agent's own folder."""
+    """Make the command that gives another one access to libraries, this package and the agent's folder alone."""
     libraries = (*_SYSTEM, sys.prefix, sys.base_prefix, str(_PACKAGE), os.path.realpath(_PACKAGE / "agents"))
     command = [shutil.which("bwrap") or "bwrap", *_BUBBLE]
     for place in dict.fromkeys(libraries):
@@ -267,7 +267,7 @@ def _bubble(own: Path) -> list[str]:
 
 def _end(process: subprocess.Popen[bytes], folder: "TemporaryDirectory[str]") -> None:
     """End a process and remove its files."""
-    _kill(process)  # what it started may live though it has ended
+    _kill(process)  # its children may outlive it
     process.wait()
     for pipe in (process.stdin, process.stdout):
         if pipe is not None:
@@ -277,7 +277,7 @@ def _end(process: subprocess.Popen[bytes], folder: "TemporaryDirectory[str]") ->
 
 
 def _kill(process: subprocess.Popen[bytes]) -> None:
-    """End a process and what it started."""
+    """End a process and its children."""
     with suppress(OSError):
         if hasattr(os, "killpg"):
             os.killpg(process.pid, signal.SIGKILL)

@@ -15,15 +15,15 @@ from ffgym.robot import RobotDescription
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class View:
-    """What an agent asks of an environment, and what makes it; a `ffgym.control.Policy`."""
+    """Arguments of the environment that an agent needs, and its maker; an `ffgym.control.Policy`."""
 
     preview: int
     action_scale: float
     make: Callable[[RobotDescription, ObservationLayout], Agent] | None = None
-    """None if its agent is given to whom it concerns in another way."""
+    """Function that makes the agent; None if the agent is passed in another way."""
 
     def agent(self, robot: RobotDescription, layout: ObservationLayout) -> Agent:
-        """See `ffgym.control.Policy`; FFGymError if what the file makes has no `predict`."""
+        """Make the agent; FFGymError if it has no `predict`."""
         agent = self.make and self.make(robot, layout)
         if not callable(getattr(agent, "predict", None)):
             raise FFGymError(f"make_agent returned {type(agent).__name__}, which has no predict.")
@@ -31,7 +31,7 @@ class View:
 
 
 def load(source: Mapping[str, Any], folder: Path, robot: RobotDescription) -> View:
-    """Run the file; FFGymError if it is no Python, or does not define what it must."""
+    """Run the file; FFGymError if it is no Python, or a definition is missing."""
     place = folder / str(source["file"])
     try:
         code = compile(read_text(place), str(place), "exec")

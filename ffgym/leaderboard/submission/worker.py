@@ -1,6 +1,6 @@
-"""The process that holds an agent of others: it is told what a controller knows, sees observations, and decides.
+"""Process that holds an agent of a submission: it gets a nominal description and observations, and decides.
 
-`AgentProcess` starts it, and asks.
+`AgentProcess` starts it, and sends the observations.
 """
 
 import os
@@ -25,11 +25,11 @@ from ffgym.leaderboard.submission.process import receive, send
 from ffgym.robot import RobotDescription, load_robot
 
 _GRACE_S = 5
-"""Processor time between the signal that tells which limit was reached and the end without one [s]."""
+"""Processor time between the signal of the reached limit and the end without a signal [s]."""
 
 
 def main() -> None:
-    """Serve until the other side has no more to ask."""
+    """Serve until the other side sends no more."""
     threading.Thread(target=_end_with, args=(os.getppid(),), daemon=True).start()
     reads, writes = os.dup(0), os.dup(1)  # under other numbers, so that what an agent prints does not get into them
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
@@ -44,7 +44,7 @@ def main() -> None:
 
 
 def _end_with(parent: int) -> None:
-    """End when the process that asks has ended, however it did: an agent that loops would not notice."""
+    """End when the parent process has ended, however it did: an agent that loops would not notice."""
     while os.getppid() == parent:
         time.sleep(0.5)
     os._exit(1)
@@ -57,7 +57,7 @@ def _messages(asked: IO[bytes]) -> Iterator[tuple[dict[str, Any], bytes]]:
 
 
 def _serve(order: Mapping[str, Any], messages: Iterator[tuple[dict[str, Any], bytes]], told: IO[bytes]) -> None:
-    """Make the agent, tell what it asks of an environment, and answer observations with actions."""
+    """Make the agent, send the arguments of its environment, and answer observations with actions."""
     clock = time.perf_counter  # which the agent's code does not replace
     _limit(**order["limits"])
     robot = load_robot(order["robot"])
@@ -67,6 +67,7 @@ def _serve(order: Mapping[str, Any], messages: Iterator[tuple[dict[str, Any], by
     scale = check_number("ACTION_SCALE", policy.action_scale, unit="breakaway torques", low=0.0, open_low=True)
     agent: Agent = policy.agent(robot, ObservationLayout(robot, preview, scale * robot.friction.static))
     send(told, {"preview": preview, "action_scale": scale})
+    # observations in, actions out
     state: Any = None
     for message, numbers in messages:
         rows, columns = message["shape"]
@@ -77,19 +78,19 @@ def _serve(order: Mapping[str, Any], messages: Iterator[tuple[dict[str, Any], by
         if not isinstance(answer, tuple) or len(answer) != 2:
             raise FFGymError("predict must return actions and state, a pair.")
         action, state = answer
-        send(told, elapsed, _checked(action, rows, robot).astype("<f4").tobytes())
+        send(told, elapsed, _check_actions(action, rows, robot).astype("<f4").tobytes())
 
 
 def _seed(seed: int, folder: Path) -> None:
-    """Begin the random numbers of Python, of numpy, and of torch if a file in the agent's folder uses it."""
+    """Seed the random numbers of Python, of numpy, and of torch if a file in the agent's folder uses it."""
     random.seed(seed)
     np.random.seed(seed % 2**32)  # noqa: NPY002 - agents may use the old way
     if any(re.search(rb"torch|stable_baselines3|sb3_contrib", file.read_bytes()) for file in folder.glob("*.py")):
         import_module("torch").manual_seed(seed)
 
 
-def _checked(action: Any, rows: int, robot: RobotDescription) -> Array:
-    """Actions (B, N) in [-1, 1]; FFGymError if they are no finite numbers of the right shape."""
+def _check_actions(action: Any, rows: int, robot: RobotDescription) -> Array:
+    """Check actions (B, N), clip them to [-1, 1]; FFGymError if they are no finite numbers of the right shape."""
     numbers, shape = np.asarray(action), (rows, robot.n_joints)
     if numbers.dtype.kind not in "fiu":
         raise FFGymError(f"predict returned actions of type {numbers.dtype}, must be numbers.")
@@ -101,7 +102,7 @@ def _checked(action: Any, rows: int, robot: RobotDescription) -> Array:
 
 
 def failure_text(error: BaseException, folder: Path) -> str:
-    """Reason why an agent is refused that raised this; with file and line if it was raised from a file in `folder`."""
+    """Return the reason of a refusal for an error; with file and line if it was raised from a file in `folder`."""
     text = " ".join(str(error).split())[:400]
     reason = text if isinstance(error, FFGymError) else f"it raised {type(error).__name__}: {text}"
     frames = [(Path(frame.f_code.co_filename), line) for frame, line in traceback.walk_tb(error.__traceback__)]

@@ -18,9 +18,9 @@ from ffgym.agents.residual.policy import encode_policy, load_policy, save_policy
 from ffgym.agents.residual.validation import base_errors, validate
 from ffgym.control import Agent, ObservationLayout, Policy
 from ffgym.core.errors import FFGymError
-from ffgym.leaderboard.evaluation.closed_loop import fly
+from ffgym.leaderboard.evaluation.closed_loop import run_rollouts
 from ffgym.leaderboard.evaluation.jobs import cells_of
-from ffgym.leaderboard.plants import plant_named
+from ffgym.leaderboard.plants import find_plant
 from ffgym.leaderboard.tasks import Task
 from tests.agents.residual.residual_samples import policy_of, tiny
 
@@ -229,12 +229,12 @@ def test_a_silent_policy_gains_nothing_in_the_validation():
 
 
 def test_policies_side_by_side_fly_as_each_does_alone():
-    plant, seeds = plant_named("workcell:thesis"), [0, 4, 1]  # its sensors have noise
+    plant, seeds = find_plant("workcell:thesis"), [0, 4, 1]  # its sensors have noise
     tasks = [Task("p2", 0.1, (0.001,), "positions"), Task("p3", 0.1, (0.003,), "positions")]
     policies = [policy_of(seed=seed) for seed in (5, 6, 7)]
-    flights = fly(plant, policies, tasks, seeds=seeds)
+    flights = run_rollouts(plant, policies, tasks, seeds=seeds)
     for policy, seed, own in zip(policies, seeds, flights, strict=True):
-        [alone] = fly(plant, [policy], tasks, seeds=[seed])
+        [alone] = run_rollouts(plant, [policy], tasks, seeds=[seed])
         for task, one, other in zip(tasks, own, alone, strict=True):
             assert one.actions.tobytes() == other.actions.tobytes()
             assert cells_of(task, one.recording) == cells_of(task, other.recording)
