@@ -19,7 +19,7 @@ from ffgym.logs.quality.wiring import Mistake, find_wiring
 from ffgym.recordings import Recording, write_recording
 from ffgym.recordings.io import FORMATS, recording_files
 from ffgym.report.quality import format_quality, render_quality_page
-from ffgym.report.table import filled
+from ffgym.report.table import wrap_text
 from ffgym.robot import RobotDescription, load_draft
 from ffgym.simulation.plant.machine_file import is_machine_file
 
@@ -113,7 +113,7 @@ def check(config: CheckLogs) -> None:
         counts = [f"{verdicts.count(verdict)} {verdict}" for verdict in get_args(Overall)]
         print(f"{len(verdicts)} logs: {', '.join(counts)}.")
     for mistake in wiring:
-        print(filled(f"wiring of all logs: {mistake.message}"))
+        print(wrap_text(f"wiring of all logs: {mistake.message}"))
     print_places(report=config.report, numbers=config.json)
     if bad := [name for name, report in reports if report.verdict == "insufficient"]:
         raise FFGymError(f"Insufficient: {', '.join(bad)}; see above what is refused, and the way out.")

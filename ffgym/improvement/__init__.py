@@ -1,6 +1,6 @@
 """Rounds of recording, diagnosing, extending the model and compensating with it, and the gain of each.
 
-The diagnosis stands in `ffgym.diagnosis`, feed-forward from a model in `ffgym.agents`.
+The diagnosis is in `ffgym.diagnosis`, feed-forward from a model in `ffgym.agents`.
 """
 
 import lazy_loader

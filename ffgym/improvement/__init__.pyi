@@ -1,9 +1,9 @@
-from .gain import Gain as Gain
-from .gain import Score as Score
+from .gain import ControlGain as ControlGain
+from .gain import LawScore as LawScore
 from .loop import Improvement as Improvement
 from .loop import improve as improve
 from .report import format_improvement as format_improvement
 from .report import improvement_figures as improvement_figures
 from .report import render_improvement as render_improvement
+from .rounds import ImprovementRound as ImprovementRound
 from .rounds import Plan as Plan
-from .rounds import Round as Round

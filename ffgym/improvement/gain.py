@@ -1,6 +1,6 @@
-"""Feed-forward laws of the model before and after, and what they leave of the path error on the machine.
+"""Gain in control: path errors on the machine by feed-forward laws of the model before and after.
 
-Circles are at places and of sizes that no round recorded.
+Circles are at positions and of sizes that no round recorded.
 """
 
 from collections.abc import Sequence
@@ -14,7 +14,7 @@ from ffgym.agents.lugre import dynamic_lugre
 from ffgym.agents.model import model_law
 from ffgym.control import FeedForwardLaw, NoCompensation
 from ffgym.core.errors import FFGymError
-from ffgym.improvement.rounds import Plan, Round
+from ffgym.improvement.rounds import ImprovementRound, Plan
 from ffgym.paths import RADII, SPEEDS
 from ffgym.robot import RigidArm, RobotDescription
 from ffgym.simulation import Rig
@@ -23,9 +23,9 @@ from ffgym.simulation.run import Progress
 from ffgym.studies import CircleStudy, circle_study
 
 BASELINE = "lugre_dynamic"
-"""Law that the gain is told against: dynamic LuGre with nominal parameters."""
+"""Baseline of the gain: dynamic LuGre with nominal parameters."""
 IDENTIFIED = "lugre_identified"
-"""The same with friction that was identified from the first round's recordings."""
+"""Dynamic LuGre with friction that was identified from the first round's recordings."""
 BENT = "elastic_identified"
 """Elastic feed-forward with that friction."""
 FITTED = "fitted"
@@ -36,21 +36,23 @@ MODEL = "model"
 
 @dataclass(frozen=True, eq=False)
 class Contender:
-    """A law, and what it is called here."""
+    """A law with its name and title in the comparison."""
 
     name: str
     title: str
-    """Words for readers."""
+    """Title for readers."""
     law: FeedForwardLaw
 
 
-def contenders(rig: Rig, plan: Plan, rounds: Sequence[Round], identified: RobotDescription) -> list[Contender]:
-    """All laws, in the order of tables.
+def contenders(
+    rig: Rig, plan: Plan, rounds: Sequence[ImprovementRound], identified: RobotDescription
+) -> list[Contender]:
+    """Make all laws, in the order of tables.
 
     Args:
-        rig: where they will run; its controller is what stays.
-        plan: has the nominal model.
-        rounds: have the extended ones.
+        rig: rig that will run them; its controller stays.
+        plan: plan with the nominal model.
+        rounds: rounds with the extended models.
         identified: the nominal robot with friction identified from the same recordings.
     """
     nominal, arm = plan.nominal.physical, rig.arm
@@ -76,10 +78,10 @@ HELD_OUT_RADII = tuple(radius for radius in RADII if radius != CIRCLE)
 
 
 def held_out_positions(robot: RobotDescription) -> tuple[str, ...]:
-    """Positions of the work area where no protocol draws circles: all but the first.
+    """List positions of the work area where no protocol draws circles: all but the first.
 
     Raises:
-        FFGymError: if the robot has none.
+        FFGymError: if the robot has no such position.
     """
     names = () if robot.work_area is None else tuple(robot.work_area.positions)[1:]
     if not names:
@@ -91,8 +93,8 @@ def held_out_positions(robot: RobotDescription) -> tuple[str, ...]:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Score:
-    """What one law leaves at one speed, mean over all circles."""
+class LawScore:
+    """Path error of one law at one speed, mean over all circles."""
 
     law: str
     title: str
@@ -102,20 +104,20 @@ class Score:
     max_um: float
     """Mean of the largest path errors."""
     against: float
-    """Share of the RMS path error of dynamic LuGre with nominal parameters that is taken off; negative if added."""
+    """Reduction as a share of the RMS path error of dynamic LuGre with nominal parameters; negative for growth."""
     better_on: int
-    """Circles on which the law leaves less than that."""
+    """Circles on which the error is smaller than with that law."""
     circles: int
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Gain:
+class ControlGain:
     """Scores of all laws at all speeds."""
 
     study: CircleStudy
-    """Every circle."""
-    scores: tuple[Score, ...]
-    """Law by law, speed by speed."""
+    """Study of every circle."""
+    scores: tuple[LawScore, ...]
+    """Scores law by law, speed by speed."""
 
 
 def gain_on(
@@ -128,18 +130,18 @@ def gain_on(
     seed: int = 0,
     n_threads: int = 0,
     progress: Progress | None = None,
-) -> Gain:
+) -> ControlGain:
     """Run all laws on circles and score them.
 
     Args:
         rig: the machine.
-        laws: that of the name BASELINE is among them.
+        laws: laws to compare, BASELINE among them.
         positions: names in the work area.
-        speeds: of the tool [m/s].
-        radii: of the circles [m].
-        seed: of the sensors' noise, which is the same for all laws.
-        n_threads: of the simulation, 0 for all cores.
-        progress: called now and then with the simulated seconds done and their total.
+        speeds: speeds of the tool [m/s].
+        radii: radii of the circles [m].
+        seed: seed of the sensors' noise, the same for all laws.
+        n_threads: threads of the simulation, 0 for all cores.
+        progress: function that is called now and then with the simulated seconds done and their total.
 
     Raises:
         FFGymError: if there is nothing to run, or the robot cannot follow the circles.
@@ -156,12 +158,12 @@ def gain_on(
             n_threads=n_threads,
             progress=None if progress is None else partial(_report_part, progress, i, len(laws)),
         )
-        studies.append(study.renamed(each.law.name, each.name))
+        studies.append(study.rename(each.law.name, each.name))
     study = studies[0]
     for other in studies[1:]:
-        study = study.joined(other)
+        study = study.join(other)
     tested = dict.fromkeys(cell.speed_mm_s for cell in study.cells)
-    return Gain(study=study, scores=tuple(_score(study, each, speed) for each in laws for speed in tested))
+    return ControlGain(study=study, scores=tuple(_score(study, each, speed) for each in laws for speed in tested))
 
 
 def _report_part(progress: Progress, i: int, n: int, done: float, total: float) -> None:
@@ -169,10 +171,10 @@ def _report_part(progress: Progress, i: int, n: int, done: float, total: float) 
     progress(i * total + done, n * total)
 
 
-def _score(study: CircleStudy, law: Contender, speed_mm_s: float) -> Score:
+def _score(study: CircleStudy, law: Contender, speed_mm_s: float) -> LawScore:
     own, base = (study.select(agent=name, speed_mm_s=speed_mm_s) for name in (law.name, BASELINE))
     mine, theirs = (np.array([cell.rms_mm for cell in cells]) * 1e3 for cells in (own, base))
-    return Score(
+    return LawScore(
         law=law.name,
         title=law.title,
         speed_mm_s=speed_mm_s,

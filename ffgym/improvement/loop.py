@@ -1,4 +1,4 @@
-"""All of it: rounds on a machine, laws of what they found, and what these leave on circles that no round recorded."""
+"""Improvement of a model: rounds on a machine, then the gain of its laws on circles that no round recorded."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
@@ -9,8 +9,8 @@ from ffgym.core.claims import claimed
 from ffgym.core.files import made_folder
 from ffgym.diagnosis.diagnosis_file import diagnosis_document
 from ffgym.diagnosis.identification import friction_torques, identify_friction
-from ffgym.improvement.gain import HELD_OUT_RADII, Gain, contenders, gain_on, held_out_positions
-from ffgym.improvement.rounds import Diagnose, Plan, Round, Stage, improved
+from ffgym.improvement.gain import HELD_OUT_RADII, ControlGain, contenders, gain_on, held_out_positions
+from ffgym.improvement.rounds import Diagnose, ImprovementRound, Plan, Stage, improve_in_rounds
 from ffgym.paths import SPEEDS
 from ffgym.recordings.io import read_folder
 from ffgym.robot import RigidArm
@@ -19,16 +19,16 @@ from ffgym.simulation import Rig
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Improvement:
-    """What was found on a machine, and what it is worth in control."""
+    """Rounds on a machine, and their gain in control."""
 
     rig: Rig
     plan: Plan
-    rounds: tuple[Round, ...]
-    gain: Gain
+    rounds: tuple[ImprovementRound, ...]
+    gain: ControlGain
 
     @property
     def ended(self) -> str:
-        """Why there were no more rounds."""
+        """Reason why the rounds ended."""
         last = self.rounds[-1].diagnosis
         if last.causes:
             return f"the {self.plan.rounds} rounds are used up"
@@ -37,7 +37,7 @@ class Improvement:
         return f"the last diagnosis names nothing to add ({last.verdict})"
 
     def document(self) -> dict[str, Any]:
-        """As JSON has it."""
+        """Convert to JSON."""
         return {
             "rig": self.rig.name,
             "ended": self.ended,
@@ -72,25 +72,26 @@ def improve(
 
     Args:
         rig: the machine.
-        plan: how to go about it.
-        folder: for recordings, diagnoses and models; what is complete in it is not made again.
-        diagnose: what a model lacks, by recordings.
-        stage: shows progress.
-        positions: of the circles that laws are compared on; None is all where no protocol draws circles.
-        speeds: of these circles [m/s].
-        radii: of these circles [m].
+        plan: plan of the rounds.
+        folder: folder for recordings, diagnoses and models; complete ones in it are not made again.
+        diagnose: diagnosis of a model by recordings.
+        stage: context that shows progress.
+        positions: positions of the circles of the comparison; None is all where no protocol draws circles.
+        speeds: speeds of these circles [m/s].
+        radii: radii of these circles [m].
 
     Raises:
         FFGymError: if something cannot be recorded, diagnosed, run or written, or another process fills the folder.
     """
     places = held_out_positions(rig.robot) if positions is None else positions
     with made_folder(folder), claimed(folder):
-        rounds = improved(rig, plan, folder, diagnose, stage)
+        rounds = improve_in_rounds(rig, plan, folder, diagnose, stage)
     # the nominal robot with friction identified from the recordings of the first round
     nominal = plan.nominal.physical
     with stage("identifying friction", "joints") as progress:
         torques = friction_torques(RigidArm(nominal), read_folder(rounds[0].logs))
         found = identify_friction(torques, seed=plan.seed, progress=progress)
+    # laws of the model before and after, on circles that no round recorded
     laws = contenders(rig, plan, rounds, replace(nominal, friction=found.friction))
     with stage("comparing laws", "s") as progress:
         gain = gain_on(

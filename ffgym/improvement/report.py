@@ -1,13 +1,13 @@
-"""An improvement as plain text for a terminal, and as one HTML page that needs nothing else."""
+"""Report on an improvement as text for a terminal, and as one HTML page."""
 
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from ffgym.improvement.gain import BASELINE, MODEL, Score
+from ffgym.improvement.gain import BASELINE, MODEL, LawScore
 from ffgym.improvement.loop import Improvement
-from ffgym.improvement.rounds import Round
-from ffgym.report import Column, Note, Page, ReportFigure, Section, Table, filled
+from ffgym.improvement.rounds import ImprovementRound
+from ffgym.report import Column, Note, Page, ReportFigure, Section, Table, wrap_text
 from ffgym.report.circles.comparison import percent
 from ffgym.report.circles.paths_plot import paths_figure
 from ffgym.report.diagnosis.words import size_text, title_of
@@ -16,18 +16,18 @@ from ffgym.report.table import pair
 
 
 def format_improvement(improvement: Improvement) -> str:
-    """What each round found, and what the laws leave."""
-    parts = [filled(line) for each in improvement.rounds for line in _round_lines(each)]
+    """Format the findings of each round, and the path errors of the laws."""
+    parts = [wrap_text(line) for each in improvement.rounds for line in _round_lines(each)]
     table = _scores(improvement, with_largest=False)
-    parts += [filled(f"ended: {improvement.ended}"), "", table.text(), "", filled(verdict_of(improvement))]
+    parts += [wrap_text(f"ended: {improvement.ended}"), "", table.text(), "", wrap_text(verdict_of(improvement))]
     return "\n".join(parts)
 
 
 def render_improvement(improvement: Improvement, info: Mapping[str, Any]) -> str:
-    """HTML of the page.
+    """Render the page as HTML.
 
     Args:
-        improvement: what to show.
+        improvement: the improvement.
         info: provenance by name; a dict in it gives a line per entry.
 
     Raises:
@@ -54,14 +54,14 @@ def render_improvement(improvement: Improvement, info: Mapping[str, Any]) -> str
 
 
 def improvement_figures(improvement: Improvement) -> list[ReportFigure]:
-    """What laws leave, and the path of the tool before and after.
+    """Draw path errors of the laws, and the path of the tool before and after.
 
     Raises:
         FFGymError: if matplotlib is missing.
     """
     errors = {law: [score.rms_um * 1e-3 for score in own] for law, own in _by_law(improvement).items()}
     both = improvement.gain.study.only(laws=[BASELINE, MODEL])
-    study = both.renamed(BASELINE, "dynamic LuGre, nominal").renamed(MODEL, "extended model")
+    study = both.rename(BASELINE, "dynamic LuGre, nominal").rename(MODEL, "extended model")
     return [
         ReportFigure(
             name="laws",
@@ -79,7 +79,7 @@ def improvement_figures(improvement: Improvement) -> list[ReportFigure]:
 
 
 def verdict_of(improvement: Improvement) -> str:
-    """What the model of the last round gains, in one sentence."""
+    """Write the gain of the model of the last round in one sentence."""
     own = [score for score in improvement.gain.scores if score.law == MODEL]
     said = ", ".join(f"{percent(score.against)} at {score.speed_mm_s:g} mm/s" for score in own)
     better, circles = (sum(getattr(score, name) for score in own) for name in ("better_on", "circles"))
@@ -90,11 +90,11 @@ def verdict_of(improvement: Improvement) -> str:
 
 
 def _scores(improvement: Improvement, *, with_largest: bool) -> Table:
-    """Mean RMS path error of every law at every speed [um], and what it takes off dynamic LuGre.
+    """Tabulate mean RMS path error of every law at every speed [um], and its change against dynamic LuGre.
 
     Args:
-        improvement: has the scores.
-        with_largest: with the largest error, and on how many circles a law is better.
+        improvement: improvement with the scores.
+        with_largest: True for largest errors, and the number of circles on which a law is better.
     """
     laws = _by_law(improvement)
     columns = [Column("mean RMS path error", list(laws), kind="text")]
@@ -113,8 +113,8 @@ def _scores(improvement: Improvement, *, with_largest: bool) -> Table:
     return Table(columns=columns, name="scores")
 
 
-def _by_law(improvement: Improvement) -> dict[str, list[Score]]:
-    """Scores at each speed by the words for the law."""
+def _by_law(improvement: Improvement) -> dict[str, list[LawScore]]:
+    """Group scores at each speed by the title of the law."""
     scores = improvement.gain.scores
     return {title: [s for s in scores if s.title == title] for title in dict.fromkeys(s.title for s in scores)}
 
@@ -135,15 +135,15 @@ def _rounds(improvement: Improvement) -> Table:
     return Table(columns=columns, name="rounds")
 
 
-def _round_lines(each: Round) -> list[str]:
-    """What one round recorded and found."""
+def _round_lines(each: ImprovementRound) -> list[str]:
+    """Write the recordings and findings of one round."""
     what = f"{', '.join(each.protocols)}, {each.seconds:.0f} s"
     first = f"round {each.number} ({what}): {each.diagnosis.verdict}: {each.diagnosis.sentence}"
     return [first, *(f"  {cause}" for cause in _causes(each))]
 
 
-def _causes(each: Round, behind: str = "") -> list[str]:
-    """What was added to the model, with sizes."""
+def _causes(each: ImprovementRound, behind: str = "") -> list[str]:
+    """List the causes that were added to the model, with sizes."""
     return [
         f"{title_of(cause.effect)}{f' of {cause.joint}' if cause.joint else ''}: "
         f"{'; '.join(size_text(size) for size in cause.parameters)}{behind.format(gain=cause.held_out_gain)}"

@@ -1,4 +1,4 @@
-"""Rounds of record, diagnose, extend: until the model explains what is measured, or the rounds are used up."""
+"""Rounds of recording, diagnosing and extending, until the model explains the recordings or the rounds are used up."""
 
 import json
 from collections.abc import Callable, Sequence
@@ -27,7 +27,7 @@ from ffgym.simulation.protocols import Protocol, load_protocols, plan_session, r
 from ffgym.simulation.run import Progress
 
 PAUSE = 60.0
-"""Between two sessions [s]; chosen: what it takes to start the next one."""
+"""Pause between two sessions [s]; chosen: time to start the next one."""
 
 _FITTED = ParameterPrior.of_share(settings().prior.fitted_share)
 """How well numbers are known that were fitted to the very recordings."""
@@ -37,32 +37,32 @@ Diagnose = Callable[[Machine, Sequence[Recording], ParameterPrior, int], Diagnos
 look for."""
 
 Stage = Callable[[str, str], AbstractContextManager[Progress]]
-"""Something that takes its time: its title and the unit of its progress."""
+"""Context of a piece of work that shows progress, by title and unit."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Plan:
-    """How a model is improved."""
+    """Plan of the improvement of a model."""
 
     nominal: Machine
     """The model to begin with."""
     robot: str | Path
-    """What machine files call its robot: a built-in name, or the path of its description."""
+    """Robot in machine files: a built-in name, or the path of its description."""
     origins: tuple[Origin, ...] = ()
-    """Where numbers of effects come from that it has already."""
+    """Origins of the numbers of effects that it has already."""
     fit: bool = False
-    """Whether all numbers of the model are fitted to the first recordings before it is diagnosed, and again beside the
+    """True: all numbers of the model are fitted to the first recordings before the diagnosis, and again beside the
     causes of each round, as for a machine that is far from its description in many at once."""
     protocols: tuple[str, ...] = ("diagnosis",)
-    """What is recorded in each round, as for `ffgym record`."""
+    """Protocols to record in each round, as for `ffgym record`."""
     rounds: int = 4
-    """At most."""
+    """Largest number of rounds."""
     most_causes: int = 3
-    """Causes that a diagnosis looks for."""
+    """Largest number of causes of a diagnosis."""
     seed: int = 0
-    """Of the sensors' noise."""
+    """Seed of the sensors' noise."""
     n_threads: int = 0
-    """Of the simulation, 0 for all cores."""
+    """Threads of the simulation, 0 for all cores."""
 
     def __post_init__(self) -> None:
         check_whole("rounds", self.rounds, low=1, high=20)
@@ -73,13 +73,13 @@ class Plan:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Round:
-    """One session, and what it said."""
+class ImprovementRound:
+    """One session with its diagnosis and the extended model."""
 
     number: int
-    """From 1 on."""
+    """Number of the round, from 1 on."""
     protocols: tuple[str, ...]
-    """What was recorded."""
+    """Recorded protocols."""
     seconds: float
     """Time that the machine moved [s]."""
     logs: Path
@@ -90,35 +90,36 @@ class Round:
     machine: Machine
     """The model from now on."""
     model: Path
-    """Its file."""
+    """File of that model."""
 
     @property
     def is_last(self) -> bool:
-        """Whether there is nothing to add."""
+        """True if the diagnosis adds no cause."""
         return not self.diagnosis.causes
 
 
-def improved(rig: Rig, plan: Plan, folder: Path, diagnose: Diagnose, stage: Stage) -> list[Round]:
-    """Rounds on a machine; what is complete in the folder is not made again.
+def improve_in_rounds(rig: Rig, plan: Plan, folder: Path, diagnose: Diagnose, stage: Stage) -> list[ImprovementRound]:
+    """Improve a model in rounds on a machine; complete rounds in the folder are not made again.
 
-    Each round records the protocols, and what the diagnosis of the round before proposed to tell causes apart.
+    Each round records the protocols, and the motion that the diagnosis of the round before proposed to separate causes.
 
     Args:
         rig: the machine.
-        plan: how to go about it.
-        folder: for recordings, diagnoses and models, a folder `round_1`, ... each.
-        diagnose: what a model lacks.
-        stage: shows progress.
+        plan: plan of the rounds.
+        folder: folder for recordings, diagnoses and models, with a folder `round_1`, ... each.
+        diagnose: diagnosis of a model by recordings.
+        stage: context that shows progress.
 
     Raises:
         FFGymError: if something cannot be recorded, diagnosed or written.
     """
-    rounds: list[Round] = []
+    rounds: list[ImprovementRound] = []
     machine, origins, proposed, clock = plan.nominal, plan.origins, list[Protocol](), 0.0
     prior = ParameterPrior()
     while len(rounds) < plan.rounds and not (rounds and rounds[-1].is_last):
         number = len(rounds) + 1
         place = folder / f"round_{number}"
+        # record
         protocols = [protocol for name in plan.protocols for protocol in load_protocols(name)]
         motions = plan_session(rig.arm, [*protocols, *proposed], start=clock)
         with stage(f"recording, round {number}", "s") as progress:
@@ -126,25 +127,28 @@ def improved(rig: Rig, plan: Plan, folder: Path, diagnose: Diagnose, stage: Stag
             record_into(logs, motions, rig, seed=seed, origin=origin, n_threads=plan.n_threads, progress=progress)
         recordings = read_folder(logs)
         if plan.fit and not rounds:
-            machine, prior = _fitted(place / "fitted", machine, plan, recordings, stage), _FITTED
+            machine, prior = _fit_numbers(place / "fitted", machine, plan, recordings, stage), _FITTED
+        # diagnose
         before = machine
         with stage(f"diagnosing, round {number}", "") as progress:
             progress(0, 1)
-            diagnosis = _diagnosed(place, before, recordings, prior, plan.most_causes, diagnose)
+            diagnosis = _diagnose(place, before, recordings, prior, plan.most_causes, diagnose)
             progress(1, 1)
+        # extend the model, with all numbers fitted beside the causes if planned
         if plan.fit and diagnosis.causes:
             grown = extend_machine(before, diagnosis.causes)
-            beside = _fitted(place / "fitted_beside", grown, plan, recordings, stage)
+            beside = _fit_numbers(place / "fitted_beside", grown, plan, recordings, stage)
             machine, diagnosis = replace(before, robot=beside.robot), replace(diagnosis, numbers=())
         model = place / "extended.toml"
         machine = save_extended(model, diagnosis, machine, robot=plan.robot, origins=origins, recordings=recordings)
         origins, clock = origins_of(model), motions[-1].end + PAUSE
+        # motion of the next round that separates causes
         proposed = []
         if diagnosis.separating_motion is not None:
             write_text(place / "next.toml", diagnosis.separating_motion.toml)
             proposed = load_protocols(place / "next.toml")
         rounds.append(
-            Round(
+            ImprovementRound(
                 number=number,
                 protocols=tuple(dict.fromkeys(motion.protocol for motion in motions)),
                 seconds=sum(motion.reference.duration for motion in motions),
@@ -158,8 +162,8 @@ def improved(rig: Rig, plan: Plan, folder: Path, diagnose: Diagnose, stage: Stag
     return rounds
 
 
-def _fitted(place: Path, machine: Machine, plan: Plan, recordings: Sequence[Recording], stage: Stage) -> Machine:
-    """A machine with numbers that predict recordings best beside its effects: as in the file, if it is of these."""
+def _fit_numbers(place: Path, machine: Machine, plan: Plan, recordings: Sequence[Recording], stage: Stage) -> Machine:
+    """Fit all numbers of a machine to recordings, beside its effects; read the file if it is of these recordings."""
     key, file, about = place.with_suffix(".json"), place.with_suffix(".toml"), _about(machine, recordings)
     if not (key.exists() and file.exists() and _json(key) == about):
         title, source = f"{machine.robot.title}, fitted by ffgym improve", "fitted to recordings, all numbers together"
@@ -172,7 +176,7 @@ def _fitted(place: Path, machine: Machine, plan: Plan, recordings: Sequence[Reco
     return load_machine(file)
 
 
-def _diagnosed(
+def _diagnose(
     place: Path,
     machine: Machine,
     recordings: Sequence[Recording],
@@ -180,7 +184,7 @@ def _diagnosed(
     most: int,
     diagnose: Diagnose,
 ) -> Diagnosis:
-    """The diagnosis of a round: the one in its folder, if it is of these recordings, this model and as many causes."""
+    """Diagnose a round; read the file in its folder if it is of these recordings, this model and as many causes."""
     key, file = place / "diagnosed.json", place / "diagnosis.json"
     about = _about(machine, recordings) | {"most_causes": most}
     if key.exists() and file.exists() and _json(key) == about:
@@ -192,7 +196,7 @@ def _diagnosed(
 
 
 def _about(machine: Machine, recordings: Sequence[Recording]) -> dict[str, Any]:
-    """What a fit or a diagnosis depends on."""
+    """Return everything that a fit or a diagnosis depends on."""
     return {
         "session": recordings[0].header.provenance["session"],
         "model": machine.physics(ModelOptions(looks=False)),

@@ -90,7 +90,7 @@ class Registry:
 
 
 def find_entrants(registry: Registry) -> Mapping[str, Entrant]:
-    """Find all entrants of a registry; FFGymError if the entrant of a file cannot be made, or has the name of another."""
+    """Find all entrants of a registry; FFGymError if one of a file cannot be made, or has the name of another."""
     found: dict[str, Entrant] = dict(_at(registry.known))
     for file in registry.files:
         entrant = _make(registry.maker, file)

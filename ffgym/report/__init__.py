@@ -1,6 +1,6 @@
 """Tables, figures and pages for terminal, Markdown and HTML; with commands and scripts the only room that draws.
 
-Numbers that are shown are computed in the rooms of their subjects, figures of merit in `ffgym.recordings.metrics`.
+Numbers of reports are computed in the packages of their subjects, figures of merit in `ffgym.recordings.metrics`.
 """
 
 import lazy_loader

@@ -2,7 +2,7 @@ from .circles.comparison import SpeedTable as SpeedTable
 from .circles.comparison import circle_tables as circle_tables
 from .circles.comparison import format_one_axis as format_one_axis
 from .circles.comparison import format_text as format_text
-from .circles.findings import Finding as Finding
+from .circles.findings import ReproductionFinding as ReproductionFinding
 from .circles.findings import findings as findings
 from .circles.findings import headline as headline
 from .circles.page import circle_figures as circle_figures
@@ -29,6 +29,6 @@ from .page import Section as Section
 from .table import Cell as Cell
 from .table import Column as Column
 from .table import Table as Table
-from .table import filled as filled
+from .table import wrap_text as wrap_text
 from .tool_path import ToolPath as ToolPath
 from .tool_path import tool_path_figure as tool_path_figure

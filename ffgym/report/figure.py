@@ -1,4 +1,4 @@
-"""One figure for every reader: a picture with its words, saved as a file or embedded in a page.
+"""Figures of reports: a picture with its words, saved as a file or embedded in a page.
 
 This is the one door to matplotlib, which is imported when a figure is made: no pyplot, no windows, no lasting settings.
 """
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 FIGURE_FORMATS = ("svg", "png", "pdf")
-"""What `save_figure` writes, by suffix."""
+"""Formats of `save_figure`, by suffix."""
 
 _STYLE: dict[str, Any] = {
     "font.size": 9.0,
@@ -66,13 +66,13 @@ class ReportFigure:
     """A picture with its words."""
 
     name: str
-    """For file names and links."""
+    """Name in file names and links."""
     title: str
-    """Also what the picture is to those who do not see it."""
+    """Title, and description of the picture for screen readers."""
     caption: str
     figure: "Figure"
     thesis: str = ""
-    """Where the thesis shows the same; empty where the page says it."""
+    """Figure of the thesis that shows the same; empty if the page names it."""
 
     @property
     def width(self) -> int:
@@ -81,7 +81,7 @@ class ReportFigure:
 
     @cached_property
     def source(self) -> str:
-        """The picture itself as an address, so that a page needs no other file; drawn once, as layouts drift."""
+        """Picture as a data address, so that a page needs no other file; drawn once, as layouts drift."""
         picture = base64.b64encode(encode_figure(self.figure, "svg", _EMBEDDED_DPI)).decode()
         return f"data:image/svg+xml;base64,{picture}"
 
@@ -98,7 +98,7 @@ def require_matplotlib() -> ModuleType:
 
 @contextmanager
 def house_style() -> Iterator[None]:
-    """Draw in the style of the reports, whatever the user's matplotlibrc says; put the user's settings back."""
+    """Draw in the style of the reports, with the user's matplotlibrc left aside; restore the user's settings."""
     matplotlib = require_matplotlib()
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
@@ -107,7 +107,7 @@ def house_style() -> Iterator[None]:
 
 
 def new_figure(width: float, height: float) -> "Figure":
-    """Empty figure of that size [inch] that belongs to no window."""
+    """Make an empty figure of that size [inch], without a window."""
     figure: Figure = require_matplotlib().figure.Figure(figsize=(width, height), layout="constrained")
     return figure
 
@@ -116,14 +116,14 @@ def new_figure(width: float, height: float) -> "Figure":
 def panels(
     rows: int = 1, columns: int = 1, *, size: tuple[float, float], legend: bool = True, **options: Any
 ) -> Iterator[tuple["Figure", Any]]:
-    """Draw on a new figure in the house style; above it stands a legend of all that is drawn in any panel.
+    """Draw on a new figure in the house style, with one legend of all panels above.
 
     Args:
-        rows: of panels.
-        columns: of panels.
+        rows: number of rows of panels.
+        columns: number of columns of panels.
         size: width and height [inch].
-        legend: whether there is one.
-        options: of matplotlib's `subplots`, e.g. sharex.
+        legend: True for a legend.
+        options: options of matplotlib's `subplots`, e.g. sharex.
 
     Yields:
         The figure and its axes, shape (rows, columns).
@@ -140,15 +140,15 @@ def panels(
 
 
 def legend_above(figure: "Figure", handles: Sequence[Any], labels: Sequence[str]) -> None:
-    """Legend above all panels, in as many columns as the figure is wide enough for."""
+    """Put a legend above all panels, in as many columns as fit the width of the figure."""
     longest = max(len(label) for label in labels)
     room = max(int(figure.get_figwidth() / (_LEGEND_HANDLE + longest * _LEGEND_LETTER)), 1)
     rows = ceil(len(labels) / room)
     figure.legend(handles, labels, loc="outside upper center", ncols=ceil(len(labels) / rows))
 
 
-def peaks_kept(values: Array, points: int = POINTS) -> IntArray:
-    """Rows of `values` (T,) to draw, ascending: the smallest and the largest of each of points / 2 stretches.
+def keep_peaks(values: Array, points: int = POINTS) -> IntArray:
+    """Select rows of `values` (T,) to draw, ascending: smallest and largest of each of points / 2 stretches.
 
     All rows if there are no more than `points`; NaN stands for a gap and is never chosen where there is a number.
     """
@@ -163,7 +163,7 @@ def peaks_kept(values: Array, points: int = POINTS) -> IntArray:
 
 
 def encode_figure(figure: "Figure", kind: Literal["svg", "png", "pdf"] = "svg", dpi: float = 110) -> bytes:
-    """Bytes of a picture file; `dpi` [pixel/inch] counts for png, and for lines of very many points in the others."""
+    """Encode a picture file; `dpi` [pixel/inch] counts for png, and for lines of very many points in the others."""
     lines = [line for axes in figure.axes for line in axes.lines]
     dense = sum(len(line.get_path()) for line in lines) > _DENSE
     for line in lines:
@@ -176,7 +176,7 @@ def encode_figure(figure: "Figure", kind: Literal["svg", "png", "pdf"] = "svg", 
 
 
 def check_figure(path: str | os.PathLike[str]) -> Path:
-    """Path for `save_figure`; for use before work that ends in a figure.
+    """Check a path for `save_figure`, before work that ends in a figure.
 
     Raises:
         FFGymError: if the suffix is unknown, the file cannot be written, or matplotlib is not installed.

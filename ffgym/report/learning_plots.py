@@ -1,4 +1,4 @@
-"""How laws learn: error over trials and rates, what is forgotten, and many laws beside each other."""
+"""Figures of learning: error over trials, learning at several rates, and many laws beside each other."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TrialCurves:
-    """What one panel shows."""
+    """Curves of one panel."""
 
     title: str
     errors: Array
@@ -37,11 +37,11 @@ class TrialCurves:
 
 
 def trials_figure(curves: Sequence[TrialCurves], label: str) -> "Figure":
-    """One panel beside the other, logarithmic: a thin line per circle, dots for the median, dashes for other laws.
+    """Draw panels side by side, logarithmic: a thin line per circle, dots for the median, dashes for other laws.
 
     Args:
-        curves: what to show, a panel each.
-        label: of the error, with its unit.
+        curves: curves of each panel.
+        label: label of the error, with its unit.
 
     Raises:
         FFGymError: if there is no panel.
@@ -66,7 +66,7 @@ def trials_figure(curves: Sequence[TrialCurves], label: str) -> "Figure":
 
 
 _COLOURS = ("#0072B2", "#009E73", "#E69F00", "#D55E00", "#CC79A7", "#56B4E9")
-"""Of rates in ascending order, shades of Okabe and Ito."""
+"""Colours of rates in ascending order, shades of Okabe and Ito."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -79,9 +79,9 @@ class LearningCurves:
     predicted: Array
     """Mean square of the learning signal [(N m)^2] at first and after each iteration, shape (G, I + 1)."""
     simulated: Array
-    """The same in simulation, shape (G, I + 1)."""
+    """Mean square of the learning signal in simulation, shape (G, I + 1)."""
     eigenvalues: ComplexArray
-    """Of one iteration at rate 1, shape (K,)."""
+    """Eigenvalues of one iteration at rate 1, shape (K,)."""
     largest_rate: float
     """Largest stable rate."""
 
@@ -94,7 +94,7 @@ class LearningCurves:
 
 
 def learning_figure(curves: Sequence[LearningCurves]) -> ReportFigure:
-    """One row per joint: the learning signal over iterations, and the eigenvalues in the complex plane."""
+    """Draw one row per joint: learning signal over iterations, and eigenvalues in the complex plane."""
     size, ratios = (10.0, 2.9 * len(curves) + 0.3), (1.4, 1.0)
     with panels(len(curves), 2, size=size, legend=False, width_ratios=ratios) as (figure, grid):
         for (left, right), each in zip(grid, curves, strict=True):
@@ -145,7 +145,7 @@ _LOOKS = (("#009E73", "o"), ("#E69F00", "s"), ("#D55E00", "^"))
 
 
 def agents_figure(errors: Mapping[str, Sequence[float]], speeds_mm_s: Sequence[float]) -> "Figure":
-    """One line per law, one dot per TCP speed, at most three: mean RMS path errors [mm] by the law's words."""
+    """Draw one line per law, one dot per TCP speed, at most three: mean RMS path errors [mm] by the law's words."""
     with panels(size=(10.0, 0.32 * len(errors) + 1.3)) as (figure, grid):
         axes = grid[0, 0]
         for k, (speed, (colour, marker)) in enumerate(zip(speeds_mm_s, _LOOKS, strict=False)):

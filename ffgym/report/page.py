@@ -1,4 +1,4 @@
-"""One page for every reader: a single HTML file that needs nothing else. This is the one door to jinja2."""
+"""Pages of reports: single HTML files that load no other. This is the one door to jinja2."""
 
 import re
 import tomllib
@@ -29,11 +29,11 @@ class Note:
 
 @dataclass(frozen=True)
 class Legend:
-    """A paragraph with the colours of what pictures and tables show."""
+    """A paragraph with the colours of pictures and tables."""
 
     text: str
     colours: Mapping[str, str]
-    """By the words for what has the colour."""
+    """Colours by the name of what is drawn in them."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class Items:
 
 @dataclass(frozen=True)
 class Details:
-    """Parts that a page shows when it is asked to."""
+    """Parts that a page hides until a reader opens them."""
 
     summary: str
     parts: "Sequence[Part]"
@@ -60,14 +60,14 @@ class Details:
 
 @dataclass(frozen=True)
 class Section:
-    """A heading with what stands below it."""
+    """A heading with the parts below it."""
 
     title: str
     parts: "Sequence[Part]"
     headline: Sequence[str] = ()
     """Paragraphs in a box below the heading."""
     is_boxed: bool = False
-    """Whether all of it stands in a frame."""
+    """True for a frame around all of it."""
 
 
 Part = str | Note | Legend | Code | Items | Details | Section | Table | ReportFigure
@@ -82,15 +82,15 @@ class Page:
     title: str
     subtitle: str = ""
     headline: Sequence[str] = ()
-    """What a reader who stops here should know, a paragraph each."""
+    """Main results, a paragraph each."""
     parts: Sequence[Part] = ()
     provenance: Mapping[str, Any]
-    """Where the numbers come from, by name; a dict in it gives a line per entry."""
+    """Origin of the numbers by name; a dict in it gives a line per entry."""
     is_dated: bool = True
-    """Whether the page says when it was written; without, the same parts give the same bytes."""
+    """True for the time of writing on the page; without, the same parts give the same bytes."""
 
     def html(self) -> str:
-        """HTML of the page; figures are numbered in its order.
+        """Render the page as HTML; figures are numbered in its order.
 
         Raises:
             FFGymError: if matplotlib or jinja2 is missing.
@@ -100,18 +100,18 @@ class Page:
 
 
 def render(name: str, **context: Any) -> str:
-    """HTML of the template of that name, for pages that need more than `Page` has."""
+    """Render the template of that name, for pages that need more than `Page` has."""
     require_matplotlib()
     return _environment().get_template(name).render(next_number=count(1).__next__, **context)
 
 
 def now() -> str:
-    """Time at which a page is written."""
+    """Return the time at which a page is written."""
     return datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC")
 
 
 def provenance_lines(info: Mapping[str, Any]) -> dict[str, str]:
-    """Names and values as text; the entries of a dict become lines, those of a list stand in one."""
+    """Convert names and values to text; entries of a dict become lines, entries of a list share one."""
     lines: dict[str, str] = {}
     for name, value in info.items():
         if isinstance(value, Mapping):
@@ -125,7 +125,7 @@ def provenance_lines(info: Mapping[str, Any]) -> dict[str, str]:
 
 
 def verdict_cell(word: str) -> Cell:
-    """A verdict with its sign: full, half or empty."""
+    """Make the cell of a verdict with its sign: full, half or empty."""
     signs = {"reproduced": "good", "holds": "good", "partly reproduced": "partly", "partly": "partly"}
     signs |= {"not reproduced": "bad", "does not hold": "bad"}
     return Cell(word, style=f"verdict {signs.get(word, 'none')}")
@@ -133,13 +133,13 @@ def verdict_cell(word: str) -> Cell:
 
 @cache
 def words_of(page: str) -> Mapping[str, str]:
-    """Texts of a page, see words.toml."""
+    """Read the texts of a page from words.toml."""
     texts: dict[str, str] = tomllib.loads(resource("words.toml"))[page]
     return MappingProxyType(texts)
 
 
 def resource(name: str) -> str:
-    """Text of a file beside the templates."""
+    """Read a text file beside the templates."""
     return (resources.files("ffgym.report") / "templates" / name).read_text(encoding="utf-8")
 
 
@@ -161,7 +161,7 @@ def _environment() -> "Environment":
 
 
 def _prose(text: str) -> "Markup":
-    """Escaped text in which `code` and **bold** are set."""
+    """Escape a text, and set `code` and **bold** in it."""
     from markupsafe import Markup, escape
 
     marked = re.sub(r"`([^`]+)`", r"<code>\1</code>", str(escape(text)))

@@ -1,4 +1,4 @@
-"""What the quality gate found in logs, as text for a terminal and as a page that can be sent."""
+"""Findings of the quality gate as text for a terminal and as a page that can be sent."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -6,7 +6,7 @@ from typing import Any
 from ffgym.logs.quality import Finding, QualityReport
 from ffgym.report.figure import ReportFigure, panels
 from ffgym.report.page import Details, Page, Section
-from ffgym.report.table import Cell, Column, Table, filled
+from ffgym.report.table import Cell, Column, Table, wrap_text
 
 _WORDS = {
     "good": "good: nothing to object to",
@@ -15,27 +15,27 @@ _WORDS = {
 }
 _COLOURS = {"ok": "#0072B2", "flagged": "#E69F00", "refused": "#D55E00"}
 _SMALLEST, _LARGEST = 1e-3, 1e3
-"""Ratios beyond are drawn at the edge: they differ by what nobody needs to see."""
+"""Ratios beyond are drawn at the edge: their differences do not matter."""
 
 
 def format_quality(report: QualityReport, *, figures: bool = False) -> str:
-    """The verdict and what could not be judged in a line, what conditioning did, every problem, of several joints once.
+    """Format verdict, number of checks not judged, conditioning, and every problem, once for several joints.
 
     With `figures` also every figure beside its limit, and the checks that were not judged.
     """
     unknown = dict.fromkeys(finding.check for finding in report.findings if finding.verdict == "not judged")
     lines = [_verdict(report) + (f" {len(unknown)} checks not judged." if unknown else "")]
-    lines += [filled(f"conditioned: {note}") for note in report.conditioning]
+    lines += [wrap_text(f"conditioned: {note}") for note in report.conditioning]
     problems = [f"{finding.verdict}: [{finding.check}] {finding.message}" for finding in report.problems]
-    lines += [filled(problem) for problem in dict.fromkeys(problems)]
+    lines += [wrap_text(problem) for problem in dict.fromkeys(problems)]
     if figures:
         lines.append(_figures([finding for finding in report.findings if finding.value is not None]).text())
-        lines += [filled(f"not judged: {', '.join(unknown)}")] if unknown else []
+        lines += [wrap_text(f"not judged: {', '.join(unknown)}")] if unknown else []
     return "\n".join(lines)
 
 
 def render_quality_page(reports: Sequence[tuple[str, QualityReport]], info: Mapping[str, Any]) -> str:
-    """HTML of the page on reports, each with the name of its log; `info` is its provenance by name.
+    """Render the page on reports as HTML, each with the name of its log; `info` is its provenance by name.
 
     FFGymError if matplotlib or jinja2 is missing.
     """
@@ -49,7 +49,7 @@ def render_quality_page(reports: Sequence[tuple[str, QualityReport]], info: Mapp
 
 
 def _section(name: str, report: QualityReport, place: int) -> Section:
-    """What was found in one log."""
+    """Lay out the findings in one log."""
     problems = Table(
         columns=[
             Column("verdict", [Cell(found.verdict, style=found.verdict) for found in report.problems], kind="text"),
@@ -67,13 +67,13 @@ def _section(name: str, report: QualityReport, place: int) -> Section:
 
 
 def _verdict(report: QualityReport) -> str:
-    """The verdict in one sentence."""
+    """Write the verdict in one sentence."""
     name = f"{report.robot}, {report.segment}" if report.segment else report.robot
     return f"{name}: {report.n_rows} rows, {report.duration:.6g} s. {_WORDS[report.verdict].capitalize()}."
 
 
 def _figures(findings: Sequence[Finding], *, with_verdict: bool = False) -> Table:
-    """Every figure beside its limit."""
+    """Tabulate every figure beside its limit."""
     columns = [
         Column("check", [found.check for found in findings], kind="code"),
         Column("of", [found.place for found in findings], kind="text"),
@@ -91,7 +91,7 @@ def _figures(findings: Sequence[Finding], *, with_verdict: bool = False) -> Tabl
 
 
 def _limits(report: QualityReport, place: int) -> ReportFigure:
-    """One bar for each check that was judged: its worst figure over its limit."""
+    """Draw one bar for each check that was judged: its worst figure over its limit."""
     worst: dict[str, tuple[float, str]] = {}  # ratio and verdict by check
     for finding in report.findings:
         if finding.value is None or finding.limit is None:

@@ -1,4 +1,4 @@
-"""One table for every reader: the same rows as text for a terminal, as Markdown, and as HTML of a page."""
+"""Tables of reports: the same rows as text for a terminal, as Markdown, and as HTML of a page."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ _CLASSES = {"number": "", "text": "l", "name": "l", "code": "l", "prose": "wrap"
 
 @dataclass(frozen=True)
 class Cell:
-    """A text with what stands pale behind it."""
+    """A text with a pale detail behind it."""
 
     text: str
     detail: str = ""
@@ -34,7 +34,7 @@ class Cell:
 
 
 def pair(value: float | None, detail: float | None, form: str, form_of_detail: str = "") -> Cell | None:
-    """A number with another one in brackets, e.g. an RMS and its largest value; None without the first one."""
+    """Format a number with another one in brackets, e.g. an RMS and a maximum; None without the first one."""
     if value is None:
         return None
     behind = "-" if detail is None else format(detail, form_of_detail or form)
@@ -47,14 +47,14 @@ class Column:
 
     heading: str
     values: Sequence[Any]
-    """Numbers, texts, cells; None where there is nothing to show."""
+    """Numbers, texts or cells; None for an empty cell."""
     form: str = ""
     """Format of numbers, e.g. '.3f'."""
     unit: str = ""
     """Unit of all numbers, which stands behind the heading."""
     kind: Kind = "number"
     group: str = ""
-    """Heading above this and its neighbours of the same group."""
+    """Heading above this column and its neighbours of the same group."""
     colour: str = ""
     """Colour of a swatch before the heading of the group, or before the own one, on a page."""
     style: str = ""
@@ -71,7 +71,7 @@ class Column:
         return _CLASSES[self.kind]
 
     def cells(self, nothing: str = "-") -> list[Cell]:
-        """A cell for each row, with `nothing` where there is no value."""
+        """Make a cell for each row, with the text `nothing` for None."""
         return [self._cell(value, nothing) for value in self.values]
 
     def _cell(self, value: Any, nothing: str) -> Cell:
@@ -84,24 +84,24 @@ class Column:
 
 @dataclass(frozen=True, kw_only=True)
 class Table:
-    """Columns of equal length with what is said of them."""
+    """Columns of equal length with title and note."""
 
     columns: Sequence[Column]
     name: str = ""
-    """For links and scripts."""
+    """Name in links and scripts."""
     title: str = ""
     note: str = ""
-    """How to read it."""
+    """Explanation of the columns."""
     fixed: int = 1
-    """Columns on the left that are repeated where a terminal is too narrow for all."""
+    """Number of columns on the left that are repeated if a terminal is too narrow for all."""
     ruled_by: int | None = None
-    """Column at whose changes a page draws a line."""
+    """Column whose changes a page marks with a line."""
     strong: Sequence[int] = ()
     """Rows that a page emphasises, e.g. means; -1 is the last one."""
 
     @classmethod
     def of_rows(cls, headings: Sequence[str], rows: Sequence[Sequence[Any]], **options: Any) -> "Table":
-        """Table of texts that come row by row."""
+        """Make a table of texts that come row by row."""
         kinds: Kind = "text"
         columns = [Column(heading, [row[k] for row in rows], kind=kinds) for k, heading in enumerate(headings)]
         return cls(columns=columns, **options)
@@ -129,7 +129,7 @@ class Table:
 
     @property
     def page_rows(self) -> list[tuple[str, list[tuple[str, Cell]]]]:
-        """Each row as a page has it: its CSS classes, and its cells with theirs."""
+        """Rows of a page: CSS classes of the row, and cells with theirs."""
         columns = [column.cells("–") for column in self.columns]
         edges = {id(own[0]) for title, own in self.groups if title}
         css = [" ".join(filter(None, (c.css, "edge" * (id(c) in edges), c.style))) for c in self.columns]
@@ -143,17 +143,18 @@ class Table:
         return rows
 
     def plain(self) -> dict[str, Any]:
-        """Headings, rows of texts and note, as JSON can hold them."""
+        """Return headings, rows of texts and note for JSON."""
         return {"headings": self.headings, "rows": self.rows, "note": self.note}
 
     def text(self) -> str:
-        """Table for a terminal; columns that do not fit go below, each time with the fixed ones on their left."""
-        left = _joined(self.columns[: self.fixed])
+        """Format the table for a terminal; columns that do not fit go below, with the fixed ones on their left."""
+        left = _join(self.columns[: self.fixed])
         has_groups = any(title for title, _ in self.groups)
         left = [" " * len(left[0])] * has_groups + left
         tables: list[list[str]] = []
+        # groups of columns side by side, until a line is full
         for title, columns in Table(columns=self.columns[self.fixed :]).groups:
-            lines = [shortened(title)] * has_groups + _joined(columns)
+            lines = [shorten(title)] * has_groups + _join(columns)
             width = max(len(line) for line in lines)
             between = " | " if title or not tables or len(tables[-1][0]) == len(left[0]) else "  "
             if not tables or len(tables[-1][0]) + len(between) + width > WIDTH:
@@ -164,32 +165,32 @@ class Table:
         return "\n\n".join("\n".join(line.rstrip() for line in table) for table in shown)
 
     def markdown(self) -> str:
-        """Table in Markdown."""
+        """Format the table in Markdown."""
         rows = [self.headings, *self.rows]
         head, *lines = [" | ".join(text.replace("|", r"\|") for text in row) for row in rows]
         return "\n".join([f"| {head} |", "|---" * len(self.columns) + "|", *(f"| {line} |" for line in lines)])
 
 
-def _joined(columns: Sequence[Column]) -> list[str]:
-    """Columns side by side, as lines of equal length."""
+def _join(columns: Sequence[Column]) -> list[str]:
+    """Join columns side by side, as lines of equal length."""
     texts = [
-        [column.title, *(shortened(c.plain) if column.kind == "name" else c.plain for c in column.cells())]
+        [column.title, *(shorten(c.plain) if column.kind == "name" else c.plain for c in column.cells())]
         for column in columns
     ]
     widths = [max(map(len, column)) for column in texts]
     return ["  ".join(f"{t:<{w}}" for t, w in zip(row, widths, strict=True)) for row in zip(*texts, strict=True)]
 
 
-def shortened(name: str, room: int = 30) -> str:
-    """Names come from files and may be long; a line has room for 30 letters."""
+def shorten(name: str, room: int = 30) -> str:
+    """Shorten a name, which may be long in a file, to the room of a line."""
     return name if len(name) <= room else name[: room - 1] + "…"
 
 
-def filled(text: str) -> str:
-    """Text in lines that fit a terminal."""
+def wrap_text(text: str) -> str:
+    """Wrap a text into lines that fit a terminal."""
     return "\n".join(wrap(text, WIDTH))
 
 
-def underlined(title: str) -> str:
-    """Title of a text for a terminal."""
+def underline(title: str) -> str:
+    """Underline the title of a text for a terminal."""
     return f"{title}\n{'-' * min(len(title), WIDTH)}"

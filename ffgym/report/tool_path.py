@@ -1,4 +1,4 @@
-"""One picture of the path of a tool with its error magnified, on any motion and beside any path."""
+"""Picture of the path of a tool with its error magnified, on any motion and beside any path."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -42,10 +42,10 @@ class ToolPath:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Sight:
-    """A direction to look at a path from."""
+    """View of a path from one direction."""
 
     axes: Array
-    """What points right and up in the picture, unit vectors in the world, shape (2, 3)."""
+    """Unit vectors in the world that point right and up in the picture, shape (2, 3)."""
     labels: tuple[str, str]
     origin: Array
     """World point [m] at the picture's zero, shape (3,)."""
@@ -56,13 +56,13 @@ class Sight:
         return np.cross(*self.axes)
 
     def flat(self, points: Array) -> Array:
-        """Points (T, 3) [m] in the picture [mm], shape (T, 2)."""
+        """Project points (T, 3) [m] into the picture [mm], shape (T, 2)."""
         moved = 1e3 * (points - self.origin)
         return np.stack([(moved * axis).sum(axis=1) for axis in self.axes], axis=1)
 
 
 def sights_of(path: Array) -> list[Sight]:
-    """How to look at a path (T, 3) [m]: along its normal if it is flat, else from above and from its longer side.
+    """Choose the views of a path (T, 3) [m]: along its normal if it is flat, else from above and from its longer side.
 
     An upright line is seen from two sides.
     """
@@ -70,11 +70,13 @@ def sights_of(path: Array) -> list[Sight]:
     directions = np.linalg.eigh(centred.T @ centred)[1]  # least spread first
     extent = np.ptp(centred @ directions, axis=0)
     flat = extent[0] <= _FLAT * extent[2] < extent[1]
+    # a path in space, or an upright line
     if not flat:
         x, y, z = np.ptp(path, axis=0)
         if max(x, y) <= _FLAT * z:
             return [_world_sight((0, 2)), _world_sight((1, 2))]
         return [_world_sight((0, 1)), _world_sight((0, 2) if x >= y else (1, 2))]
+    # a flat path, in a plane of the world or in its own
     normal = directions[:, 0]
     along = int(np.argmax(np.abs(normal)))
     if abs(normal[along]) > 1 - _FLAT**2:
@@ -85,7 +87,7 @@ def sights_of(path: Array) -> list[Sight]:
 
 
 def scale_of_error(paths: Sequence[ToolPath], beside: Array) -> float:
-    """Round factor, 1 or more, with which the largest error is drawn as at most SHARE of the size of `beside`."""
+    """Choose a round factor, 1 or more, that draws the largest error as at most SHARE of the size of `beside`."""
     size = float(np.linalg.norm(np.ptp(beside, axis=0)))
     return magnification(SHARE * size, max(float(path.distance.max()) for path in paths))
 
@@ -99,36 +101,36 @@ def tool_path_figure(
     what: str = "error",
     sizes: Sequence[tuple[float, float]] = ((7.0, 5.6), (11.0, 5.6)),
 ) -> "Figure":
-    """Paths with their errors enlarged beside the path `beside`, seen in one or two views.
+    """Draw paths with their errors enlarged beside the path `beside`, in one or two views.
 
     Args:
-        paths: of the tool; a dot shows where each has its largest error.
+        paths: paths of the tool; a dot marks the largest error of each.
         beside: the path that they are compared with [m], shape (R, 3).
         look: options of its line in matplotlib, with its label.
-        factor: of the error.
-        what: is enlarged, for the title.
-        sizes: of the figure with one and with two views [inch].
+        factor: factor on the error.
+        what: name of the enlarged quantity, for the title.
+        sizes: size of the figure with one and with two views [inch].
     """
     sights = sights_of(beside)
     with panels(1, len(sights), size=sizes[len(sights) - 1]) as (figure, grid):
         for axes, sight in zip(grid[0], sights, strict=True):
             for path in paths:
                 drawn = sight.flat(magnify(path.nearest, path.error, factor))
-                axes.plot(*_thinned(drawn).T, label=path.label, **path.look)
+                axes.plot(*_thin(drawn).T, label=path.label, **path.look)
                 worst = int(np.argmax(path.distance))
                 axes.plot(*drawn[worst], "o", color=path.look.get("color"), markersize=4.5)
-            axes.plot(*_thinned(sight.flat(beside)).T, **look)
+            axes.plot(*_thin(sight.flat(beside)).T, **look)
             axes.set(xlabel=sight.labels[0], ylabel=sight.labels[1], title=scale_words(factor, what))
             axes.set_aspect("equal", adjustable="datalim")
     return figure
 
 
 def scale_words(factor: float, what: str = "error") -> str:
-    """How much an error is enlarged, for titles."""
+    """Describe the enlargement of an error, for titles."""
     return "true scale" if factor == 1 else f"{what} × {factor:g}"
 
 
-def _thinned(points: Array) -> Array:
+def _thin(points: Array) -> Array:
     return points[:: max(1, len(points) // _POINTS)]
 
 

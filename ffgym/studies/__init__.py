@@ -1,6 +1,6 @@
-"""Experiments of the thesis and of any motion: what is run and how it is scored.
+"""Experiments of the thesis and of any motion: runs and scores.
 
-Figures and claims of the thesis stand in `scripts.thesis`, tables and pages in `ffgym.report`.
+Figures and claims of the thesis are in `scripts.thesis`, tables and pages in `ffgym.report`.
 """
 
 import lazy_loader

@@ -1,6 +1,6 @@
-from .circles import Cell as Cell
 from .circles import CircleScore as CircleScore
 from .circles import CircleStudy as CircleStudy
+from .circles import StudyCell as StudyCell
 from .circles import circle_references as circle_references
 from .circles import circle_scores as circle_scores
 from .circles import circle_study as circle_study

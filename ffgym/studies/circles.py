@@ -13,7 +13,7 @@ from ffgym.recordings.metrics import motor_error_rms, path_errors
 from ffgym.robot import ModelOptions, RigidArm, RobotDescription
 from ffgym.simulation import Rig, SimulatedRig
 from ffgym.simulation.run import Progress
-from ffgym.studies.selection import picked, record_all
+from ffgym.studies.selection import pick, record_all
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,17 +22,17 @@ class CircleScore:
 
     radius_mm: float
     rms_mm: float
-    """In the plane of the circle, as the thesis."""
+    """RMS path error in the plane of the circle, as in the thesis."""
     max_mm: float
     rms_3d_mm: float
-    """In space."""
+    """RMS path error in space."""
     max_3d_mm: float
     motor_rms_rad: list[float]
-    """Per joint, motor side, over lead-in, circle and lead-out."""
+    """RMS error of each motor over lead-in, circle and lead-out."""
 
 
 def circle_scores(recording: Recording, radii: Sequence[float]) -> list[CircleScore]:
-    """Figures of the circles of these radii [m], in the order in which they were run."""
+    """Score the circles of these radii [m], in the order in which they were run."""
     leads = zip(recording.phases_of("lead_in"), recording.phases_of("lead_out"), strict=True)
     scores = []
     for error, radius, (lead_in, lead_out) in zip(path_errors(recording), radii, leads, strict=True):
@@ -51,12 +51,12 @@ def circle_scores(recording: Recording, radii: Sequence[float]) -> list[CircleSc
 
 
 def in_mm(length: float) -> float:
-    """Millimetres as cells carry them, without the rounding of binary fractions."""
+    """Convert a length to millimetres, without the rounding of binary fractions."""
     return round(float(length) * 1e3, 6)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Cell(CircleScore):
+class StudyCell(CircleScore):
     """One circle with one law."""
 
     agent: str
@@ -70,19 +70,19 @@ class CircleStudy:
     """Results of a circle test."""
 
     robot: RobotDescription
-    cells: list[Cell]
+    cells: list[StudyCell]
     recordings: dict[tuple[str, str, float], Recording] = field(repr=False)
-    """By law, position and speed [m/s]; each holds all radii."""
+    """Recordings by law, position and speed [m/s]; each holds all radii."""
     fingerprint: str
 
     @property
     def title(self) -> str:
-        """What ran: the robot, and the machine under its controller where that is not the robot itself."""
+        """Title of the robot, and of the machine under its controller if that is another one."""
         machines = dict.fromkeys(cell.plant for cell in self.cells if cell.plant != SimulatedRig.name)
         return self.robot.title + (f", machine: {', '.join(machines)}" if machines else "")
 
-    def select(self, **wanted: object) -> list[Cell]:
-        """Cells whose fields equal `wanted`, e.g. agent='none', speed_mm_s=10."""
+    def select(self, **wanted: object) -> list[StudyCell]:
+        """Select cells whose fields equal `wanted`, e.g. agent='none', speed_mm_s=10."""
         return [cell for cell in self.cells if all(getattr(cell, key) == value for key, value in wanted.items())]
 
     def only(
@@ -92,14 +92,14 @@ class CircleStudy:
         speeds: Sequence[float] | None = None,
     ) -> "CircleStudy":
         """Return the part of the study with these laws, positions and speeds [m/s]; None takes all."""
-        keys = picked(self.recordings, law=laws, position=positions, speed=speeds)
+        keys = pick(self.recordings, law=laws, position=positions, speed=speeds)
         return replace(
             self,
             cells=[c for key in keys for c in self.select(agent=key[0], position=key[1], speed_mm_s=in_mm(key[2]))],
             recordings={key: self.recordings[key] for key in keys},
         )
 
-    def joined(self, other: "CircleStudy") -> "CircleStudy":
+    def join(self, other: "CircleStudy") -> "CircleStudy":
         """Return the study with the results of another study of the same robot added, none of them twice."""
         if other.fingerprint != self.fingerprint:
             raise FFGymError(f"Studies of {self.robot.name!r} and {other.robot.name!r} are of unlike robots.")
@@ -108,7 +108,7 @@ class CircleStudy:
         recordings = self.recordings | other.recordings
         return replace(self, cells=self.cells + other.cells, recordings=recordings)
 
-    def renamed(self, law: str, name: str) -> "CircleStudy":
+    def rename(self, law: str, name: str) -> "CircleStudy":
         """Return the study with another name for a law, so that it can stand beside one of the same name."""
         cells = [replace(cell, agent=name) if cell.agent == law else cell for cell in self.cells]
         recordings = {(name if key[0] == law else key[0], *key[1:]): each for key, each in self.recordings.items()}
@@ -116,7 +116,7 @@ class CircleStudy:
 
 
 def thesis_laws(robot: RobotDescription) -> list[FeedForwardLaw]:
-    """No compensation, static LuGre and dynamic LuGre with the robot's own friction parameters (chapter 4)."""
+    """Make no compensation, static and dynamic LuGre with the robot's own friction parameters (chapter 4)."""
     return [NoCompensation(), StaticLuGre(robot.friction), DynamicLuGreExact(robot.friction)]
 
 
@@ -126,7 +126,7 @@ def circle_references(
     speeds: Iterable[float] = SPEEDS,
     radii: Sequence[float] = RADII,
 ) -> dict[tuple[str, float], Reference]:
-    """References of the test motion by position and speed [m/s]; None takes every position of the work area.
+    """Make references of the test motion by position and speed [m/s]; None takes every position of the work area.
 
     Raises:
         FFGymError: if the robot has no work area or no such position, or cannot follow the motion.
@@ -176,10 +176,10 @@ def circle_study(
         positions: names in the robot's work area; None takes all.
         speeds: TCP speeds [m/s].
         radii: circle radii [m].
-        options: what to change in the plant of a robot.
-        seed: of the sensors' noise, on a rig with sensors.
+        options: changes of the plant of a robot.
+        seed: seed of the sensors' noise, on a rig with sensors.
         n_threads: threads of the engine, 0 for all cores.
-        progress: called with the simulated seconds done and their total.
+        progress: function that is called with the simulated seconds done and their total.
 
     Raises:
         FFGymError: if there is nothing to simulate, two laws share a name, or the robot cannot follow the motion.
@@ -189,7 +189,7 @@ def circle_study(
     laws = thesis_laws(rig.robot) if laws is None else laws
     recordings = record_all(rig, references, laws, seed=seed, n_threads=n_threads, progress=progress)
     cells = [
-        Cell(agent=agent, plant=rig.name, position=position, speed_mm_s=in_mm(speed), **vars(score))
+        StudyCell(agent=agent, plant=rig.name, position=position, speed_mm_s=in_mm(speed), **vars(score))
         for (agent, position, speed), recording in recordings.items()
         for score in circle_scores(recording, radii)
     ]

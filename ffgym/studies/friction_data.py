@@ -11,12 +11,12 @@ from ffgym.robot.friction import LuGreParameters
 SAMPLE_TIME = 0.0005
 """T [s], thesis 6.2.2."""
 N_SCORED = 2000
-"""Samples of a record that count, evenly spread, so that each counts as much; chosen: set D of Table 6.1 has 12000,
+"""Scored samples of a record, evenly spread, so that records weigh alike; chosen: set D of Table 6.1 has 12000,
 as many as the sine of the thesis."""
 
 
 def lugre_samples(friction: LuGreParameters, motor_dq: Array) -> Samples:
-    """Friction of the discretised LuGre model (6.14) of one joint along motor speeds (T,) every SAMPLE_TIME [rad/s]."""
+    """Compute friction of the discretised LuGre model (6.14) of one joint along motor speeds (T,) [rad/s]."""
     motor_dq = check_shape("motor_dq", motor_dq, (None,))
     if friction.n_joints != 1:
         raise FFGymError(
@@ -28,7 +28,7 @@ def lugre_samples(friction: LuGreParameters, motor_dq: Array) -> Samples:
 
 
 def sine(amplitude: float, frequency: float, duration: float) -> Array:
-    """Motor speeds A sin(2 pi f t) [rad/s] every SAMPLE_TIME, shape (T,), thesis (6.13) and (6.21)."""
+    """Compute motor speeds A sin(2 pi f t) [rad/s] every SAMPLE_TIME, shape (T,), thesis (6.13) and (6.21)."""
     check_number("amplitude", amplitude, unit="rad/s")
     check_number("frequency", frequency, unit="Hz", low=0.0, open_low=True)
     check_number("duration", duration, unit="s", low=0.0, open_low=True)

@@ -1,4 +1,4 @@
-"""Any motions of one robot, simulated with each feed-forward law and scored."""
+"""Study of any motions of one robot, simulated with each feed-forward law and scored."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -23,7 +23,7 @@ class StretchError:
 
     label: str
     start: float
-    """On the clock of the recording [s]; with `end` it tells phases of one name apart."""
+    """Start on the clock of the recording [s]; with `end` it distinguishes phases of one name."""
     end: float
     rms_mm: float
     max_mm: float
@@ -41,11 +41,11 @@ class MotionResult:
     """Motor position error, motor side."""
     motor_max_rad: list[float]
     torque_use: list[float]
-    """Largest torque that was asked of the drive over its peak torque; above 1 the drive cannot give it."""
+    """Largest commanded torque of the drive over its peak torque; above 1 the drive cannot give it."""
     speed_use: list[float]
     """Largest joint speed of the reference over the limit."""
     path: list[StretchError]
-    """The whole motion first, then its phases; empty where no TCP was seen."""
+    """Deviation on the whole motion, then on its phases; empty if no TCP was recorded."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -54,19 +54,19 @@ class MotionStudy:
 
     robot: RobotDescription
     references: dict[str, Reference] = field(repr=False)
-    """By name of the motion."""
+    """References by name of the motion."""
     results: list[MotionResult]
     recordings: dict[tuple[str, str], Recording] = field(repr=False)
-    """By law and name of the motion."""
+    """Recordings by law and name of the motion."""
 
     @property
     def fingerprint(self) -> str:
-        """Of the simulated physics."""
+        """Fingerprint of the simulated physics."""
         return str(next(iter(self.recordings.values())).header.provenance["physics_fingerprint"])
 
     @property
     def overloads(self) -> list[str]:
-        """One sentence per motion and law that asks drives for more than they can give."""
+        """Sentences on motions and laws whose torque exceeds the drives', one each."""
         found = []
         for result in self.results:
             uses = zip(self.robot.joints, result.torque_use, strict=True)
@@ -78,7 +78,7 @@ class MotionStudy:
         return found
 
     def results_of(self, motion: str) -> list[MotionResult]:
-        """Results of one motion, law by law."""
+        """Select the results of one motion, law by law."""
         return [result for result in self.results if result.motion == motion]
 
     @property
@@ -102,11 +102,11 @@ def motion_study(
     Args:
         references: motions of one robot.
         laws: feed-forward laws.
-        rig: where they are run; None is on that robot, and records the exact state.
+        rig: rig that runs them; defaults to that robot with exact recordings.
         seed: seed of the sensors' noise.
         record_dt: sample time of the recordings [s].
         n_threads: threads of the engine, 0 for all cores.
-        progress: called with the simulated seconds done and their total.
+        progress: function that is called with the simulated seconds done and their total.
 
     Raises:
         FFGymError: if there is nothing to simulate, or two motions or two laws share a name, or one does

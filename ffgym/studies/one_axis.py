@@ -1,4 +1,4 @@
-"""The one-axis test of the thesis (4.3.1): a sine on one motor, with each feed-forward law."""
+"""One-axis test of the thesis (4.3.1): a sine on one motor, with each feed-forward law."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -14,7 +14,7 @@ from ffgym.recordings.metrics import motor_error
 from ffgym.robot import RigidArm, RobotDescription
 from ffgym.simulation import SimulatedRig
 from ffgym.studies.circles import thesis_laws
-from ffgym.studies.selection import picked, record_all
+from ffgym.studies.selection import pick, record_all
 
 AMPLITUDE = 1.0
 """A [rad], motor side, thesis (4.7)."""
@@ -23,7 +23,7 @@ FREQUENCIES = (1.0, 3.0)
 DURATION = 10.0
 """[s], thesis 4.3.1."""
 SETTLED = 1.0
-"""Errors count after this time [s]: the bristles start relaxed at full speed, which no reference asks for."""
+"""Time from which errors count [s]: the bristles start relaxed at full speed, unlike those of any real motion."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,7 +35,7 @@ class SineResult:
     motor_rms_rad: float
     motor_max_rad: float
     reduction: float
-    """Share of the uncompensated RMS that is gone, 1 is all."""
+    """Reduction of the RMS as a share of the uncompensated one; 1 is all."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -45,11 +45,11 @@ class OneAxisStudy:
     robot: RobotDescription
     results: list[SineResult]
     recordings: dict[tuple[str, float], Recording]
-    """By law and frequency [Hz]."""
+    """Recordings by law and frequency [Hz]."""
 
     def only(self, laws: Sequence[str] | None = None, frequencies: Sequence[float] | None = None) -> "OneAxisStudy":
         """Return the part of the study with these laws and frequencies [Hz]; None takes all."""
-        keys = picked(self.recordings, law=laws, frequency=frequencies)
+        keys = pick(self.recordings, law=laws, frequency=frequencies)
         return replace(
             self,
             results=[result for result in self.results if (result.agent, result.frequency_hz) in keys],
@@ -58,12 +58,12 @@ class OneAxisStudy:
 
 
 def sine_references(robot: RobotDescription, frequencies: Sequence[float] = FREQUENCIES) -> dict[float, Reference]:
-    """References of the sine test by frequency [Hz]; the motor swings by AMPLITUDE, whatever gear is behind it."""
+    """Make references of the sine test by frequency [Hz]; the motor swings by AMPLITUDE for any gear."""
     return {f: sine_reference(robot, f, AMPLITUDE, DURATION) for f in frequencies}
 
 
 def sine_reference(robot: RobotDescription, frequency: float, amplitude: float, duration: float) -> Reference:
-    """Sine of `frequency` [Hz], motor `amplitude` [rad] and `duration` [s] for a robot with one joint."""
+    """Make a sine of `frequency` [Hz], motor `amplitude` [rad] and `duration` [s] for a robot with one joint."""
     if robot.n_joints != 1:
         raise FFGymError(
             f"Robot {robot.name!r} has {robot.n_joints} joints; the sine test is for one, e.g. 'one_axis'. "
@@ -80,8 +80,8 @@ def one_axis_study(
 
     Args:
         robot: the one-axis robot; it is its own plant.
-        laws: feed-forward laws, the first is what the others are compared with; None takes those of chapter 4.
-        frequencies: [Hz].
+        laws: feed-forward laws, the first as the baseline of the others; None takes those of chapter 4.
+        frequencies: frequencies [Hz].
 
     Raises:
         FFGymError: if the robot has more than one joint, there is nothing to simulate, or two laws share a name.

@@ -1,4 +1,4 @@
-"""Results are filed by name: motions recorded with laws whose names differ, and a choice among them."""
+"""Results by name: recordings of motions with laws of different names, and selections among them."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, TypeVar
@@ -16,7 +16,7 @@ Key = TypeVar("Key", bound=tuple[object, ...])
 def record_all(
     rig: Rig, references: Mapping[Any, Reference], laws: Sequence[FeedForwardLaw], **options: Any
 ) -> dict[Any, Recording]:
-    """Every motion with every law, side by side, filed by the law's name and the parts of the motion's key.
+    """Record every motion with every law, side by side, by the law's name and the parts of the motion's key.
 
     `options` are those of `Rig.run`; laws that share a name are an error.
     """
@@ -31,8 +31,8 @@ def record_all(
     return dict(zip(runs, rig.run(list(runs.values()), **options), strict=True))
 
 
-def picked(keys: Iterable[Key], **wanted: Sequence[object] | None) -> list[Key]:
-    """Keys whose parts, one after the other, are among `wanted`, e.g. law=["none"]; None takes all."""
+def pick(keys: Iterable[Key], **wanted: Sequence[object] | None) -> list[Key]:
+    """Pick keys whose parts, one after the other, are among `wanted`, e.g. law=["none"]; None takes all."""
     keys = list(keys)
     for place, (what, values) in enumerate(wanted.items()):
         held = list(dict.fromkeys(key[place] for key in keys))

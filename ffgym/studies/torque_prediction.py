@@ -1,4 +1,4 @@
-"""How well a description predicts the motor torque of a recorded motion: rigid inverse dynamics beside the record."""
+"""Prediction of the motor torque of a recorded motion by a description: rigid inverse dynamics beside the record."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -17,8 +17,8 @@ CUTOFF = 10.0
 """Cut-off of the low-pass filter [Hz]: above what planned motions hold, below the resonances of an industrial robot."""
 
 MOVING = 0.02
-"""Joint speed [rad/s or m/s] above which a sample counts: below it the bristles decide the torque, which no steady law
-knows."""
+"""Joint speed [rad/s or m/s] above which a sample counts: below it the torque depends on the bristles, which no steady
+law has."""
 
 _ORDER = 4
 """Order of the Butterworth filter, which runs forward and backward, so that nothing is delayed."""
@@ -26,7 +26,7 @@ _ORDER = 4
 
 @dataclass(frozen=True, kw_only=True)
 class TorqueError:
-    """What a prediction leaves of one joint's torque, motor side [N m], over the samples that move."""
+    """Error of a prediction of one joint's torque, motor side [N m], over the samples that move."""
 
     joint: str
     rms_measured: float
@@ -47,16 +47,16 @@ class TorquePrediction:
 
     robot: RobotDescription
     t: Array
-    """[s], shape (T,)."""
+    """Times [s], shape (T,)."""
     measured: Array
-    """Motor side [N m], shape (T, N)."""
+    """Measured torque, motor side [N m], shape (T, N)."""
     predicted: Mapping[str, Array]
-    """By what the prediction knows; motor side [N m], shape (T, N) each."""
+    """Predictions by the name of their model; motor side [N m], shape (T, N) each."""
     scored: BoolArray
     """Samples that count, shape (T, N): the joint moves, and the ends of the record are far enough for the filter."""
 
     def errors(self, name: str) -> tuple[TorqueError, ...]:
-        """Errors of the prediction `name`, joint by joint."""
+        """Compute the errors of the prediction `name`, joint by joint."""
         found = []
         for j, joint in enumerate(self.robot.joints):
             measured = self.measured[self.scored[:, j], j]
@@ -81,17 +81,17 @@ def predict_torque(
 ) -> TorquePrediction:
     """Predict the motor torque of a recording from the motor angles in it.
 
-    There is the prediction of the `description`; with a published friction law in place of its LuGre friction, that of
-    `published friction`; and for a robot with springs between links the last of these `without springs`.
+    Predictions are `description`; with a published friction law in place of its LuGre friction, `published friction`;
+    and for a robot with springs between links, the last of these `without springs`.
 
     Args:
         robot: description of the robot that was recorded.
         recording: the record, sampled evenly, with `motor.position` and `motor.effort`.
-        published: a published friction law, link side; None for none.
+        published: published friction law, link side, if there is one.
         cutoff: cut-off of the zero-phase low-pass filter of the motor angles [Hz].
 
     Raises:
-        FFGymError: if robot and recording do not fit, the recording does not say what its torque is or is too short
+        FFGymError: if robot and recording do not fit, the recording does not state its kind of torque or is too short
             for the filter, or a joint never moves.
     """
     low_pass = LowPass(cutoff=cutoff, order=_ORDER)

@@ -153,7 +153,7 @@ class Laboratory:
         old = self._circles("circles on the workcell, old parameters", rig, laws, speeds)
         law = DynamicLuGreExact(self.all_joints.found.friction)
         new = self._circles("circles on the workcell, identified", rig, [law], speeds)
-        return old.joined(new.renamed(law.name, IDENTIFIED))
+        return old.join(new.rename(law.name, IDENTIFIED))
 
     @cached_property
     def narx_records(self) -> dict[str, Samples]:
@@ -210,7 +210,7 @@ class Laboratory:
     def _with_networks(self, learning: dict[str, Learning], speeds: Sequence[float], where: str) -> CircleStudy:
         laws = [each.best for each in learning.values()]
         networks = self._circles(f"circles with networks of {where}", self.robot, laws, speeds)
-        return self.lugre_circles.only(laws=["none", "lugre_dynamic"], speeds=speeds).joined(networks)
+        return self.lugre_circles.only(laws=["none", "lugre_dynamic"], speeds=speeds).join(networks)
 
     def _circles(
         self,

@@ -10,7 +10,7 @@ from ffgym.agents.lffc import thesis_training
 from ffgym.agents.trials import RigTrial, training_motions
 from ffgym.paths import RADII
 from ffgym.published import METHODS, published_mm
-from ffgym.studies import Cell, circle_study, thesis_laws
+from ffgym.studies import StudyCell, circle_study, thesis_laws
 from ffgym.workcell import Workcell
 from scripts.tables.page import markdown
 
@@ -21,7 +21,7 @@ FITTED = METHODS[:3]
 Say = Callable[[str], None]
 
 
-def measured_cells(cell: Workcell, n_threads: int, say: Say) -> list[Cell]:
+def measured_cells(cell: Workcell, n_threads: int, say: Say) -> list[StudyCell]:
     """Circles with all laws of the thesis on a workcell, as its tracker measures them.
 
     Networks are trained on the workcell as in thesis 5.4: at p1, at the speed at which they are judged.
@@ -37,7 +37,7 @@ def measured_cells(cell: Workcell, n_threads: int, say: Say) -> list[Cell]:
     return cells
 
 
-def ratio(cell: Cell, statistic: str) -> float:
+def ratio(cell: StudyCell, statistic: str) -> float:
     """Simulated over published path error [1]."""
     simulated = cell.rms_mm if statistic == "rms" else cell.max_mm
     published = published_mm(cell.agent, statistic, cell.speed_mm_s * 1e-3, cell.radius_mm * 1e-3, cell.position)
@@ -45,7 +45,7 @@ def ratio(cell: Cell, statistic: str) -> float:
     return simulated / published
 
 
-def table(cells: Sequence[Cell]) -> str:
+def table(cells: Sequence[StudyCell]) -> str:
     """Markdown table of simulated / published [mm], one line per law, speed, statistic and radius."""
     positions = list(dict.fromkeys(cell.position for cell in cells))
     rows = []
@@ -60,7 +60,7 @@ def table(cells: Sequence[Cell]) -> str:
     return markdown(("law", "mm/s", "", "r [mm]", *positions), rows)
 
 
-def summary(cells: Sequence[Cell]) -> dict[str, float]:
+def summary(cells: Sequence[StudyCell]) -> dict[str, float]:
     """Median of |ln(simulated / published)| of the RMS errors that were fitted and of those kept out, and of maxima."""
     groups: Mapping[str, list[float]] = {
         f"{statistic}, {name}": [ratio(cell, statistic) for cell in cells if (cell.agent in FITTED) == fitted]

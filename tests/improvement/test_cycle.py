@@ -10,7 +10,7 @@ from ffgym.agents.model import model_law
 from ffgym.diagnosis import diagnose
 from ffgym.effects import EFFECTS
 from ffgym.improvement import Plan
-from ffgym.improvement.rounds import improved
+from ffgym.improvement.rounds import improve_in_rounds
 from ffgym.paths import joint_reference, multisine
 from ffgym.recordings.metrics import motor_error_rms
 from ffgym.robot import RigidArm
@@ -41,7 +41,7 @@ def rounds(rig, tmp_path_factory):
     def ask(machine, recordings, prior, most):
         return diagnose(machine, recordings, prior=prior, most=most)
 
-    return improved(rig, plan, tmp_path_factory.mktemp("cycle"), ask, quiet)
+    return improve_in_rounds(rig, plan, tmp_path_factory.mktemp("cycle"), ask, quiet)
 
 
 def test_the_cycle_ends_when_recordings_do_not_falsify_the_model_any_more(rounds, rig):

@@ -13,7 +13,7 @@ from ffgym.diagnosis.result import Diagnosis, SeparatingMotion
 from ffgym.effects import EFFECTS
 from ffgym.improvement import Plan, format_improvement, improve, render_improvement
 from ffgym.improvement.gain import BASELINE, MODEL
-from ffgym.improvement.rounds import improved
+from ffgym.improvement.rounds import improve_in_rounds
 from ffgym.robot import RigidArm
 from ffgym.simulation import SimulatedRig, sensors_of
 from ffgym.simulation.plant import Machine, load_machine
@@ -113,7 +113,7 @@ def test_feed_forward_from_the_extended_model_is_better_on_the_machine_round_by_
 def test_what_is_complete_is_not_made_again(improvement, rig, plan, folder):
     before = {file: file.stat().st_mtime_ns for file in folder.rglob("*.npz")}
     again = Knowing()
-    repeated = improved(rig, plan, folder, again, quiet)
+    repeated = improve_in_rounds(rig, plan, folder, again, quiet)
     assert again.asked == []
     assert {file: file.stat().st_mtime_ns for file in folder.rglob("*.npz")} == before
     assert [each.diagnosis for each in repeated] == [each.diagnosis for each in improvement.rounds]
@@ -123,7 +123,7 @@ def test_a_diagnosis_of_another_model_is_made_again(improvement, rig, plan, fold
     copy = shutil.copytree(folder, tmp_path / "copy")
     known = replace(plan.nominal, effects=(EFFECTS["torque_offset"].on(rig.robot, offset=0.01),))
     again = Knowing(found=([], [], []))
-    (only,) = improved(rig, replace(plan, nominal=known, rounds=1), copy, again, quiet)
+    (only,) = improve_in_rounds(rig, replace(plan, nominal=known, rounds=1), copy, again, quiet)
     assert only.diagnosis.verdict == "none"
     assert len(again.asked) == 1
 
@@ -131,7 +131,7 @@ def test_a_diagnosis_of_another_model_is_made_again(improvement, rig, plan, fold
 def test_a_diagnosis_that_looked_for_fewer_causes_is_made_again(improvement, rig, plan, folder, tmp_path):
     copy = shutil.copytree(folder, tmp_path / "copy")
     again = Knowing()
-    improved(rig, replace(plan, most_causes=5, rounds=1), copy, again, quiet)
+    improve_in_rounds(rig, replace(plan, most_causes=5, rounds=1), copy, again, quiet)
     assert len(again.asked) == 1
 
 

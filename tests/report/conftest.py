@@ -4,7 +4,7 @@ import pytest
 
 from ffgym.published import published_mm
 from ffgym.robot import RobotDescription
-from ffgym.studies import Cell, CircleStudy, OneAxisStudy, circle_study, one_axis_study
+from ffgym.studies import CircleStudy, OneAxisStudy, StudyCell, circle_study, one_axis_study
 
 LAWS = ("none", "lugre_static", "lugre_dynamic")
 
@@ -38,9 +38,9 @@ def made_up(irb4600: RobotDescription):
     return make
 
 
-def cell_at(law, speed, radius, position, factor, rename) -> Cell:
+def cell_at(law, speed, radius, position, factor, rename) -> StudyCell:
     rms = factor * published_mm(law, "rms", speed, radius, position)
-    return Cell(
+    return StudyCell(
         agent=rename(law),
         plant="nominal",
         position=position,

@@ -12,7 +12,7 @@ from ffgym.control import DynamicLuGreExact, NoCompensation
 from ffgym.paths import joint_reference, joint_sine
 from ffgym.recordings.metrics import Contour
 from ffgym.report import format_motion, render_motion_page
-from ffgym.report.figure import POINTS, peaks_kept
+from ffgym.report.figure import POINTS, keep_peaks
 from ffgym.report.motion.plot import motion_figures
 from ffgym.report.tool_path import SHARE, ToolPath, scale_of_error, sights_of
 from ffgym.simulation import SimulatedRig
@@ -141,13 +141,13 @@ def test_thinning_keeps_every_peak_and_the_ends():
     rng = np.random.default_rng(0)
     values = rng.normal(size=50_000)
     values[31_415] = 99.0
-    kept = peaks_kept(values)
+    kept = keep_peaks(values)
     assert len(kept) <= POINTS + 2
     assert np.all(np.diff(kept) > 0)
     assert {0, 31_415, len(values) - 1, int(values.argmin())} <= set(kept.tolist())
-    assert peaks_kept(values[:10]).tolist() == list(range(10))
+    assert keep_peaks(values[:10]).tolist() == list(range(10))
     gaps = np.where(np.arange(50_000) < 20_000, np.nan, values)
-    assert {31_415, int(np.nanargmin(gaps))} <= set(peaks_kept(gaps).tolist())
+    assert {31_415, int(np.nanargmin(gaps))} <= set(keep_peaks(gaps).tolist())
 
 
 def test_the_page_stands_alone_and_escapes_what_it_is_told(study):

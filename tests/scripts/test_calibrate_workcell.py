@@ -10,7 +10,7 @@ from ffgym.core.errors import FFGymError
 from ffgym.paths import RADII
 from ffgym.published import METHODS, published_mm
 from ffgym.robot import with_parameters
-from ffgym.studies import Cell
+from ffgym.studies import StudyCell
 from ffgym.workcell.reading import build
 from scripts.calibrate_workcell import Config, main
 from scripts.workcell import free as files
@@ -148,7 +148,7 @@ def test_the_command_line_evaluates_the_prior(tmp_path, monkeypatch, capsys):
 def cells_off_by(factor):
     """All cells of Tables 4.1 to 5.2, off by one factor."""
     return [
-        Cell(
+        StudyCell(
             agent=law,
             plant="thesis",
             position=position,

@@ -140,7 +140,7 @@ def test_a_part_of_a_study_is_the_study_of_that_part(irb4600, study):
 
 
 def test_parts_joined_are_the_whole_study(study):
-    whole = study.only(laws=["none"]).joined(study.only(laws=["lugre_static", "lugre_dynamic"]))
+    whole = study.only(laws=["none"]).join(study.only(laws=["lugre_static", "lugre_dynamic"]))
     assert whole.cells == study.cells
     assert whole.recordings == study.recordings
 
@@ -152,6 +152,6 @@ def test_a_part_that_the_study_lacks_is_refused(study):
 
 def test_studies_that_overlap_or_are_of_unlike_robots_are_not_joined(study):
     with pytest.raises(FFGymError, match=r"Both studies have results of \('lugre_dynamic', 'p2', 0.1\)"):
-        study.joined(study.only(laws=["lugre_dynamic"]))
+        study.join(study.only(laws=["lugre_dynamic"]))
     with pytest.raises(FFGymError, match="unlike robots"):
-        study.joined(replace(study, recordings={}, fingerprint="another"))
+        study.join(replace(study, recordings={}, fingerprint="another"))

@@ -11,7 +11,7 @@ from ffgym.core.errors import FFGymError
 from ffgym.robot import ModelOptions, RigidArm, RobotDraft, builtin_robots, load_draft, resonances
 from ffgym.simulation.plant import Plant
 from ffgym.studies.robot_check import check_robot, skeleton
-from ffgym.studies.robot_check.doubts import doubts_about
+from ffgym.studies.robot_check.doubts import list_doubts
 from ffgym.studies.robot_check.shape import poses_in_range, tips
 
 IRB = "irb4600_60_205"
@@ -197,7 +197,7 @@ def test_an_empty_description_is_checked_too():
     ],
 )
 def test_a_slip_is_noticed_and_named(change, doubt):
-    doubts = doubts_about(changed(change))
+    doubts = list_doubts(changed(change))
     assert any(doubt in sentence for sentence in doubts), doubts
     assert all(sentence.split()[0].rstrip(":").split(".")[0] in sentence for sentence in doubts)
 

@@ -14,7 +14,7 @@ from ffgym.leaderboard.plants import THESIS_WORKCELL
 from ffgym.leaderboard.results import Row
 from ffgym.recordings.metrics import magnification, magnify, nearest_on_polylines
 from ffgym.report.circles.paths_plot import MOST, unit_vectors
-from ffgym.report.table import shortened
+from ffgym.report.table import shorten
 from ffgym.report.tool_path import scale_words
 
 _POINTS = 150
@@ -194,7 +194,7 @@ def glance(standings: Standings) -> Glance | None:
     def place(share: float) -> float:
         return float(np.log(share / low) / np.log(high / low))
 
-    titles = [f"{line.rank}  {shortened(line.row.title, 42)}" for line in standings.ranked]
+    titles = [f"{line.rank}  {shorten(line.row.title, 42)}" for line in standings.ranked]
     return Glance(
         colours={speed: _SPEEDS.get(speed, "#1c2430") for speed in speeds},
         ticks=[(tick, place(tick)) for tick in _TICKS if low <= tick <= high],

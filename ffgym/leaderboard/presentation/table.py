@@ -208,7 +208,7 @@ def format_standings(standings: Standings) -> str:
     )
     told = residual_sentence(standings)
     words = [_LEGEND, *([] if told is None else [told]), circles_note(standings)]
-    text = "\n".join([report.underlined(title), table.text(), "", *map(report.filled, words)])
+    text = "\n".join([report.underline(title), table.text(), "", *map(report.wrap_text, words)])
     for sign, plain in (("−", "-"), ("–", "-"), ("“", "'"), ("”", "'"), ("±", "")):  # a terminal may know ASCII only
         text = text.replace(sign, plain)
     return text

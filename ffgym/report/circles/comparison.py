@@ -8,7 +8,7 @@ from statistics import fmean, median
 from ffgym.published import published_mm
 from ffgym.report.laws import UNCOMPENSATED, baseline_of, law_column, law_styles
 from ffgym.report.page import words_of
-from ffgym.report.table import Cell, Column, Table, filled, pair, underlined
+from ffgym.report.table import Cell, Column, Table, pair, underline, wrap_text
 from ffgym.studies import CircleStudy, OneAxisStudy
 
 FACTOR = 1.5
@@ -16,13 +16,13 @@ FACTOR = 1.5
 
 
 @dataclass(frozen=True, kw_only=True)
-class Entry:
+class CircleEntry:
     """Path error of one circle with one law, in the plane of the circle [mm]."""
 
     rms: float
     max: float
     published_rms: float | None
-    """Of the real robot, None where nothing was published."""
+    """Published RMS of the real robot; None if there is none."""
     published_max: float | None
 
     @property
@@ -32,13 +32,13 @@ class Entry:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Row:
+class CircleRow:
     """One circle with every law."""
 
     position: str
     radius_mm: float
-    entries: dict[str, Entry]
-    """By law."""
+    entries: dict[str, CircleEntry]
+    """Path errors by law."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,48 +47,48 @@ class SpeedTable:
 
     speed_mm_s: float
     agents: tuple[str, ...]
-    rows: tuple[Row, ...]
-    """By radius, then by position."""
+    rows: tuple[CircleRow, ...]
+    """Circles by radius, then by position."""
 
     @property
     def is_published(self) -> bool:
-        """Whether the real robot was measured at this speed."""
+        """True if the real robot was measured at this speed."""
         return any(entry.published_rms for row in self.rows for entry in row.entries.values())
 
     def mean_rms(self, agent: str) -> float | None:
-        """Mean simulated RMS over the circles [mm]; None without the law."""
+        """Compute the mean simulated RMS over the circles [mm]; None without the law."""
         values = [row.entries[agent].rms for row in self.rows if agent in row.entries]
         return fmean(values) if values else None
 
     def mean_published_rms(self, agent: str) -> float | None:
-        """Mean published RMS over the same circles [mm]; None where a circle lacks a published number."""
+        """Compute the mean published RMS over the same circles [mm]; None if a circle lacks a published number."""
         values = [row.entries[agent].published_rms for row in self.rows if agent in row.entries]
         known = [value for value in values if value is not None]
         return fmean(known) if known and len(known) == len(values) else None
 
     def max_error(self, agent: str) -> float | None:
-        """Largest simulated deviation of all circles [mm]; None without the law."""
+        """Find the largest simulated deviation of all circles [mm]; None without the law."""
         return max((row.entries[agent].max for row in self.rows if agent in row.entries), default=None)
 
     def ratios(self, agent: str = UNCOMPENSATED) -> dict[tuple[float, str], float]:
-        """Simulated over published RMS by radius [mm] and position, where something was published."""
+        """Compute simulated over published RMS by radius [mm] and position, for published circles."""
         ratios = {(row.radius_mm, row.position): row.entries[agent].ratio for row in self.rows if agent in row.entries}
         return {key: ratio for key, ratio in ratios.items() if ratio is not None}
 
 
 @dataclass(frozen=True, kw_only=True)
 class Nearness:
-    """How near the simulated RMS of a set of circles is to the published one."""
+    """Nearness of the simulated RMS to the published one on a set of circles."""
 
     near: int
     """Circles within FACTOR."""
     total: int
     median: float
-    """Of the ratios simulated over published."""
+    """Median of the ratios simulated over published."""
 
 
 def nearness(ratios: Iterable[float]) -> Nearness | None:
-    """Summary of ratios; None if there are none."""
+    """Summarise ratios; return None if there are none."""
     values = list(ratios)
     if not values:
         return None
@@ -97,39 +97,41 @@ def nearness(ratios: Iterable[float]) -> Nearness | None:
 
 
 def circle_tables(study: CircleStudy) -> list[SpeedTable]:
-    """One table per speed, slowest first, rows by radius and position, with every law of the study."""
+    """Make one table per speed, slowest first, rows by radius and position, with every law of the study."""
     agents = tuple(dict.fromkeys(cell.agent for cell in study.cells))
     tables = []
     for speed in sorted({cell.speed_mm_s for cell in study.cells}):
-        entries: dict[tuple[float, str], dict[str, Entry]] = {}
+        entries: dict[tuple[float, str], dict[str, CircleEntry]] = {}
         for cell in study.select(speed_mm_s=speed):
             where = (speed / 1e3, cell.radius_mm / 1e3, cell.position)
-            entries.setdefault((cell.radius_mm, cell.position), {})[cell.agent] = Entry(
+            entries.setdefault((cell.radius_mm, cell.position), {})[cell.agent] = CircleEntry(
                 rms=cell.rms_mm,
                 max=cell.max_mm,
                 published_rms=published_mm(cell.agent, "rms", *where),
                 published_max=published_mm(cell.agent, "max", *where),
             )
         ordered = sorted(entries.items(), key=lambda item: item[0][0])  # stable: positions stay in the study's order
-        rows = tuple(Row(position=position, radius_mm=radius, entries=laws) for (radius, position), laws in ordered)
+        rows = tuple(
+            CircleRow(position=position, radius_mm=radius, entries=laws) for (radius, position), laws in ordered
+        )
         tables.append(SpeedTable(speed_mm_s=speed, agents=agents, rows=rows))
     return tables
 
 
 def reduction(value: float | None, baseline: float | None) -> float | None:
-    """Share of `baseline` that is gone, negative if it has grown; None if one is missing."""
+    """Compute the reduction as a share of `baseline`, negative for growth; None if one is missing."""
     return None if value is None or not baseline else 1 - value / baseline
 
 
 def percent(share: float) -> str:
-    """A reduction in words: '53% less' for 0.53, '20% more' for -0.2, '99.7% less' for 0.997, never 100 but for all."""
+    """Format a reduction: '53% less' for 0.53, '20% more' for -0.2, '99.7% less' for 0.997; 100 only for all."""
     digits = max(1, floor(-log10(1 - share)) - 1) if 0.98 <= share < 1 else 0
     return f"{abs(share):.{digits}%}" + (" less" if share >= 0 else " more")
 
 
 def format_text(study: CircleStudy) -> str:
-    """One table per speed: simulated beside published path error, and their ratio without compensation."""
-    parts = [filled(words_of("circles")["legend"].format(title=study.title))]
+    """Format one table per speed: simulated beside published path error, and their ratio without compensation."""
+    parts = [wrap_text(words_of("circles")["legend"].format(title=study.title))]
     for table in circle_tables(study):
         speed, near = f"{table.speed_mm_s:g} mm/s", nearness(table.ratios().values())
         if UNCOMPENSATED not in table.agents:
@@ -137,27 +139,28 @@ def format_text(study: CircleStudy) -> str:
         elif near is None:
             words = f"Nothing to compare with: no numbers were published for these circles at {speed}."
         else:
-            words = filled(
+            words = wrap_text(
                 f"Ratio simulated / published RMS without compensation: median {near.median:.2f}; {near.near} of "
                 f"{near.total} circles within a factor of {FACTOR:g} ({1 / FACTOR:.2f} to {FACTOR:g})"
             )
-        parts += [f"{underlined(speed)}\n{speed_table(table).text()}", words]
+        parts += [f"{underline(speed)}\n{speed_table(table).text()}", words]
     return "\n\n".join(parts) + "\n"
 
 
 def format_one_axis(study: OneAxisStudy) -> str:
-    """Motor error of the sine test, one line per frequency and law."""
-    legend = filled(words_of("circles")["sine_legend"].format(title=study.robot.title))
+    """Format the motor error of the sine test, one line per frequency and law."""
+    legend = wrap_text(words_of("circles")["sine_legend"].format(title=study.robot.title))
     return f"{legend}\n\n{sine_table(study).text()}\n"
 
 
 def speed_table(table: SpeedTable, *, with_ratio: bool = True) -> Table:
-    """Every circle at one speed, simulated beside published; their ratio without compensation, if there is one."""
+    """Tabulate every circle at one speed, simulated beside published, and their ratio without compensation."""
     rows, styles = table.rows, law_styles(table.agents)
     columns = [
         Column("r", [*(row.radius_mm for row in rows), "mean"], "g", unit="mm"),
         Column("position", [*(row.position for row in rows), "all"], kind="name"),
     ]
+    # simulated and published errors of each law, with means
     for agent, style in styles.items():
         entries = [row.entries.get(agent) for row in rows]
         simulated = [entry and pair(entry.rms, entry.max, ".3f") for entry in entries]
@@ -176,7 +179,7 @@ def speed_table(table: SpeedTable, *, with_ratio: bool = True) -> Table:
 
 
 def sine_table(study: OneAxisStudy) -> Table:
-    """Motor error at each frequency with each law."""
+    """Tabulate the motor error at each frequency with each law."""
     results = study.results
     return Table(
         columns=[
@@ -193,7 +196,7 @@ def sine_table(study: OneAxisStudy) -> Table:
 
 
 def summary_table(tables: Sequence[SpeedTable]) -> Table:
-    """One line per speed and law: mean RMS and change, simulated and published."""
+    """Tabulate mean RMS and change, simulated and published, one line per speed and law."""
     lines = [(table, agent, baseline_of(table.agents)) for table in tables for agent in table.agents]
     columns = [
         Column("speed", [table.speed_mm_s for table, _, _ in lines], "g", unit="mm/s"),

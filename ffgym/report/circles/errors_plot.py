@@ -19,9 +19,9 @@ _LOW = 0.03
 
 
 def motor_error_figure(study: CircleStudy) -> ReportFigure:
-    """Bars per joint and law [mrad], motor side, standstill excluded: one column per speed, one row per position.
+    """Draw bars per joint and law [mrad], motor side, without standstill: one column per speed, one row per position.
 
-    Shown are the first and the third position, as in the thesis, or what there is of them.
+    Shown are the first and the third position, as in the thesis, if there are as many.
     """
     laws, positions, speeds = (list(dict.fromkeys(part)) for part in zip(*study.recordings, strict=True))
     rows, joints, styles = positions[::2][:2], study.robot.joints, law_styles(laws)
@@ -43,6 +43,7 @@ def motor_error_figure(study: CircleStudy) -> ReportFigure:
                 axes.grid(axis="x", visible=False)
                 axes.set_title(f"{position}, {speed * 1e3:g} mm/s")
             grid[i][0].set_ylabel("RMS motor error [mrad]")
+    # joint with the largest error at each speed, for the caption
     peaks = []
     for speed in speeds:
         joint = int(np.argmax(errors[laws[0], rows[0], speed]))
@@ -63,7 +64,7 @@ _TICKS = tuple(digit * 10.0**power for power in range(-4, 4) for digit in (1, 2,
 
 
 def ratios_figure(study: CircleStudy) -> ReportFigure:
-    """One panel per speed with published numbers, one dot per circle and law; the band is a factor of FACTOR."""
+    """Draw one panel per speed with published numbers, one dot per circle and law; the band is a factor of FACTOR."""
     tables = [table for table in circle_tables(study) if table.is_published]
     if not tables:
         raise FFGymError(
@@ -74,7 +75,7 @@ def ratios_figure(study: CircleStudy) -> ReportFigure:
     with panels(1, len(tables), size=size, sharey=True) as (figure, grid):
         for axes, table in zip(grid[0], tables, strict=True):
             _draw_ratios(axes, table, styles)
-        # A logarithmic scale with room for every ratio and for the band, which all panels share.
+        # one logarithmic scale for all panels, with room for every ratio and for the band
         ratios = [ratio for table in tables for agent in styles for ratio in table.ratios(agent).values()]
         low, high = min(*ratios, 1 / FACTOR) / 1.5, max(*ratios, FACTOR) * 1.5
         ticks = [tick for tick in _TICKS if low <= tick <= high]
@@ -84,6 +85,7 @@ def ratios_figure(study: CircleStudy) -> ReportFigure:
         first.minorticks_off()
         first.set_ylim(low, high)
         first.set_ylabel("RMS path error, simulated / published")
+    # circles in the band, for the caption
     counts = []
     for table in tables:
         for agent, style in styles.items():
@@ -102,7 +104,7 @@ def ratios_figure(study: CircleStudy) -> ReportFigure:
 
 
 def _draw_ratios(axes: "Axes", table: SpeedTable, styles: dict[str, LawStyle]) -> None:
-    """Ratios at one speed; circles stand by position, then radius."""
+    """Draw ratios at one speed, circles ordered by position, then radius."""
     positions, radii = (list(dict.fromkeys(getattr(r, name) for r in table.rows)) for name in ("position", "radius_mm"))
     places = {
         (radius, position): i * len(radii) + k for i, position in enumerate(positions) for k, radius in enumerate(radii)
@@ -117,7 +119,7 @@ def _draw_ratios(axes: "Axes", table: SpeedTable, styles: dict[str, LawStyle]) -
     axes.set_xticks(range(len(places)), [f"{radius:g}" for radius, _ in places])
     axes.grid(axis="x", visible=False)
     axes.set_title(f"{table.speed_mm_s:g} mm/s")
-    # Names of positions below the radii, and a line between positions.
+    # names of positions below the radii, and a line between positions
     for i, position in enumerate(positions):
         middle = (i * len(radii) + (len(radii) - 1) / 2, 0)
         coords = ("data", "axes fraction")

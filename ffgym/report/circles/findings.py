@@ -1,11 +1,11 @@
-"""The results in a few sentences, and what of the published experiment the simulation shows too; all of it counted."""
+"""Findings: results in a few sentences, and agreement of simulation and published experiment, by counts of circles."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import TypeAlias
 
-from ffgym.report.circles.comparison import FACTOR, Row, circle_tables, nearness, percent, reduction
+from ffgym.report.circles.comparison import FACTOR, CircleRow, circle_tables, nearness, percent, reduction
 from ffgym.report.laws import ORACLE, UNCOMPENSATED, baseline_of, law_styles
 from ffgym.studies import CircleStudy, OneAxisStudy
 
@@ -13,13 +13,13 @@ REPRODUCED, PARTLY = 0.75, 0.5
 """Shares of circles that must agree with the real robot for 'reproduced' and for 'partly reproduced'; chosen."""
 
 
-Compared: TypeAlias = tuple[Row, str, Row, str]
+Compared: TypeAlias = tuple[CircleRow, str, CircleRow, str]
 """Two circles, each with a law, of which the first may have the smaller error."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Finding:
-    """One question to simulation and real robot."""
+class ReproductionFinding:
+    """Answer of simulation and real robot to one question."""
 
     question: str
     verdict: str
@@ -28,27 +28,27 @@ class Finding:
     """The numbers behind the verdict."""
 
 
-def findings(study: CircleStudy) -> list[Finding]:
-    """Questions and answers, speed by speed; questions that no published number answers are left out."""
+def findings(study: CircleStudy) -> list[ReproductionFinding]:
+    """Answer questions speed by speed; questions without published numbers are left out."""
     tables = circle_tables(study)
     labels = {agent: style.label for agent, style in law_styles([*tables[0].agents, UNCOMPENSATED]).items()}
-    found: list[Finding | None] = []
+    found: list[ReproductionFinding | None] = []
     for table in tables:
         rows, speed = table.rows, f"{table.speed_mm_s:g} mm/s"
         if not table.is_published:
             means = {agent: table.mean_rms(agent) for agent in table.agents}
             parts = ", ".join(f"{labels[agent]} {mean:.3f} mm" for agent, mean in means.items() if mean is not None)
             text = f"No numbers were published for these circles at this speed. Simulated mean RMS: {parts}."
-            found.append(Finding(question=f"{speed}: path error", verdict="not comparable", text=text))
+            found.append(ReproductionFinding(question=f"{speed}: path error", verdict="not comparable", text=text))
             continue
-        # Are simulated and published errors equally large?
+        # are simulated and published errors equally large?
         for agent in table.agents:
             if (near := nearness(table.ratios(agent).values())) is not None:
                 question = f"{speed}: size of the path error with {labels[agent]}"
                 ratio = f"median simulated / published {near.median:.2f}"
                 text = f"{near.near} of {near.total} circles within a factor of {FACTOR:g}; {ratio}."
-                found.append(Finding(question=question, verdict=_verdict(near.near, near.total), text=text))
-        # Is each law better than none, and than the one before it?
+                found.append(ReproductionFinding(question=question, verdict=_verdict(near.near, near.total), text=text))
+        # is each law better than no compensation, and than the law before it?
         others = [agent for agent in table.agents if agent != UNCOMPENSATED]
         pairs = [(law, UNCOMPENSATED) for law in others] + [(after, before) for before, after in pairwise(others)]
         for law, than in pairs:
@@ -60,6 +60,7 @@ def findings(study: CircleStudy) -> list[Finding]:
                 means_text = f"Mean RMS {percent(simulated)} simulated, {percent(published)} published."
                 finding = replace(finding, text=f"{means_text} {finding.text}")
             found.append(finding)
+        # does the error grow with the radius?
         question = f"{speed}: has the smaller circle the smaller error, without compensation?"
         sizes = (
             (small, UNCOMPENSATED, large, UNCOMPENSATED)
@@ -68,6 +69,7 @@ def findings(study: CircleStudy) -> list[Finding]:
             if small.position == large.position and small.radius_mm < large.radius_mm
         )
         found.append(_answer(question, "pairs of circles", "yes", sizes))
+    # does the error grow with the speed?
     speeds = (
         (a, UNCOMPENSATED, b, UNCOMPENSATED)
         for i, slow in enumerate(tables)
@@ -81,7 +83,7 @@ def findings(study: CircleStudy) -> list[Finding]:
     return [finding for finding in found if finding is not None]
 
 
-def _answer(question: str, things: str, yes: str, pairs: Iterable[Compared]) -> Finding | None:
+def _answer(question: str, things: str, yes: str, pairs: Iterable[Compared]) -> ReproductionFinding | None:
     """Count where the first circle has the smaller error, simulated and published; published ties do not count."""
     known: list[tuple[str, bool, bool]] = []
     for first, first_law, second, second_law in pairs:
@@ -97,7 +99,7 @@ def _answer(question: str, things: str, yes: str, pairs: Iterable[Compared]) -> 
     unlike = [where for where, here, there in known if here != there]
     differ = f"They differ on {', '.join(unlike)}." if unlike else "They agree on all."
     text = f"Of {len(known)} {things}, {yes} on {simulated} simulated and {published} published. {differ}"
-    return Finding(question=question, verdict=_verdict(len(known) - len(unlike), len(known)), text=text)
+    return ReproductionFinding(question=question, verdict=_verdict(len(known) - len(unlike), len(known)), text=text)
 
 
 def _verdict(agree: int, total: int) -> str:
@@ -106,7 +108,7 @@ def _verdict(agree: int, total: int) -> str:
 
 
 def headline(circle: CircleStudy, one_axis: OneAxisStudy) -> list[str]:
-    """What the best law does at each speed, how near the simulation is to the real robot, and what one axis shows.
+    """Write the gain of the best law at each speed, the nearness to the real robot, and the gain on one axis.
 
     The best law is the one with the smallest mean RMS path error at the slowest speed; the oracle does not compete.
     """
@@ -114,6 +116,7 @@ def headline(circle: CircleStudy, one_axis: OneAxisStudy) -> list[str]:
     agents = tables[0].agents
     base, labels = baseline_of(agents), {agent: style.label for agent, style in law_styles(agents).items()}
     others = [agent for agent in agents if agent not in (base, ORACLE)]
+    # gain of the best law at each speed
     sentences = []
     for table in tables if others else ():
         law = min(others, key=lambda agent: tables[0].mean_rms(agent) or 0.0)
@@ -129,13 +132,14 @@ def headline(circle: CircleStudy, one_axis: OneAxisStudy) -> list[str]:
             f"{percent(change)} than the {before:.3f} mm with {labels[base]} ({real}); at worst the tool is "
             f"{worst:.2f} mm off the circle."
         )
+    # nearness to the real robot
     summary = nearness(ratio for table in tables for ratio in table.ratios().values())
     if summary is not None:
         sentences.append(
             f"Without compensation the simulated RMS error is within a factor of {FACTOR:g} of the real robot's on "
             f"{summary.near} of {summary.total} circles (median ratio {summary.median:.2f})."
         )
-    # What the best law does to the motor error of one axis.
+    # gain of the best law in the motor error of one axis
     styles = law_styles(result.agent for result in one_axis.results)
     base = baseline_of(list(styles))
     results = [result for result in one_axis.results if result.agent not in (base, ORACLE)]

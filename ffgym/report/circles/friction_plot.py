@@ -8,7 +8,7 @@ from ffgym.core.types import Array, BoolArray
 from ffgym.recordings import Recording
 from ffgym.recordings.metrics import friction_miss, motor_error, relative_rms
 from ffgym.report.figure import ReportFigure, panels
-from ffgym.report.laws import LawStyle, baseline_of, compensated, law_styles
+from ffgym.report.laws import LawStyle, baseline_of, law_styles, list_compensated
 from ffgym.studies import CircleStudy, OneAxisStudy
 from ffgym.studies.one_axis import SETTLED
 
@@ -21,9 +21,9 @@ SHOWN = 2.0
 
 
 def one_axis_loops_figure(study: OneAxisStudy) -> ReportFigure:
-    """One row per frequency, one column per law that compensates."""
+    """Draw friction over speed on one axis: one row per frequency, one column per law that compensates."""
     laws, frequencies = (list(dict.fromkeys(part)) for part in zip(*study.recordings, strict=True))
-    styles, columns = law_styles(laws), compensated(laws)
+    styles, columns = law_styles(laws), list_compensated(laws)
     size, misses = (max(4.4 * len(columns), 5.0), 2.9 * len(frequencies) + 0.4), []
     with panels(len(frequencies), len(columns), size=size, sharex="row", sharey="row") as (figure, grid):
         for i, frequency in enumerate(frequencies):
@@ -48,12 +48,12 @@ def one_axis_loops_figure(study: OneAxisStudy) -> ReportFigure:
 
 
 def joint_loops_figure(study: CircleStudy, *, beside: str | None = None) -> ReportFigure:
-    """One panel per joint and law that compensates, laws side by side, at the first position and speed.
+    """Draw one panel per joint and law that compensates, laws side by side, at the first position and speed.
 
     `beside` names a law whose torque is drawn in every panel instead of the friction of the robot.
     """
     agents, (position, *_), (speed, *_) = (list(dict.fromkeys(part)) for part in zip(*study.recordings, strict=True))
-    columns = [law for law in compensated(agents) if law != beside]
+    columns = [law for law in list_compensated(agents) if law != beside]
     styles, joints, misses = law_styles(agents), study.robot.joints, []
     size = max(4.2 * len(columns), 5.0), 1.75 * len(joints) + 0.7
     with panels(len(joints), len(columns), size=size, sharex="row", sharey="row") as (figure, grid):
@@ -91,7 +91,7 @@ def joint_loops_figure(study: CircleStudy, *, beside: str | None = None) -> Repo
 
 
 def unlike(recording: Recording, other: Recording) -> Array:
-    """RMS difference of what two laws add on one motion over RMS of the other, without standstill, shape (N,)."""
+    """Compute RMS difference of two laws' torques on one motion over RMS of the other, without standstill, (N,)."""
     moving = ~recording.mask(kind="standstill")
     added, others = (part.joint_array("compensation.effort")[moving] for part in (recording, other))
     return relative_rms(added - others, others)
@@ -100,10 +100,10 @@ def unlike(recording: Recording, other: Recording) -> Array:
 def _draw_over_speed(
     axes: "Axes", recording: Recording, joint: int, rows: BoolArray, law: LawStyle | None, width: float = 1.1
 ) -> None:
-    """What a law adds, or without one the friction of the robot, over the motor speed of the reference [rad/s]."""
+    """Draw a law's torque, or without a law the friction of the robot, over the reference's motor speed [rad/s]."""
 
     def column(family: str) -> Array:
-        """Samples with NaN where a stretch of rows ends, so that no line is drawn across."""
+        """Select samples, with NaN where a stretch of rows ends, so that no line is drawn across."""
         values = np.where(rows, recording.joint_array(family)[:, joint], np.nan)
         return values[rows | np.roll(rows, 1)]
 
@@ -116,9 +116,9 @@ def _draw_over_speed(
 
 
 def one_axis_figure(study: OneAxisStudy, frequency: float) -> ReportFigure:
-    """Three rows (speed, error, feedback torque), one column per law that compensates, at `frequency` [Hz]."""
+    """Draw speed, error and feedback torque in rows, one column per law that compensates, at `frequency` [Hz]."""
     laws = [law for law, f in study.recordings if f == frequency]
-    styles, columns, before = law_styles(laws), compensated(laws), baseline_of(laws)
+    styles, columns, before = law_styles(laws), list_compensated(laws), baseline_of(laws)
     with panels(3, len(columns), size=(max(4.6 * len(columns), 5.0), 6.2), sharex=True, sharey="row") as (figure, grid):
         for j, law in enumerate(columns):
             for name in dict.fromkeys((before, law)):

@@ -1,4 +1,4 @@
-"""The report on the circle test and the sine test: pictures, tables, findings and where they come from."""
+"""Report page on the circle test and the sine test: pictures, tables, findings and provenance."""
 
 import os
 from collections.abc import Mapping
@@ -52,7 +52,7 @@ def write_report(
 
 
 def render_report(circle_study: CircleStudy, one_axis_study: OneAxisStudy, info: Mapping[str, Any]) -> str:
-    """HTML of the report; arguments as `write_report`."""
+    """Render the report as HTML; arguments as `write_report`."""
     tables = circle_tables(circle_study)
     styles = law_styles([*tables[0].agents, *(result.agent for result in one_axis_study.results)])
     words, robot = words_of("circles"), one_axis_study.robot.title
@@ -102,7 +102,7 @@ def _at_speed(table: SpeedTable) -> Section:
 def provenance(
     circle_study: CircleStudy, one_axis_study: OneAxisStudy, info: Mapping[str, Any] | None = None
 ) -> dict[str, str]:
-    """Where the numbers come from, by name: robots, physics, seed, versions, time, and `info`."""
+    """Collect the origin of the numbers by name: robots, physics, seed, versions, time, and `info`."""
     recorded = next(iter(circle_study.recordings.values())).header.provenance
     one_axis = next(iter(one_axis_study.recordings.values())).header.provenance
     return {
@@ -119,16 +119,16 @@ def provenance(
 
 
 def circle_figures(study: CircleStudy) -> list[ReportFigure]:
-    """Ratios (where numbers were published), paths, motor errors and friction of the circle test."""
+    """Draw ratios (if numbers were published), paths, motor errors and friction of the circle test."""
     figures = [paths_figure(study), motor_error_figure(study)]
     if any(table.is_published for table in circle_tables(study)):
         figures.insert(0, ratios_figure(study))
-    if all(recording.has("friction.effort") for recording in study.recordings.values()):  # it can be seen
+    if all(recording.has("friction.effort") for recording in study.recordings.values()):  # friction is recorded
         figures.append(joint_loops_figure(study))
     return figures
 
 
 def one_axis_figures(study: OneAxisStudy) -> list[ReportFigure]:
-    """Friction over speed, and one figure over time per frequency."""
+    """Draw friction over speed, and one figure over time per frequency."""
     frequencies = dict.fromkeys(frequency for _, frequency in study.recordings)
     return [one_axis_loops_figure(study), *(one_axis_figure(study, frequency) for frequency in frequencies)]

@@ -29,26 +29,26 @@ class FlatCircle:
     """One circle of a recording seen along its normal; T samples."""
 
     centre: Array
-    """Relative to the centre of the first circle [mm], shape (2,)."""
+    """Centre relative to that of the first circle [mm], shape (2,)."""
     radius: float
-    """[mm]."""
+    """Radius [mm]."""
     angle: Array
-    """Where the tool is [rad], shape (T,)."""
+    """Angle of the tool on the circle [rad], shape (T,)."""
     outward: Array
     """Deviation in the plane, offset at standstill removed [mm], shape (T,)."""
 
     def path(self, magnification: float) -> Array:
-        """Path of the tool [mm] with its deviation enlarged, shape (T, 2)."""
+        """Compute the path of the tool [mm] with its deviation enlarged, shape (T, 2)."""
         outwards = unit_vectors(self.angle)
         return magnify(self.centre + self.radius * outwards, self.outward[:, None] * outwards, magnification)
 
     def reference(self) -> Array:
-        """The circle [mm], shape (200, 2)."""
+        """Compute points of the circle [mm], shape (200, 2)."""
         return self.centre + self.radius * unit_vectors(np.linspace(0, 2 * np.pi, 200))
 
 
 def flat_circles(recording: Recording) -> list[FlatCircle]:
-    """Every circle of a recording, without lead-in and lead-out.
+    """Extract every circle of a recording, without lead-in and lead-out.
 
     They are seen from the side on which the largest part of the first one's normal is positive (from above if level).
     """
@@ -58,10 +58,12 @@ def flat_circles(recording: Recording) -> list[FlatCircle]:
     tcp = recording.vector("tcp.position") - standstill_offset(recording)
     reference = recording.vector("tcp_reference.position")
     stretches = [(recording.t >= phase.start) & (recording.t < phase.end) for phase in phases]
+    # plane of the first circle
     fits = [fit_circle(reference[rows]) for rows in stretches]
     origin, normal = fits[0].centre, fits[0].normal
     plane = plane_of(np.sign(normal[np.argmax(np.abs(normal))]) * normal)
     axes = np.stack([plane.first, plane.second], axis=1)
+    # deviation of the tool from each circle in that plane
     flat = []
     for rows, fit in zip(stretches, fits, strict=True):
         points = tcp[rows][~np.isnan(tcp[rows]).any(axis=1)]
@@ -78,7 +80,7 @@ def flat_circles(recording: Recording) -> list[FlatCircle]:
 
 
 def magnification_of(study: CircleStudy, speed: float) -> float:
-    """Largest factor at `speed` [m/s] with which no circle comes near its neighbours or its own centre."""
+    """Find the largest factor at `speed` [m/s] with which no circle comes near its neighbours or its own centre."""
     recordings = [recording for (_, _, v), recording in study.recordings.items() if v == speed]
     circles = [circle for recording in recordings for circle in flat_circles(recording)]
     radii = sorted({round(circle.radius, 2) for circle in circles})
@@ -91,7 +93,7 @@ def magnification_of(study: CircleStudy, speed: float) -> float:
 
 
 def paths_figure(study: CircleStudy) -> ReportFigure:
-    """Paths of every law: one row per speed, one column per position."""
+    """Draw paths of every law: one row per speed, one column per position."""
     laws, columns, rows = (list(dict.fromkeys(part)) for part in zip(*study.recordings, strict=True))
     styles, factors = law_styles(laws), {speed: magnification_of(study, speed) for speed in rows}
     with panels(len(rows), len(columns), size=(max(3.0 * len(columns), 5.0), 3.05 * len(rows) + 0.6)) as (figure, grid):
@@ -102,11 +104,12 @@ def paths_figure(study: CircleStudy) -> ReportFigure:
                 grid[i][j].set_title(f"{position}, {speed * 1e3:g} mm/s, {scale_words(factors[speed])}")
                 grid[i][j].set_ylabel("y [mm]" if j == 0 else "")
                 grid[-1][j].set_xlabel("x [mm]")
-            # Square limits, the same for all panels of a row, so that a millimetre is as long in x as in y.
+            # square limits, the same for all panels of a row, so that a millimetre is as long in x as in y
             reach = max(abs(limit) for axes in grid[i] for limit in (*axes.get_xlim(), *axes.get_ylim()))
             for axes in grid[i]:
                 axes.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
                 axes.locator_params(nbins=8, steps=[1, 2, 5, 10])
+    # scale and largest deviation at each speed, for the caption
     scales, peaks = [], []
     for speed in sorted(rows):
         scales.append(f"{scale_words(factors[speed])} at {speed * 1e3:g} mm/s")
@@ -126,8 +129,10 @@ def paths_figure(study: CircleStudy) -> ReportFigure:
 
 
 def _draw(axes: "Axes", recordings: dict[str, Recording], factor: float, styles: dict[str, LawStyle]) -> None:
-    """All laws at one position and speed."""
-    widths = np.linspace(2.4, 1.0, len(recordings)) if len(recordings) > 1 else [1.3]  # what lies below shows beside
+    """Draw all laws at one position and speed."""
+    widths = (
+        np.linspace(2.4, 1.0, len(recordings)) if len(recordings) > 1 else [1.3]
+    )  # lower lines stay visible beside upper ones
     for width, (law, recording) in zip(widths, recordings.items(), strict=True):
         circles = flat_circles(recording)
         for k, circle in enumerate(circles):
@@ -140,5 +145,5 @@ def _draw(axes: "Axes", recordings: dict[str, Recording], factor: float, styles:
 
 
 def unit_vectors(angle: Array) -> Array:
-    """Unit vectors in the directions of angles (T,) [rad], shape (T, 2)."""
+    """Compute unit vectors in the directions of angles (T,) [rad], shape (T, 2)."""
     return np.stack([np.cos(angle), np.sin(angle)], axis=1)

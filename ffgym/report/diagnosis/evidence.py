@@ -15,10 +15,10 @@ from ffgym.diagnosis.regimes import LogRows, collect_rows, map_by_motion
 from ffgym.diagnosis.residual import UNITS, Channel, Residual, components
 from ffgym.report.diagnosis.diagnosis_report import DiagnosisReport, Place
 from ffgym.report.diagnosis.words import LOOKS, NOMINAL, counting, fine_scale_of, scale_of
-from ffgym.report.figure import ReportFigure, panels, peaks_kept
+from ffgym.report.figure import ReportFigure, keep_peaks, panels
 from ffgym.report.identification.plots import NEW, OLD
 from ffgym.report.page import words_of
-from ffgym.report.table import shortened
+from ffgym.report.table import shorten
 from ffgym.report.tool_path import ToolPath, scale_of_error, tool_path_figure
 
 if TYPE_CHECKING:
@@ -174,7 +174,7 @@ def _spectrum_figure(models: Mapping[str, Residual], place: Place, marked: Seque
     with panels(1, len(FORMS), size=(9.4, 3.0), sharey=True) as (figure, grid):
         for axes, (form, lines) in zip(grid[0], found.items(), strict=True):
             for name, (frequency, amplitude) in lines.items():
-                shown = peaks_kept(amplitude)
+                shown = keep_peaks(amplitude)
                 axes.plot(frequency[shown], amplitude[shown], label=name, color=LOOKS[name]["color"], linewidth=0.9)
             axes.set_title(FORMS[form], fontsize=9)
             axes.set_xscale("log")
@@ -223,7 +223,7 @@ def _loops_figure(models: Mapping[str, Residual], place: Place, motions: Sequenc
             for name, torque in lines.items():
                 shown = factor * counting(nominal, torque - rest)
                 axes.plot(state.motor_speed[:, j], shown, label=name, **LOOKS[name])
-            axes.set_title(shortened(nominal.motion), fontsize=8)
+            axes.set_title(shorten(nominal.motion), fontsize=8)
             axes.set_xlabel("motor speed [rad/s]")
         grid[0, 0].set_ylabel(f"friction {'torque' if unit == 'N m' else 'force'} [{unit}]")
     caption = words_of("diagnosis_figures")["over_speed"]

@@ -12,7 +12,7 @@ from ffgym.report.diagnosis.diagnosis_report import DiagnosisReport
 from ffgym.report.diagnosis.words import EXTENDED, FINE, LOOKS, NOMINAL, place_of, rivals_of, shown_share
 from ffgym.report.figure import ReportFigure, panels, require_matplotlib
 from ffgym.report.page import words_of
-from ffgym.report.table import shortened
+from ffgym.report.table import shorten
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -78,7 +78,7 @@ def map_figure(maps: Sequence[Sequence[Panel]]) -> "Figure":
             at = np.arange(columns) + 0.5
             axes.set_xticks(
                 at,
-                [shortened(place[start:]) for place in first.places],
+                [shorten(place[start:]) for place in first.places],
                 rotation=40,
                 ha="right",
                 rotation_mode="anchor",
@@ -99,7 +99,7 @@ def _draw_map(axes: "Axes", one: ResidualMap) -> None:
             text = f"{ratio:.1f}" if ratio < 9.95 else f"{ratio:.0f}" if ratio < 9999.5 else f"{ratio:.0e}"
             ink = "white" if norm(np.clip(ratio, LEAST, MOST)) > _DARK else "#1c2430"
             axes.text(column + 0.5, row + 0.5, text, ha="center", va="center", fontsize=7.5, color=ink)
-    axes.set_yticks(np.arange(len(one.components)) + 0.5, [shortened(name) for name in one.components])
+    axes.set_yticks(np.arange(len(one.components)) + 0.5, [shorten(name) for name in one.components])
     axes.set_ylim(len(one.components), 0)
     axes.tick_params(length=0)
     axes.grid(False)
@@ -156,7 +156,7 @@ def _draw_levels(axes: "Axes", levels: Sequence[Level]) -> list[str]:
     axes.vlines(at, after, before, color="#b9c0c9", linewidth=2.0, zorder=1)
     for name, values, marker in ((NOMINAL, before, "o"), (EXTENDED, after, "D")):
         axes.plot(at, values, marker, color=LOOKS[name]["color"], markersize=7, label=name)
-    axes.set_xticks(at, [shortened(level.component) for level in levels])
+    axes.set_xticks(at, [shorten(level.component) for level in levels])
     axes.set_xlim(-0.6, len(levels) - 0.4)
     axes.set_yscale("log")
     known = np.concatenate([before, after, floor])

@@ -18,7 +18,7 @@ from ffgym.diagnosis.result import Cause, Diagnosis, Level, Rival, Size, Unjudge
 from ffgym.effects import EFFECTS
 from ffgym.report.identification.plots import MEASURED, NEW, OLD
 from ffgym.report.page import resource, words_of
-from ffgym.report.table import WIDTH, Cell, Column, Kind, Table, filled
+from ffgym.report.table import WIDTH, Cell, Column, Kind, Table, wrap_text
 from ffgym.robot import RobotDescription
 
 VERDICTS = words_of("verdicts")
@@ -281,30 +281,30 @@ def format_diagnosis(diagnosis: Diagnosis, robot: RobotDescription | None = None
     for tie in (rival for rival in diagnosis.rivals if rival.tied):
         instead = tie.against.replace("_", " ")
         parts.append(
-            filled(f"cannot be excluded: {place_of(tie.effect, tie.joint)} instead of {instead}: {tie.reason}")
+            wrap_text(f"cannot be excluded: {place_of(tie.effect, tie.joint)} instead of {instead}: {tie.reason}")
         )
-    parts += [filled(f"between recordings: {drift.message}") for drift in diagnosis.drifts]
+    parts += [wrap_text(f"between recordings: {drift.message}") for drift in diagnosis.drifts]
     for pattern in diagnosis.patterns:
-        parts += [filled(f"pattern: {pattern.message}"), *(filled(f"  not a cause: {lead}") for lead in pattern.leads)]
+        parts += [wrap_text(f"pattern: {pattern.message}"), *(wrap_text(f"  not a cause: {lead}") for lead in pattern.leads)]
     if diagnosis.levels:
         table = levels_table(diagnosis).text().replace("not small", "NOT SMALL")  # what is wrong stands out
         parts += ["", table, ""]
     for word, unjudged in (("not excited", diagnosis.not_excited), ("not judgeable", diagnosis.not_judgeable)):
-        parts += [filled(f"{word}: {effects}: {reason}") for effects, reason in together(unjudged)]
-    parts += [filled(f"log: {line}") for line in diagnosis.quality]
+        parts += [wrap_text(f"{word}: {effects}: {reason}") for effects, reason in together(unjudged)]
+    parts += [wrap_text(f"log: {line}") for line in diagnosis.quality]
     if diagnosis.separating_motion is not None:
         first, second = diagnosis.separating_motion.between
         protocol = diagnosis.separating_motion.protocol
-        parts.append(filled(f"record next: {protocol}, to tell {first} from {second}"))
+        parts.append(wrap_text(f"record next: {protocol}, to tell {first} from {second}"))
     return "\n".join(parts)
 
 
 def format_findings(diagnosis: Diagnosis) -> str:
     """Write the verdict in at most three lines, wiring mistakes, and the causes in a table with how to read it."""
-    parts = [filled(f"{diagnosis.verdict}: {short_sentence(diagnosis)}")]
-    parts += [filled(f"wiring: {mistake.message}") for mistake in diagnosis.wiring]
+    parts = [wrap_text(f"{diagnosis.verdict}: {short_sentence(diagnosis)}")]
+    parts += [wrap_text(f"wiring: {mistake.message}") for mistake in diagnosis.wiring]
     if diagnosis.causes:
-        parts += ["", causes_table(diagnosis).text(), filled(held_out_note(diagnosis))]
+        parts += ["", causes_table(diagnosis).text(), wrap_text(held_out_note(diagnosis))]
     return "\n".join(parts)
 
 

@@ -1,4 +1,4 @@
-"""What identifications found: tables, pictures and a page."""
+"""Reports of identifications: tables, pictures and pages."""
 
 import lazy_loader
 

@@ -10,7 +10,7 @@ from ffgym.diagnosis.identification import FrictionIdentification, FrictionTorqu
 from ffgym.report.figure import ReportFigure
 from ffgym.report.identification.plots import friction_loops_figure, stribeck_figure
 from ffgym.report.page import Note, Page, Part, Section
-from ffgym.report.table import Column, Table, filled, underlined
+from ffgym.report.table import Column, Table, underline, wrap_text
 
 LETTERS = {
     "friction.coulomb": "f_c",
@@ -20,10 +20,10 @@ LETTERS = {
     "friction.bristle_stiffness": "sigma_0",
     "friction.bristle_damping": "sigma_1",
 }
-"""How the thesis writes the parameters."""
+"""Letters of the parameters in the thesis."""
 
 _MOST = 6
-"""Records of a joint that are shown."""
+"""Largest number of records of a joint that are shown."""
 
 _MOVING = 0.05
 """Motor speed from which a joint moves in a record [rad/s]."""
@@ -31,44 +31,44 @@ _MOVING = 0.05
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FrictionReport:
-    """A friction identification with everything that is shown of it: from what, and how well it holds elsewhere."""
+    """A friction identification with its recordings and its validation."""
 
     identification: FrictionIdentification
     used: Sequence[FrictionTorque]
     """Friction along the recordings that were used."""
     held_out: Sequence[FrictionTorque]
-    """Friction along those that were not."""
+    """Friction along recordings that were not used."""
     before: Sequence[Validation]
     """Errors of the old parameters on records that were not used."""
     after: Sequence[Validation]
-    """Errors of the new ones on the same."""
+    """Errors of the new parameters on the same records."""
     doubts: Sequence[str] = ()
-    """What speaks against logs that were used all the same."""
+    """Doubts about logs that were used all the same."""
 
 
 def format_friction(report: FrictionReport) -> str:
-    """Parameters old and new with intervals, notes, and errors on records that were not used."""
+    """Format parameters old and new with intervals, notes, and errors on records that were not used."""
     found = report.identification
     title = f"Friction of {found.prior.title} from {len(found.segments)} logs, motor side"
-    parts = [underlined(title), _parameters(found, with_reasons=False).text()]
-    # Why parameters are not identified, those of one joint and reason together.
+    parts = [underline(title), _parameters(found, with_reasons=False).text()]
+    # reasons why parameters are not identified, one line for each joint and reason
     reasons: dict[tuple[str, str], list[str]] = {}
     for estimate in (estimate for joint in found.joints for estimate in joint.estimates if estimate.reason):
         reasons.setdefault((estimate.joint, estimate.reason), []).append(LETTERS[estimate.name])
     notes = [f"{joint}: {', '.join(letters)}: {reason}" for (joint, reason), letters in reasons.items()]
     notes += [f"{joint.joint}: {note}" for joint in found.joints for note in joint.notes]
-    parts += [filled(f"note: {note}") for note in (*notes, *report.doubts)]
+    parts += [wrap_text(f"note: {note}") for note in (*notes, *report.doubts)]
     if report.after:
         legend = (
             "Logs that were not used: RMS of friction torque minus model [N m], and the share of the friction's "
             "variance that the model explains, before and now."
         )
-        parts += ["", filled(legend), "", _validation(report).text()]
+        parts += ["", wrap_text(legend), "", _validation(report).text()]
     return "\n".join(parts)
 
 
 def render_friction_page(report: FrictionReport, info: Mapping[str, Any]) -> str:
-    """HTML of the page; `info` is its provenance by name. FFGymError if matplotlib or jinja2 is missing."""
+    """Render the page as HTML; `info` is its provenance by name. FFGymError if matplotlib or jinja2 is missing."""
     found = report.identification
     notes = []
     for joint in found.joints:
@@ -92,7 +92,7 @@ def render_friction_page(report: FrictionReport, info: Mapping[str, Any]) -> str
 
 
 def _parameters(found: FrictionIdentification, *, with_reasons: bool) -> Table:
-    """Parameters of all joints; reasons stand beside the verdict or, on a terminal, in notes."""
+    """Tabulate parameters of all joints; reasons stand beside the verdict or, on a terminal, in notes."""
     rows = [estimate for joint in found.joints for estimate in joint.estimates]
     intervals = [f"{row.low:.4g} to {row.high:.4g}" if np.isfinite(row.high) else None for row in rows]
     verdicts = [f"{r.status}: {r.reason}" if with_reasons and r.reason else r.status for r in rows]
@@ -123,7 +123,7 @@ def _validation(report: FrictionReport) -> Table:
 
 
 def friction_figures(report: FrictionReport) -> list[ReportFigure]:
-    """Stribeck curves of all joints, then loops of each joint with bristles by old and new parameters."""
+    """Draw Stribeck curves of all joints, then loops of each joint with bristles by old and new parameters."""
     found = report.identification
     known = {"inertia_error": found.inertia_error, "offset": found.offset}
     models = {"identified": found.friction, "before": found.prior.friction}

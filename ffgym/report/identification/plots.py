@@ -23,13 +23,13 @@ if TYPE_CHECKING:
 
 
 MEASURED, NEW, OLD = "#999999", "#0072b2", "#d55e00"
-"""Colours of what was measured, and of new and old parameters; also told apart by the colour-blind, and by line."""
+"""Colours of measurements, and of new and old parameters; safe for colour-blind readers, and different in line."""
 
 LINES = ((NEW, "-"), (OLD, "--"), ("#009e73", ":"))
 """Colour and line of models, in order."""
 
 _WIDEST = 3
-"""Panels side by side."""
+"""Largest number of panels side by side."""
 
 
 @contextmanager
@@ -44,9 +44,9 @@ def _small_panels(n: int, width: float, height: float) -> Iterator[tuple["Figure
 
 
 def stribeck_figure(identification: FrictionIdentification) -> "Figure":
-    """One panel per joint with constant speeds: both directions, the fitted curve, and that of the old parameters.
+    """Draw one panel per joint with constant speeds: both directions, the fitted curve, and that of old parameters.
 
-    The even part, which the LuGre model has not, is taken from what was measured.
+    The even part, which the LuGre model lacks, is subtracted from the measurements.
     """
     joints = [j for j, joint in enumerate(identification.joints) if joint.stribeck is not None]
     with _small_panels(len(joints), 3.6, 2.7) as (figure, grid):
@@ -82,12 +82,12 @@ def friction_loops_figure(
     *,
     known: Mapping[str, Array] | None = None,
 ) -> "Figure":
-    """Friction over motor speed, one panel per record.
+    """Draw friction over motor speed, one panel per record.
 
     Args:
         torques: friction along the records.
-        joint: which joint, 0 is the first.
-        models: LuGre parameters of all joints by what they are called in the legend; none shows what was measured.
+        joint: number of the joint, from 0.
+        models: LuGre parameters of all joints by their name in the legend; none draws the measurements alone.
         known: `inertia_error` and `offset` of an identification, which belong to no model's friction.
     """
     with _small_panels(len(torques), 3.2, 2.6) as (figure, grid):
@@ -107,7 +107,7 @@ def friction_over_time_figure(
     *,
     known: Mapping[str, Array] | None = None,
 ) -> "Figure":
-    """Friction and motor speed of one record over time; arguments as `friction_loops_figure`."""
+    """Draw friction and motor speed of one record over time; arguments as `friction_loops_figure`."""
     t, valid = torque.signals.t, torque.valid
     with panels(2, 1, size=(7.2, 4.0), sharex=True) as (figure, grid):
         upper, lower = grid[:, 0]
@@ -129,7 +129,7 @@ def _draw_models(
     over: Array,
     width: float,
 ) -> None:
-    """Friction of a record, measured less what is `known` to be none, and by each model, over speed or time."""
+    """Draw friction of a record, measured less its `known` other parts, and by each model, over speed or time."""
     valid, measured = torque.valid, torque.friction[:, joint]
     if known is not None:
         measured = measured - known["inertia_error"][joint] * torque.inertia[:, joint] - known["offset"][joint]
@@ -140,7 +140,7 @@ def _draw_models(
 
 
 def torque_figure(prediction: TorquePrediction) -> "Figure":
-    """Measured torque and every prediction of it, motor side; grey where a joint rests or the record ends."""
+    """Draw measured torque and every prediction of it, motor side; grey where a joint rests or the record ends."""
     joints = prediction.robot.joints
     with panels(len(joints), 1, size=(7.2, 1.6 * len(joints) + 0.6), sharex=True) as (figure, grid):
         for j, (joint, axes) in enumerate(zip(joints, grid[:, 0], strict=True)):

@@ -12,29 +12,29 @@ from ffgym.recordings import Recording
 from ffgym.report.figure import ReportFigure
 from ffgym.report.identification.plots import torque_figure
 from ffgym.report.page import Note, Page, Section, words_of
-from ffgym.report.table import Column, Kind, Table, filled, underlined
+from ffgym.report.table import Column, Kind, Table, underline, wrap_text
 from ffgym.studies.torque_prediction import TorquePrediction
 
 SURE = 0.9
-"""Share of the data from which a number is theirs."""
+"""Share of the data above which they alone determine a number."""
 
 _MOST = 4
-"""Recordings that are shown."""
+"""Largest number of recordings that are shown."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RigidBodyReport:
-    """What was found, and how well it holds elsewhere."""
+    """A rigid-body fit with its validation."""
 
     fit: RigidBodyFit
     held_out: Sequence[Recording]
     """Recordings that were not used."""
     doubts_of_logs: Sequence[str] = ()
-    """What speaks against logs that were used all the same."""
+    """Doubts about logs that were used all the same."""
 
     @property
     def doubts(self) -> tuple[str, ...]:
-        """What speaks against logs and fit."""
+        """Doubts about logs and fit."""
         return (*self.doubts_of_logs, *self.fit.doubts)
 
     @property
@@ -45,7 +45,7 @@ class RigidBodyReport:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Row:
+class ParameterRow:
     """A parameter, or a combination of parameters."""
 
     name: str
@@ -55,20 +55,20 @@ class Row:
     low: float
     high: float
     share: float
-    """Of the data."""
+    """Share of the data in the value."""
     verdict: str
 
 
-def parameter_rows(fit: RigidBodyFit) -> list[Row]:
-    """Rotors, friction, offsets, springs: all but the bodies."""
+def parameter_rows(fit: RigidBodyFit) -> list[ParameterRow]:
+    """List rotors, friction, offsets, springs: all parameters but the bodies'."""
     places = [i for i, label in enumerate(fit.labels) if label.split(".")[0] not in (*fit.robot.links, "tool")]
     numbers = {"before": fit.described, "now": fit.estimate, "low": fit.intervals.low, "high": fit.intervals.high}
     numbers = {key: column[places] for key, column in (numbers | {"share": fit.shares}).items()}
     return _rows(fit, [fit.labels[i] for i in places], places, numbers)
 
 
-def base_rows(fit: RigidBodyFit) -> list[Row]:
-    """Combinations that torque can tell."""
+def base_rows(fit: RigidBodyFit) -> list[ParameterRow]:
+    """List the base parameters, which torque determines."""
     base, ends = fit.base, fit.base_intervals
     numbers = {
         "before": base.values(fit.described),
@@ -79,36 +79,40 @@ def base_rows(fit: RigidBodyFit) -> list[Row]:
     return _rows(fit, [base.text(i) for i in range(len(base.own))], base.own, numbers | {"share": fit.base_shares})
 
 
-def _rows(fit: RigidBodyFit, names: Sequence[str], places: Iterable[int], numbers: Mapping[str, Array]) -> list[Row]:
-    """A row for each name, with numbers by field; units and what was fitted are those of the parameters at `places`."""
+def _rows(
+    fit: RigidBodyFit, names: Sequence[str], places: Iterable[int], numbers: Mapping[str, Array]
+) -> list[ParameterRow]:
+    """Make a row for each name, with numbers by field; unit and verdict are of the parameter at the same place."""
     rows = []
     for k, (name, place) in enumerate(zip(names, places, strict=True)):
         own = {key: float(column[k]) for key, column in numbers.items()}
         by = "data" if own["share"] >= SURE else "description" if own["share"] < 1 - SURE else "both"
-        rows.append(Row(name=name, unit=fit.units[place], verdict=by if fit.fitted[place] else "not excited", **own))
+        rows.append(
+            ParameterRow(name=name, unit=fit.units[place], verdict=by if fit.fitted[place] else "not excited", **own)
+        )
     return rows
 
 
 def format_rigid_body(report: RigidBodyReport) -> str:
-    """What was found and who says so, and what it leaves of the torque."""
+    """Format parameters with their sources (data or description), and the torque errors."""
     fit = report.fit
     title = f"Rigid body of {fit.robot.title} from {len(fit.segments)} logs"
     summary = f"{_summary(fit, f' (condition number {fit.condition:.3g})')}{fit.trade_off.chosen:g}"
     tried = len(fit.trade_off.spreads) > 1
     summary += ", the nearest that predicts held-out parts of the logs as well as any." if tried else "."
-    parts = [underlined(title), filled(summary), ""]
+    parts = [underline(title), wrap_text(summary), ""]
     for table in (_row_table(fit, "parameter, motor side", parameter_rows(fit)), _bodies(fit)):
         if table.n_rows:
             parts += [table.text(), ""]
     if fit.not_excited:
-        parts += [filled(f"note: not excited, and so as described: {', '.join(fit.not_excited)}"), ""]
-    parts += [filled(f"note: {doubt}") for doubt in report.doubts]
+        parts += [wrap_text(f"note: not excited, and so as described: {', '.join(fit.not_excited)}"), ""]
+    parts += [wrap_text(f"note: {doubt}") for doubt in report.doubts]
     legend = words_of("rigid_body")["legend"].format(cutoff=fit.filtering.parallel.cutoff)
-    return "\n".join([*parts, f"{filled(legend)}\n\n{_errors(report).text()}"])
+    return "\n".join([*parts, f"{wrap_text(legend)}\n\n{_errors(report).text()}"])
 
 
 def render_rigid_body_page(report: RigidBodyReport, used: Recording, info: Mapping[str, Any]) -> str:
-    """HTML of the page; shows `used`, a recording that was fitted, where none was kept out.
+    """Render the page as HTML; shows `used`, a recording that was fitted, if no other was held out.
 
     `info` is its provenance by name. FFGymError if matplotlib or jinja2 is missing.
     """
@@ -136,7 +140,7 @@ def render_rigid_body_page(report: RigidBodyReport, used: Recording, info: Mappi
 
 
 def _summary(fit: RigidBodyFit, condition: str = "") -> str:
-    """How many base parameters there are, and how near the description; the number at its end is left to say."""
+    """Begin a sentence on the number of base parameters and the prior; the caller appends the spread."""
     told = int(np.sum(fit.base_shares >= SURE))
     return (
         f"Torque can tell {len(fit.base.own)} combinations of {len(fit.labels)} parameters; these logs tell {told} of "
@@ -144,7 +148,9 @@ def _summary(fit: RigidBodyFit, condition: str = "") -> str:
     )
 
 
-def _row_table(fit: RigidBodyFit, heading: str, rows: Sequence[Row], name: str = "", kind: Kind = "name") -> Table:
+def _row_table(
+    fit: RigidBodyFit, heading: str, rows: Sequence[ParameterRow], name: str = "", kind: Kind = "name"
+) -> Table:
     return Table(
         columns=[
             Column(heading, [row.name for row in rows], kind=kind),
@@ -159,7 +165,7 @@ def _row_table(fit: RigidBodyFit, heading: str, rows: Sequence[Row], name: str =
 
 
 def _bodies(fit: RigidBodyFit) -> Table:
-    """Masses before and now, and how many of its ten numbers the data say, of each body."""
+    """Tabulate masses before and now, and the number of each body's ten parameters that the data determine."""
     at = [i for i, label in enumerate(fit.labels) if label.endswith(".mass")]
     return Table(
         columns=[
@@ -186,7 +192,7 @@ def _errors(report: RigidBodyReport) -> Table:
 
 
 def rigid_body_numbers(report: RigidBodyReport) -> dict[str, Any]:
-    """Everything, as JSON has it."""
+    """Collect all numbers for JSON."""
     fit = report.fit
     columns = (fit.described, fit.estimate, fit.intervals.low, fit.intervals.high, fit.shares)
     return {
@@ -213,12 +219,12 @@ def rigid_body_numbers(report: RigidBodyReport) -> dict[str, Any]:
 
 
 def _plain(values: Array) -> list[float | None]:
-    """JSON has no NaN."""
+    """Replace NaN, which JSON lacks, by None."""
     return [float(value) if np.isfinite(value) else None for value in values]
 
 
 def _figure(report: RigidBodyReport, recording: Recording, words: str) -> ReportFigure:
-    """Filtered torque of a recording, and what the description and the fit make of its motion."""
+    """Draw the filtered torque of a recording, and the predictions of description and fit."""
     fit, segment = report.fit, recording.header.segment
     equations = fit.equations([recording])
     models = {"description": fit.described, "identified": fit.estimate}

@@ -1,1 +1,1 @@
-"""Any motion on a page: path of the tool, errors, torques."""
+"""Report on any motion: path of the tool, errors, torques."""

@@ -1,4 +1,4 @@
-"""Any motion as text for a terminal and as a page: path of the tool, errors, torques."""
+"""Report on any motion as text for a terminal and as a page: path of the tool, errors, torques."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -6,7 +6,7 @@ from typing import Any
 from ffgym.report.laws import law_column, law_styles
 from ffgym.report.motion.plot import motion_figures
 from ffgym.report.page import Legend, Note, Page, Part, Section, words_of
-from ffgym.report.table import Cell, Column, Table, filled, pair, underlined
+from ffgym.report.table import Cell, Column, Table, pair, underline, wrap_text
 from ffgym.robot import RobotDescription
 from ffgym.studies import MotionResult, MotionStudy
 
@@ -14,12 +14,12 @@ _WORDS = words_of("motion")
 
 
 def format_motion(study: MotionStudy) -> str:
-    """For each motion: path error, motor errors, and how much of the limits is used, one line per law."""
+    """Format path error, motor errors and use of the limits of each motion, one line per law."""
     parts, joints = [], list(enumerate(study.robot.joints))
     for name, reference in study.references.items():
         results = study.results_of(name)
         agents = [result.agent for result in results]
-        parts.append(underlined(f"{name}: {reference.duration:.2f} s, {study.robot.title}"))
+        parts.append(underline(f"{name}: {reference.duration:.2f} s, {study.robot.title}"))
         if results[0].path:
             whole = [result.path[0] for result in results]
             columns = [
@@ -29,11 +29,12 @@ def format_motion(study: MotionStudy) -> str:
                 Column("along: RMS", [stretch.lag_rms_mm for stretch in whole], ".3f"),
                 Column("max", [stretch.lag_max_mm for stretch in whole], ".3f"),
             ]
-            parts += [filled(f"Path error [mm]: {_WORDS['path']}"), "", Table(columns=columns).text(), ""]
+            parts += [wrap_text(f"Path error [mm]: {_WORDS['path']}"), "", Table(columns=columns).text(), ""]
+        # motor errors, torques and speeds by joint
         errors = [Column(joint, [_motor_error(one, j) for one in results], kind="name") for j, joint in joints]
         torques = [Column(joint, [one.torque_use[j] for one in results], ".1%", kind="name") for j, joint in joints]
         speeds = [Column(joint, [results[0].speed_use[j]], ".1%", kind="name") for j, joint in joints]
-        parts += [filled(_WORDS["joints"]), ""]
+        parts += [wrap_text(_WORDS["joints"]), ""]
         parts += [Table(columns=[law_column("motor error [mrad]", agents), *errors]).text(), ""]
         parts += [Table(columns=[law_column("torque [%]", agents), *torques]).text(), ""]
         parts += [Table(columns=[Column("speed [%]", ["all laws"], kind="text"), *speeds]).text(), ""]
@@ -41,11 +42,11 @@ def format_motion(study: MotionStudy) -> str:
 
 
 def render_motion_page(study: MotionStudy, notes: Sequence[str], info: Mapping[str, Any]) -> str:
-    """HTML of the page.
+    """Render the page as HTML.
 
     Args:
-        study: what was simulated.
-        notes: what the reader should know of the motion.
+        study: simulated motions.
+        notes: notes on the motion for the reader.
         info: provenance by name; a dict in it gives a line per entry.
 
     Raises:
@@ -66,7 +67,7 @@ def render_motion_page(study: MotionStudy, notes: Sequence[str], info: Mapping[s
 
 
 def _section(study: MotionStudy, name: str) -> Section:
-    """Errors, torques and speeds of one motion in tables and figures."""
+    """Lay out errors, torques and speeds of one motion in tables and figures."""
     results, reference, joints = study.results_of(name), study.references[name], range(study.robot.n_joints)
     stretches = [
         Column("stretch", [stretch.label for stretch in results[0].path], kind="text"),

@@ -1,4 +1,4 @@
-"""The path of the tool on any motion with its error magnified; errors and torques over time."""
+"""Figures of any motion: path of the tool with its error magnified, errors and torques over time."""
 
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
@@ -8,7 +8,7 @@ import numpy as np
 from ffgym.core.types import Array
 from ffgym.recordings import Recording
 from ffgym.recordings.metrics import Contour, motor_error
-from ffgym.report.figure import ReportFigure, panels, peaks_kept
+from ffgym.report.figure import ReportFigure, keep_peaks, panels
 from ffgym.report.laws import law_styles
 from ffgym.report.tool_path import ToolPath, scale_of_error, sights_of, tool_path_figure
 from ffgym.studies import MotionStudy
@@ -19,11 +19,11 @@ if TYPE_CHECKING:
 NEAR = 80.0
 """Torque [% of peak] from which on the limits are drawn beside it; below them they would only flatten the curves."""
 Signal = Callable[[Recording], tuple[Array, Array]]
-"""Times (T,) [s] and what to draw of a recording, one column per panel, (T, P)."""
+"""Function from a recording to times (T,) [s] and curves, one column per panel, (T, P)."""
 
 
 def motion_figures(study: MotionStudy, motion: str) -> list[ReportFigure]:
-    """Figures of one motion; those of the tool only where it was seen."""
+    """Draw the figures of one motion; those of the tool only if it was measured."""
     figures = [_motor_errors(study, motion), _torques(study, motion)]
     if any(result.path for result in study.results_of(motion)):
         figures = [_tool_paths(study, motion), _path_error(study, motion), *figures]
@@ -31,7 +31,7 @@ def motion_figures(study: MotionStudy, motion: str) -> list[ReportFigure]:
 
 
 def _motor_errors(study: MotionStudy, motion: str) -> ReportFigure:
-    """Motor error [mrad] over time, one panel per joint, one line per law."""
+    """Draw motor error [mrad] over time, one panel per joint, one line per law."""
     joints, styles, worst = study.robot.joints, law_styles(study.agents), []
     for result in study.results_of(motion):
         joint = int(np.argmax(result.motor_rms_rad))
@@ -47,7 +47,7 @@ def _motor_errors(study: MotionStudy, motion: str) -> ReportFigure:
 
 
 def _torques(study: MotionStudy, motion: str) -> ReportFigure:
-    """Torque that is asked of each drive over time, in percent of its peak torque, with the limits dashed."""
+    """Draw the commanded torque of each drive over time, in percent of its peak torque, with the limits dashed."""
     joints, peak, styles = study.robot.joints, study.robot.drive.peak_torque, law_styles(study.agents)
 
     def signal(recording: Recording) -> tuple[Array, Array]:
@@ -73,7 +73,7 @@ def _torques(study: MotionStudy, motion: str) -> ReportFigure:
 
 
 def _path_error(study: MotionStudy, motion: str) -> ReportFigure:
-    """Distance of the TCP from its path, and how far it is behind along it [mm], over time."""
+    """Draw the distance of the TCP from its path, and its lag along it [mm], over time."""
 
     def signal(recording: Recording) -> tuple[Array, Array]:
         contour = Contour.of(recording)
@@ -95,13 +95,13 @@ def _path_error(study: MotionStudy, motion: str) -> ReportFigure:
 
 
 def _panels(study: MotionStudy, motion: str, signal: Signal, titles: Sequence[str], label: str) -> "Figure":
-    """One panel below the other, all laws in each."""
+    """Draw one panel below the other, all laws in each."""
     with panels(len(titles), 1, size=(10.0, 1.35 * len(titles) + 0.9), sharex=True) as (figure, grid):
         for law, style in law_styles(study.agents).items():
             recording = study.recordings[law, motion]
             t, values = signal(recording)
             for axes, column in zip(grid[:, 0], values.T, strict=True):
-                kept = peaks_kept(column)
+                kept = keep_peaks(column)
                 axes.plot(t[kept], column[kept], color=style.colour, linewidth=1.0, label=style.label)
         for axes, title in zip(grid[:, 0], titles, strict=True):
             axes.set_title(title, loc="left")
@@ -114,9 +114,11 @@ def _panels(study: MotionStudy, motion: str, signal: Signal, titles: Sequence[st
 
 
 def _tool_paths(study: MotionStudy, motion: str) -> ReportFigure:
-    """Path of the tool with every law beside the reference, dashed."""
+    """Draw the path of the tool with every law, and the reference dashed."""
     styles, paths = law_styles(study.agents), []
-    widths = np.linspace(2.4, 1.0, len(styles)) if len(styles) > 1 else [1.3]  # what lies below shows beside
+    widths = (
+        np.linspace(2.4, 1.0, len(styles)) if len(styles) > 1 else [1.3]
+    )  # lower lines stay visible beside upper ones
     for (law, style), width in zip(styles.items(), widths, strict=True):
         contour = Contour.of(study.recordings[law, motion])
         look = {"color": style.colour, "linestyle": style.line, "linewidth": width}

@@ -1,1 +1,1 @@
-"""A robot on a page: skeleton, looks, tables of the check; predicted torque."""
+"""Report on a robot: skeleton, looks, tables of the check."""

@@ -1,4 +1,4 @@
-"""What a robot check found, in sentences and tables, as text for a terminal and as a page."""
+"""Results of a robot check in sentences and tables, as text for a terminal and as a page."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -9,7 +9,7 @@ import numpy as np
 from ffgym.core.types import Array
 from ffgym.report.page import Items, Note, Page, Section, words_of
 from ffgym.report.robot.pictures import robot_figures
-from ffgym.report.table import Cell, Column, Table, filled, underlined
+from ffgym.report.table import Cell, Column, Table, underline, wrap_text
 from ffgym.robot import CAPABILITIES
 from ffgym.robot.inverse_kinematics import MAX_CONDITION
 from ffgym.robot.reading.quantity import ORIGINS
@@ -18,23 +18,23 @@ from ffgym.studies.robot_check import POSES, RobotCheck
 
 _WORDS = words_of("robot")
 _SHOWN_MODES = 3
-"""Resonances that a table shows, the lowest ones: those that feed-forward meets."""
+"""Number of resonances in a table, the lowest ones, which feed-forward excites."""
 
 
 def format_check(check: RobotCheck) -> str:
-    """The check as text, at most 120 columns wide."""
-    parts = [filled(" ".join(facts(check)))]
+    """Format the check as text, at most 120 columns wide."""
+    parts = [wrap_text(" ".join(facts(check)))]
     for table in robot_tables(check):
-        parts.append(f"{underlined(table.title)}\n{table.text()}")
+        parts.append(f"{underline(table.title)}\n{table.text()}")
         if table.note:
-            parts.append(filled(table.note))
+            parts.append(wrap_text(table.note))
     doubts = [f"- {doubt}" for doubt in check.doubts] or ["none"]
-    parts.append("\n".join([underlined("Doubts"), *(filled(doubt) for doubt in doubts)]))
+    parts.append("\n".join([underline("Doubts"), *(wrap_text(doubt) for doubt in doubts)]))
     return "\n\n".join(parts) + "\n"
 
 
 def render_robot_page(check: RobotCheck, info: Mapping[str, Any]) -> str:
-    """HTML of the page; `info` is its provenance by name. FFGymError if matplotlib or jinja2 is missing."""
+    """Render the page as HTML; `info` is its provenance by name. FFGymError if matplotlib or jinja2 is missing."""
     draft, figures = check.draft, robot_figures(check)
     sources = Table(
         columns=[
@@ -63,7 +63,7 @@ def render_robot_page(check: RobotCheck, info: Mapping[str, Any]) -> str:
 
 
 def facts(check: RobotCheck) -> list[str]:
-    """Sentences about the robot as a whole."""
+    """Write sentences about the robot as a whole."""
     draft, servo = check.draft, check.servo
     state = "complete" if not draft.missing else f"{len(draft.missing)} entries missing"
     found = [f"{draft.title} ({draft.name}), {len(draft.joints)} joint{'s' if len(draft.joints) > 1 else ''}: {state}."]
@@ -88,7 +88,7 @@ def facts(check: RobotCheck) -> list[str]:
 
 
 def robot_tables(check: RobotCheck) -> list[Table]:
-    """All tables of a check, those with nothing in them left out."""
+    """List the tables of a check without empty ones."""
     tables = [_entries(check), _functions(check), _joints(check), _places(check), _loads(check), _motors(check)]
     return [table for table in tables if table.n_rows and len(table.columns) > 1]
 
@@ -178,13 +178,13 @@ def _motors(check: RobotCheck) -> Table:
 
 
 def _table(name: str, title: str, columns: Mapping[str, Sequence[str]], note: str) -> Table:
-    """Table from cells by heading."""
+    """Make a table from cells by heading."""
     texts = [Column(heading, cells, kind="text") for heading, cells in columns.items()]
     return Table(columns=texts, name=name, title=title, note=note)
 
 
 def _few(paths: Sequence[str], room: int = 2) -> str:
-    """The first paths, and how many more there are."""
+    """Name the first paths, and the number of others."""
     more = f" and {len(paths) - room} more" if len(paths) > room else ""
     return ", ".join(paths[:room]) + more
 
@@ -196,7 +196,7 @@ def _modes(frequencies: Array | None) -> str:
 
 
 def _numbers(values: Array) -> list[str]:
-    """Three digits; what is zero but for rounding is 0."""
+    """Format numbers with three digits; zero but for rounding becomes 0."""
     return [f"{0.0 if abs(value) < 1e-9 else value:.3g}" for value in values]
 
 

@@ -1,4 +1,4 @@
-"""A robot as a skeleton (joints and axes, masses and inertia ellipsoids, how far it comes), and its looks."""
+"""Pictures of a robot: its skeleton (joints, axes, masses, inertia ellipsoids, reach), and its looks."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -33,7 +33,7 @@ _LIGHTEST = 0.02
 _SIZE = (960, 480)
 """Size of the picture of the looks [pixel]."""
 _BARE = ModelOptions(flexible=False, friction=False, servo=False)
-"""Links and looks: all that a picture needs."""
+"""Options of the model of a picture: links and looks alone."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,7 +53,7 @@ _VIEWS = (
 
 
 def robot_figures(check: RobotCheck) -> list[ReportFigure]:
-    """Skeleton, if the kinematics are there, and the looks, if they can be drawn."""
+    """Draw the skeleton, if the kinematics are known, and the looks, if they can be drawn."""
     figures = [] if check.reach is None else [_skeleton(check)]
     looks = _looks(check)
     if looks is not None:
@@ -63,7 +63,7 @@ def robot_figures(check: RobotCheck) -> list[ReportFigure]:
 
 
 def _skeleton(check: RobotCheck) -> ReportFigure:
-    """Three views of the robot at rest; needs kinematics, and shows masses where they are known."""
+    """Draw three views of the robot at rest; needs kinematics, and shows masses if they are known."""
     assert check.rest is not None
     assert check.rest.q is not None
     assert check.reach is not None
@@ -102,7 +102,7 @@ def _draw(
     _label(axes, view, bones.joints, joints, size)
     if with_masses:
         _masses(axes, view, bones)
-    # One scale for all views, with everything in the picture.
+    # one scale for all views, with everything in the picture
     middle, half = (drawn.min(axis=0) + drawn.max(axis=0)) / 2, _ROOM * size / 2
     axes.set(
         title=view.title,
@@ -131,7 +131,7 @@ def _label(axes: "Axes", view: _View, points: Array, names: Sequence[str], size:
 
 
 def _masses(axes: "Axes", view: _View, bones: Skeleton) -> None:
-    """Masses as bubbles, and outlines of the ellipsoids that have the inertia of the links."""
+    """Draw masses as bubbles, and outlines of the ellipsoids with the inertia of the links."""
     seen = [view.right, view.up]
     areas = _BUBBLE * np.maximum(bones.mass / bones.mass.max(), _LIGHTEST)
     x, y = bones.com[:, seen].T
@@ -148,7 +148,7 @@ def _masses(axes: "Axes", view: _View, bones: Skeleton) -> None:
 
 
 def _looks(check: RobotCheck) -> "Figure | None":
-    """The robot at rest from two sides; None if it has no looks, or OpenGL does not work here."""
+    """Draw the robot at rest from two sides; None if it has no looks, or OpenGL does not work here."""
     if not check.draft.geoms or check.rest is None or check.rest.q is None:
         return None
     model = compile_model(check.draft.description_for("kinematics"), _BARE)

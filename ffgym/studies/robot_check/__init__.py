@@ -1,4 +1,4 @@
-"""What a robot description amounts to: reach, loads, margins, resonances, servo, and numbers that are hardly true."""
+"""Check of a robot description: reach, loads, margins, resonances, servo, and implausible numbers."""
 
 import lazy_loader
 

@@ -1,4 +1,4 @@
-"""Numbers of a description that are valid but hardly true, or hardly useful: mostly slips of unit, side or frame."""
+"""Plausibility of the numbers of a description: valid but doubtful ones are mostly slips of unit, side or frame."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -12,12 +12,12 @@ from ffgym.studies.robot_check.loads import inertia_of, margin_of
 from ffgym.studies.robot_check.shape import rest_position, skeleton
 
 Found = Iterable[tuple[float, dict[str, Any]]]
-"""Numbers that are judged, and the words that the sentence about each has a place for, e.g. the joint."""
+"""Checked numbers, and the words of the sentence about each, e.g. the joint."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Question:
-    """A question of plausibility, asked of one number of the robot or of one per joint or body."""
+    """Question of plausibility about one number of the robot, or one per joint or body."""
 
     needs: tuple[str, ...]
     """Capability that the description must have (`ffgym.robot.CAPABILITIES`), and entries that are needed beside it."""
@@ -28,12 +28,12 @@ class Question:
     high: float = np.inf
 
 
-def doubts_about(draft: RobotDraft) -> list[str]:
-    """Sentences about numbers that are valid but hardly true, each beginning with the entry."""
+def list_doubts(draft: RobotDraft) -> list[str]:
+    """List sentences about doubtful numbers, each beginning with the entry."""
     return [
         question.doubt.format(value=value, low=question.low, high=question.high, **words)
         for question in QUESTIONS
-        if draft.can(*question.needs)  # it is skipped where the description does not say enough to ask it
+        if draft.can(*question.needs)  # skipped if the description lacks the numbers for it
         for value, words in question.measure(draft.description_for(*question.needs))
         if value < question.low or value > question.high
     ]
@@ -45,7 +45,7 @@ def _per_joint(robot: RobotDescription, values: Array, **words: Array) -> Found:
 
 
 def _over_longest_link(robot: RobotDescription, sizes: dict[str, float]) -> Found:
-    """Sizes [m] by name in lengths of the longest link: from joint to joint, or from the last one to the TCP."""
+    """Divide sizes [m] by the length of the longest link: from joint to joint, or from the last one to the TCP."""
     steps = [*robot.kinematics.position[1:]]
     if robot.tool is not None:
         steps.append(robot.tool.position + robot.tool.rotation @ robot.tool.tcp)
@@ -56,20 +56,20 @@ def _over_longest_link(robot: RobotDescription, sizes: dict[str, float]) -> Foun
 
 
 def _ellipsoids(robot: RobotDescription) -> list[tuple[str, float, float]]:
-    """Name, mass [kg] and largest half axis of the inertia ellipsoid [m] of each body."""
+    """Compute name, mass [kg] and largest half axis of the inertia ellipsoid [m] of each body."""
     bones = skeleton(robot, np.clip(0.0, *robot.kinematics.range.T))
     return list(zip(bones.bodies, bones.mass.tolist(), bones.half_axes.max(axis=1).tolist(), strict=True))
 
 
 def _densities(robot: RobotDescription) -> Found:
-    """Least densities of bodies: of a ball around the inertia ellipsoid [kg/m^3]."""
+    """Compute least densities of bodies, as of a ball around the inertia ellipsoid [kg/m^3]."""
     for body, mass, half_axis in _ellipsoids(robot):
         volume = max(4 / 3 * np.pi * half_axis**3, 1e-300)
         yield mass / volume, {"body": body, "mass": mass, "size_mm": 2e3 * half_axis}
 
 
 def _rates(robot: RobotDescription) -> Found:
-    """Fastest oscillation, and what damps the rotors, as radians in one physics step."""
+    """Compute the fastest oscillation, and the damping of the rotors, as radians in one physics step."""
     free = resonances(RigidArm(robot), rest_position(robot), "free")
     rates = {f"the resonance of {f:.0f} Hz with the motors free": 2 * np.pi * f for f in free[-1:]}
     drive, friction = robot.drive, robot.friction
@@ -82,7 +82,7 @@ def _rates(robot: RobotDescription) -> Found:
 
 
 def _margin(numerator: str) -> Callable[[RobotDescription], Found]:
-    """Measure of a torque over the peak torque."""
+    """Return a measure of a torque over the peak torque."""
 
     def measure(robot: RobotDescription) -> Found:
         margin = margin_of(robot, rest_position(robot))

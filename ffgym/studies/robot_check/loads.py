@@ -1,4 +1,4 @@
-"""What gravity, friction and inertia ask of the motors, and whether the servos hold the arm."""
+"""Loads of the motors by gravity, friction and inertia, and stability of the servos."""
 
 from dataclasses import dataclass, replace
 
@@ -13,14 +13,14 @@ from ffgym.simulation.plant import Plant
 from ffgym.studies.robot_check.shape import poses_in_range
 
 _OPTIONS = ModelOptions(friction=False, looks=False)
-"""Friction only damps small motions, so that a loop that is stable without it is stable with it, unless the step is too
-long for that damping, which `doubts` asks."""
+"""Options of the model without friction. Friction only damps small motions, so that a loop that is stable without it is
+stable with it, unless the step is too long for that damping, which `doubts` checks."""
 _NUDGE = 1e-6
 """Step of the finite differences [rad, m]: the cube root of the rounding error, to an order of magnitude."""
 _STABLE = 1 + 1e-7
 """Growth in a step that counts as none: finite differences are no better; at 0.25 ms it doubles in half an hour."""
 _HIGHEST_MARGIN = 100.0
-"""Where the search for the gain margin ends: a loop with more is far from any limit."""
+"""End of the search for the gain margin: a loop with more is far from any limit."""
 _SEARCH_STEPS = 12
 """Halvings of the search on a logarithmic scale: log(100) / 2^12 is 0.1 %."""
 
@@ -30,19 +30,19 @@ class Gravity:
     """Torque that holds the arm still, per joint, springs of the arm included; a sliding joint has N for N m."""
 
     places: dict[str, Array]
-    """Link side [N m], shape (N,), by the name of the place."""
+    """Torque by the name of the pose, link side [N m], shape (N,)."""
     worst: Array
     """Largest size over poses spread over the joint ranges, link side [N m], shape (N,)."""
     motor_worst: Array | None
-    """The same, motor side [N m]; None where the gear ratios are not known."""
+    """Largest size, motor side [N m]; None if the gear ratios are not known."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Margin:
-    """What is left of each motor's peak torque, motor side, shape (N,)."""
+    """Margin of each motor's peak torque, motor side, shape (N,)."""
 
     peak: Array
-    """[N m]."""
+    """Peak torque [N m]."""
     gravity: Array
     """Largest holding torque over the joint ranges [N m]."""
     breakaway: Array
@@ -54,7 +54,7 @@ class Margin:
     at_speed: Array
     """Peak less gravity and friction at the speed limit, as a share of the peak."""
     acceleration: Array
-    """What the rest at the start gives this joint alone at home [rad/s^2, m/s^2], link side; 0 if nothing is left."""
+    """Acceleration of this joint alone at home by the rest at the start [rad/s^2, m/s^2], link side; 0 without rest."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -62,15 +62,15 @@ class Inertia:
     """Inertia that each motor turns at home, the other joints standing still, shape (N,)."""
 
     link: Array
-    """Of the links, link side [kg m^2, kg]."""
+    """Inertia of the links, link side [kg m^2, kg]."""
     rotor: Array
-    """Of the rotor, motor side [kg m^2]."""
+    """Inertia of the rotor, motor side [kg m^2]."""
     ratio: Array
     """Links over rotor, both on the motor side: above about 10, servos are hard to tune."""
 
 
 def gravity_of(robot: RobotDescription, places: dict[str, Array], *, with_gears: bool) -> Gravity:
-    """Holding torque at joint positions by name, and its worst over the ranges; `with_gears` also at the motors."""
+    """Compute the holding torque at positions by name, and its worst over the ranges; `with_gears` also at motors."""
     arm = RigidArm(robot)
     everywhere = arm.holding_torque(poses_in_range(robot))
     return Gravity(
@@ -81,14 +81,14 @@ def gravity_of(robot: RobotDescription, places: dict[str, Array], *, with_gears:
 
 
 def inertia_of(robot: RobotDescription, q: Array) -> Inertia:
-    """Inertias at joint positions `q` (N,)."""
+    """Compute the inertias at joint positions `q` (N,)."""
     link = np.diag(RigidArm(robot).mass_matrix(q[None])[0]).copy()
     rotor = robot.drive.rotor_inertia
     return Inertia(link=link, rotor=rotor, ratio=link / (robot.drive.gear_ratio**2 * rotor))
 
 
 def margin_of(robot: RobotDescription, q: Array) -> Margin:
-    """Torque margins of the motors; accelerations at joint positions `q` (N,)."""
+    """Compute torque margins of the motors, with accelerations at joint positions `q` (N,)."""
     drive, friction = robot.drive, robot.friction
     gravity = gravity_of(robot, {}, with_gears=True).motor_worst
     assert gravity is not None
@@ -115,15 +115,15 @@ class ServoLoop:
     gain_margin: float | None = None
     """Factor on all gains at which the loop becomes unstable; None if it is beyond 100, or the loop is unstable."""
     frequency: float = 0.0
-    """Of the least damped oscillation [Hz]."""
+    """Frequency of the least damped oscillation [Hz]."""
     damping: float = 1.0
     """Damping ratio of that oscillation; 1 where nothing oscillates."""
     problem: str = ""
-    """Why the robot does not even rest there."""
+    """Reason why the robot does not rest there."""
 
 
 def servo_loop(robot: RobotDescription, place: str, q: Array) -> ServoLoop:
-    """Servo loop of the robot resting at joint positions `q` (N,), link side."""
+    """Analyse the servo loop of the robot at rest at joint positions `q` (N,), link side."""
     try:
         poles = _poles(robot, q)
     except FFGymError as error:
@@ -142,7 +142,7 @@ def servo_loop(robot: RobotDescription, place: str, q: Array) -> ServoLoop:
 
 
 def _gain_margin(robot: RobotDescription, q: Array) -> float | None:
-    """Factor on all servo gains at which the loop becomes unstable."""
+    """Find the factor on all servo gains at which the loop becomes unstable."""
     servo = robot.servo
 
     def is_stable(factor: float) -> bool:
@@ -159,7 +159,7 @@ def _gain_margin(robot: RobotDescription, q: Array) -> float | None:
 
 
 def _poles(robot: RobotDescription, q: Array) -> NDArray[np.complex128]:
-    """Poles of one physics step of the robot at rest."""
+    """Compute the poles of one physics step of the robot at rest."""
     plant = Plant(robot, 1, options=_OPTIONS, n_threads=1)
     plant.rest(q[None])
     model, data = plant.model, mujoco.MjData(plant.model)

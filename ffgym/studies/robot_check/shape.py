@@ -1,4 +1,4 @@
-"""Where an arm and its parts are: skeleton, reach, and the positions of the work area."""
+"""Geometry of an arm: skeleton, reach, and the positions of the work area."""
 
 from dataclasses import dataclass
 
@@ -11,9 +11,9 @@ from ffgym.core.types import Array
 from ffgym.robot import ModelOptions, RigidArm, RobotDescription, compile_model, solve_pose
 
 _BARE = ModelOptions(flexible=False, friction=False, servo=False, looks=False)
-"""Links on joints, and nothing else."""
+"""Options of a model of links and joints alone."""
 POSES = 4096
-"""Poses that stand for all: enough that the worst gravity torque of a six-axis arm is found to some percent."""
+"""Number of poses that sample the ranges: the worst gravity torque of a six-axis arm is found to some percent."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -31,15 +31,15 @@ class Skeleton:
     com: Array
     """Centres of mass of the bodies [m], shape (B, 3)."""
     mass: Array
-    """Of the bodies [kg], shape (B,)."""
+    """Masses of the bodies [kg], shape (B,)."""
     principal_axes: Array
     """Orientation of the principal axes of inertia, columns, shape (B, 3, 3)."""
     half_axes: Array
-    """Of the ellipsoids of uniform density with the bodies' masses and inertias [m], shape (B, 3)."""
+    """Half axes of ellipsoids of uniform density with the bodies' masses and inertias [m], shape (B, 3)."""
 
 
 def skeleton(robot: RobotDescription, q: Array) -> Skeleton:
-    """The arm at joint positions `q` (N,), link side."""
+    """Compute the skeleton at joint positions `q` (N,), link side."""
     model = compile_model(robot, _BARE)
     data = mujoco.MjData(model)
     data.qpos[:] = q
@@ -61,7 +61,7 @@ def skeleton(robot: RobotDescription, q: Array) -> Skeleton:
 
 
 def tips(robot: RobotDescription, q: Array) -> Array:
-    """TCP, or the origin of the last link without a tool, at joint positions `q` (T, N); [m], shape (T, 3)."""
+    """Compute the TCP, or without a tool the origin of the last link, at positions `q` (T, N); [m], shape (T, 3)."""
     model = compile_model(robot, _BARE)
     data = mujoco.MjData(model)
     points = np.empty((len(q), 3))
@@ -73,9 +73,9 @@ def tips(robot: RobotDescription, q: Array) -> Array:
 
 
 def poses_in_range(robot: RobotDescription, count: int = POSES) -> Array:
-    """Joint positions spread evenly over the ranges, the same at every call, shape (count, N).
+    """Spread joint positions evenly over the ranges, the same at every call, shape (count, N).
 
-    A hinge that can turn further takes one whole turn, which shows all that gravity and geometry can do.
+    A hinge that can turn further takes one whole turn, which covers all loads of gravity and all geometry.
     """
     low, high = robot.kinematics.range.T
     turn = np.where(robot.kinematics.is_sliding, np.inf, 2 * np.pi)
@@ -85,7 +85,7 @@ def poses_in_range(robot: RobotDescription, count: int = POSES) -> Array:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Reach:
-    """Where the tip comes (TCP, or origin of the last link) over poses spread over the joint ranges, in the world."""
+    """Reach of the tip (TCP, or origin of the last link) over poses spread over the joint ranges, in the world."""
 
     distance: float
     """Largest distance from the first joint [m]."""
@@ -98,8 +98,8 @@ class Reach:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Place:
-    """A pose that loads and resonances are told for."""
+class CheckedPose:
+    """A pose at which loads and resonances are computed."""
 
     name: str
     q: Array | None
@@ -107,11 +107,11 @@ class Place:
     condition: float | None = None
     """Condition number of the Jacobian of the TCP there; None without a tool."""
     problem: str = ""
-    """Why it cannot be reached."""
+    """Reason why it cannot be reached."""
 
 
 def reach_of(robot: RobotDescription) -> Reach:
-    """Reach of a robot; needs kinematics only."""
+    """Compute the reach of a robot; needs kinematics only."""
     poses = poses_in_range(robot)
     points, first = tips(robot, poses), skeleton(robot, poses[0]).joints[0]
     return Reach(
@@ -122,8 +122,8 @@ def reach_of(robot: RobotDescription) -> Reach:
     )
 
 
-def places_of(robot: RobotDescription) -> list[Place]:
-    """Positions of the work area, or else the pose with every joint as near to 0 as it can be."""
+def places_of(robot: RobotDescription) -> list[CheckedPose]:
+    """Solve the positions of the work area; without one, return the rest pose."""
     area = robot.work_area
     if area is None or not area.positions or robot.tool is None:
         return [rest_place(robot)]
@@ -131,22 +131,22 @@ def places_of(robot: RobotDescription) -> list[Place]:
     for name, point in area.positions.items():
         try:
             q = solve_pose(arm, point, area.tool_rotation, area.home)
-            places.append(Place(name=name, q=q, condition=_condition(arm, q)))
+            places.append(CheckedPose(name=name, q=q, condition=_condition(arm, q)))
         except FFGymError as error:
-            places.append(Place(name=name, q=None, problem=str(error)))
+            places.append(CheckedPose(name=name, q=None, problem=str(error)))
     return places
 
 
-def rest_place(robot: RobotDescription) -> Place:
-    """Home of the work area, or the joint positions nearest to 0 within the ranges."""
+def rest_place(robot: RobotDescription) -> CheckedPose:
+    """Return home of the work area, or the joint positions nearest to 0 within the ranges."""
     q = rest_position(robot)
     nearest = "q nearest to 0" if np.any(q) else "q = 0"
     name = nearest if robot.work_area is None else "home"
-    return Place(name=name, q=q, condition=None if robot.tool is None else _condition(RigidArm(robot), q))
+    return CheckedPose(name=name, q=q, condition=None if robot.tool is None else _condition(RigidArm(robot), q))
 
 
 def rest_position(robot: RobotDescription) -> Array:
-    """Joint positions of home, or those nearest to 0 within the ranges, shape (N,)."""
+    """Return joint positions of home, or those nearest to 0 within the ranges, shape (N,)."""
     area = robot.work_area
     return np.clip(0.0, *robot.kinematics.range.T) if area is None else area.home
 

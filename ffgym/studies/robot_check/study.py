@@ -1,4 +1,4 @@
-"""What a robot description says, lacks, allows and amounts to."""
+"""Check of a robot description: entries that it lacks, functions that work, and computed properties."""
 
 from dataclasses import dataclass, fields, is_dataclass
 from typing import Any
@@ -7,7 +7,7 @@ import numpy as np
 
 from ffgym.core.types import Array
 from ffgym.robot import CAPABILITIES, Capability, RigidArm, RobotDescription, RobotDraft, resonances
-from ffgym.studies.robot_check.doubts import doubts_about
+from ffgym.studies.robot_check.doubts import list_doubts
 from ffgym.studies.robot_check.loads import (
     Gravity,
     Inertia,
@@ -18,7 +18,7 @@ from ffgym.studies.robot_check.loads import (
     margin_of,
     servo_loop,
 )
-from ffgym.studies.robot_check.shape import Place, Reach, places_of, reach_of, rest_place
+from ffgym.studies.robot_check.shape import CheckedPose, Reach, places_of, reach_of, rest_place
 
 _SMALL_MARGIN = 2.0
 """Gain margin below which a servo counts as tight; the rule of thumb of 6 dB."""
@@ -29,27 +29,27 @@ class Resonances:
     """Undamped resonances in one pose [Hz], ascending; rigid joints have none."""
 
     locked: Array
-    """Motors held."""
+    """Resonances with motors held."""
     free: Array | None
-    """Motors free; None where gear ratios or rotors are not known."""
+    """Resonances with motors free; None if gear ratios or rotors are not known."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RobotCheck:
-    """What was found; a part that the description does not say enough for is None."""
+    """Result of a check; a part for which the description lacks numbers is None."""
 
     draft: RobotDraft
     lacks: dict[str, tuple[str, ...]]
     """Entries that each capability lacks, by its name; empty where it works."""
     reach: Reach | None
-    rest: Place | None
-    """Home of the work area, or the joints nearest to 0."""
-    places: tuple[Place, ...]
+    rest: CheckedPose | None
+    """Rest pose: home of the work area, or the joints nearest to 0."""
+    places: tuple[CheckedPose, ...]
     """Positions of the work area; without one, the rest pose."""
     mass: float | None
-    """Of all links and the tool [kg], without the base."""
+    """Mass of all links and the tool [kg], without the base."""
     resonances: dict[str, Resonances] | None
-    """By the name of the place."""
+    """Resonances by the name of the pose."""
     gravity: Gravity | None
     inertia: Inertia | None
     margin: Margin | None
@@ -57,18 +57,18 @@ class RobotCheck:
     doubts: tuple[str, ...]
 
     def works(self, capability: Capability) -> bool:
-        """Whether a function works."""
+        """Check that a function works with this description."""
         return not self.lacks[capability.name]
 
     def numbers(self) -> dict[str, Any]:
-        """All that was found but the cloud of points, by name, in SI units, as JSON has it."""
+        """Return all results but the cloud of points, by name, in SI units, for JSON."""
         numbers = {f.name: _plain(getattr(self, f.name)) for f in fields(self) if f.name != "draft"}
         origins = {path: list(quantity.origin) for path, quantity in self.draft.quantities.items()}
         return numbers | {"missing": list(self.draft.missing), "origins": origins}
 
 
 def _plain(value: Any) -> Any:
-    """A value as JSON has it."""
+    """Convert a value to JSON."""
     if is_dataclass(value):
         return {f.name: _plain(getattr(value, f.name)) for f in fields(value) if f.name != "points"}
     if isinstance(value, dict):
@@ -79,18 +79,18 @@ def _plain(value: Any) -> Any:
 
 
 def check_robot(draft: RobotDraft) -> RobotCheck:
-    """Compute all that a description, complete or not, says enough for."""
+    """Compute all properties for which a description, complete or not, has the numbers."""
 
     def known(*needs: str) -> RobotDescription | None:
         return draft.description_for(*needs) if draft.can(*needs) else None
 
-    # where the arm is
+    # reach and poses
     shape = known("kinematics")
     rest = None if shape is None else rest_place(shape)
     places = () if shape is None else tuple(places_of(shape))
     reached = {place.name: place.q for place in places if place.q is not None}
     home = None if rest is None else rest.q
-    # how it bends, and what it weighs
+    # resonances and masses
     masses, links, elastic = known("kinematics", "links.mass"), known("link_torque"), known("locked_resonances")
     modes = None
     if elastic is not None:
@@ -103,7 +103,7 @@ def check_robot(draft: RobotDraft) -> RobotCheck:
     if masses is not None:
         weight = float(masses.bodies.mass.sum()) + (0.0 if masses.tool is None else masses.tool.mass)
     with_gears = draft.can("link_torque", "drive.gear_ratio")
-    # what its motors and servos have to do with that at rest
+    # motors and servos at rest
     inertia = margin = servo = None
     if home is not None and rest is not None:
         driven, strong, whole = known("motor_torque"), known("torque_margin"), known("simulation")
@@ -125,7 +125,7 @@ def check_robot(draft: RobotDraft) -> RobotCheck:
         inertia=inertia,
         margin=margin,
         servo=servo,
-        doubts=(*doubts_about(draft), *unreachable, *_servo_doubts(servo)),
+        doubts=(*list_doubts(draft), *unreachable, *_servo_doubts(servo)),
     )
 
 
