@@ -1,7 +1,6 @@
-"""Trained agents that ship with the package: files by name, plant and seed, each with what made it.
+"""Trained agents that ship with the package: files by name, plant and seed, each with its command, physics and cost.
 
-`agents/trained/<name>/manifest.json` lists the files beside it, with their sha256; a file that is not what its manifest
-says is refused.
+`agents/trained/<name>/manifest.json` lists the files beside it with their sha256; a file with another hash is refused.
 """
 
 import json
@@ -32,7 +31,7 @@ class Artefact:
     sha256: str
     seed: int
     plant: str
-    """Where it learned, and what it is for: 'nominal', 'workcell:<name>', or ANYWHERE."""
+    """Plant that it learned on and is for: 'nominal', 'workcell:<name>', or ANYWHERE."""
     fingerprint: str
     """Fingerprint of the physics that it learned on."""
     robot_seconds: float
@@ -89,7 +88,7 @@ def locate_artefact(name: str, artefact: Artefact, folder: Path = TRAINED) -> Pa
     """Return the file of an artefact once its contents have been compared with the manifest.
 
     Raises:
-        FFGymError: if it is missing, or another than the manifest says.
+        FFGymError: if it is missing, or its hash is not that of the manifest.
     """
     place = folder / name / artefact.file
     try:

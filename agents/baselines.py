@@ -7,7 +7,7 @@ Run it:
 
     ffgym leaderboard --agents none random
 
-Logged: nothing, nothing is learned.
+Logged: nothing; the agents learn nothing.
 """
 
 from dataclasses import dataclass

@@ -1,7 +1,7 @@
 """B-spline networks: added torque as a curve over the reference speed, learned from trials.
 
 Idea and source: thesis 5.1 and (3.8)-(3.17); learning feed-forward control with B-splines is from Velthuis (2000).
-A spline is non-zero on a few knots only, so that a network forgets nothing at speeds that it does not see.
+A spline is non-zero on a few knots only, so that training at some speeds leaves the weights of all others as they are.
 
     static (5.1)      u_lff = sum_s w_s mu_s(v),                      v: motor speed of the reference
     extended (5.2)    u_lff = H1(v) where its acceleration is >= 0, H2(v) where it is < 0; each is a static network

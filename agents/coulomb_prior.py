@@ -64,7 +64,7 @@ class CoulombPrior:
         Args:
             lessons: each with a constant of its own.
             viscous: also estimate viscous friction; only for motions as fast as the law will run on, since at low
-                speeds it cannot be told from the rest and grows without bound beyond them.
+                speeds it cannot be distinguished from the rest and grows without bound beyond them.
 
         Raises:
             FFGymError: if there is no lesson.

@@ -1,12 +1,12 @@
-r"""Elastic feed-forward: the motors lead the arm by what their gearboxes bend, so that the arm stays on the path.
+r"""Elastic feed-forward: the motors lead the arm by the deflection of the gearboxes, so that it stays on the path.
 
 Idea: a servo holds the motor on the reference, but the arm hangs on a spring behind it. The torque tau_s that the links
 need along the reference bends that spring; with joint stiffness K and damping d (all link side) the motor must lead by
 
 .. math:: K \Delta + d \dot\Delta = \tau_s(q, \dot q, \ddot q)
 
-and with gear ratio n, rotor inertia J_m and friction tau_f the added torque is what moves the motor along q + Delta,
-less what the existing controller gives: its rigid feed-forward u_ff, and its servo, which sees an error of -n Delta,
+and with gear ratio n, rotor inertia J_m and friction tau_f the added torque moves the motor along q + Delta. It is less
+by the torque of the existing controller: rigid feed-forward u_ff, and a servo that sees an error of -n Delta,
 
 .. math:: u_{lff} = \frac{\tau_s}{n} + J_m n (\ddot q + \ddot\Delta) + \tau_f(n (\dot q + \dot\Delta)) - u_{ff}
                     + n (K_p \Delta + K_v \dot\Delta + K_i \int \Delta \, dt)
@@ -203,7 +203,7 @@ class ElasticLaw(CausalLaw):
         return needed - given_torque(self.known, *here, lead, integral), memory
 
     def own_error(self, memory: Array) -> tuple[Array, Array]:
-        """Return error and its rate that the law asks for: motors lead their reference."""
+        """Return the motor error and its rate that the law causes: motors lead their reference."""
         rows = memory.reshape(*memory.shape[:-1], -1, self.n_joints)
         drive = self.model.robot.drive
         return -drive.motor_angle(rows[..., -6, :]), -drive.motor_angle(rows[..., -5, :])  # as in `_pack_memory`

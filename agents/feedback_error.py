@@ -2,7 +2,7 @@
 
 Idea and source: Kawato, Furukawa & Suzuki (1987), Biological Cybernetics 57: the feedback torque is the error of the
 feed-forward, and trains it; thesis 3.2 names it as the origin of LFFC. With motor speed v and acceleration a of the
-reference, in units of what breakaway torque f_s does (`ffgym.control.observation.Scales`),
+reference, in units that breakaway torque f_s sets (`ffgym.control.observation.Scales`),
 
     u_lff / f_s = d + sum_h c_h tanh(w_h v + m_h a + b_h)
 

@@ -7,9 +7,9 @@ error e_j at the control samples; then
     u_{j+1} = u_j + du,   du = argmin  sum_k |e_j - G du|^2 / epsilon^2 + sum_k |du / f_c|^2
 
 with G the answer of the nominal model at the middle posture of the motion, f_c the motors' Coulomb friction, and
-epsilon (`tolerance`) the error that is worth a correction by f_c. Two members: `ilc_motor` learns from motor positions
-and begins with dynamic LuGre, `ilc_tcp` learns from the TCP as a laser tracker sees it and begins with elastic
-feed-forward. Torque is learned for the very motions that are given, and for no others.
+epsilon (`tolerance`) the error that weighs as much as a correction by f_c. Two members: `ilc_motor` learns from motor
+positions and begins with dynamic LuGre, `ilc_tcp` learns from the TCP as a laser tracker sees it and begins with
+elastic feed-forward. Torque is learned for the very motions that are given, and for no others.
 
 Run it:
 
@@ -18,8 +18,8 @@ Run it:
 Logged, per trial (`LearningHistory`): RMS length of e_j over each motion and over each circle, sqrt(mean_k |e_j,k|^2);
 seconds of robot time so far, the sum of the durations of all motions run.
 
-Departures from the source: the gain is stationary; the next torque is clipped to what the drive has left beside its own
-control, as the last trial shows it; the torque that did best is kept, not the last one.
+Departures from the source: the gain is stationary; the next torque is clipped to the torque that the drive has left
+beside its own control, as the last trial shows it; the torque that did best is kept, not the last one.
 """
 
 from collections.abc import Mapping, Sequence
@@ -91,7 +91,7 @@ below 4 micrometres, a fifth of the noise of its laser tracker."""
 TOLERANCES: Mapping[Target, float] = MappingProxyType({"motor": 4e-3, "tcp": 2e-5})
 """Default epsilon by target [rad, motor side] and [m]. Chosen: `tcp` is the noise of the laser tracker (thesis 2.2.4);
 with `motor` every circle of the thesis improves in every trial, while less asks for more torque than the drives have on
-the smallest circle at 100 mm/s. docs/agents/iterative.md shows what others do."""
+the smallest circle at 100 mm/s. docs/agents/iterative.md shows the effect of others."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -142,7 +142,7 @@ class IterativeLearning:
 
     @property
     def epsilon(self) -> float:
-        """Error that is worth a correction by Coulomb friction [rad], motor side, or [m]."""
+        """Error that weighs as much as a correction by Coulomb friction [rad], motor side, or [m]."""
         return TOLERANCES[self.target] if self.tolerance is None else self.tolerance
 
     @property

@@ -14,7 +14,7 @@ from ffgym.robot import RobotDescription
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LawAgent:
-    """A law that acts step by step, in any number of sub-environments; what it remembers is the agent's state."""
+    """A law that acts step by step, in any number of sub-environments; its memory is the agent's state."""
 
     law: CausalLaw
     layout: ObservationLayout

@@ -191,7 +191,7 @@ class StateFile:
 
 
 def check_same(theirs: Mapping[str, Any], ours: Mapping[str, Any], place: Path, what: str, way_out: str) -> None:
-    """Check that settings kept in a file or folder are those asked for; else it holds `what`, e.g. another training.
+    """Check that settings kept in a file or folder equal the wanted ones; else it holds `what`, e.g. another training.
 
     Raises:
         FFGymError: if they differ; the message names the settings.

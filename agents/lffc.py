@@ -17,7 +17,7 @@ Logged, per trial k, motion m and joint, over all samples but standstill (5.6):
     signal[k, m]        mean square of the learning signal z: u_p = u_c - u_I, u_c, or K_p e_p [(N m)^2]
     relative(x)[k]      mean over the motions of x[k, m] / x[0, m]: the normalised mean square of thesis Figure 5.10
 
-A joint is done when the change from trial to trial (5.7) of the relative mean squares says so: when error and signal
+A joint is done when the change from trial to trial (5.7) of the relative mean squares shows it: when error and signal
 did not both fall by more than `tolerance`, `patience` trials in a row. Its weights are then locked to those of its
 lowest relative error so far, and the law that comes out has the weights of the lowest on every joint.
 

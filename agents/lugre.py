@@ -10,7 +10,7 @@ Run it:
 Parameters come from a robot description, or from any file that has its `[friction.*]` tables.
 
 Logged: nothing; the laws learn nothing. Departures from the source: the bristles are integrated exactly unless
-`discretisation="euler"` asks for the 40 Euler steps of the thesis (4.6); the added torque starts at zero.
+`discretisation="euler"` selects the 40 Euler steps of the thesis (4.6); the added torque starts at zero.
 """
 
 from pathlib import Path

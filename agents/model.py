@@ -38,8 +38,8 @@ import numpy as np
 from ffgym.agents.declaration import AgentEntry, declare
 from ffgym.agents.elastic import ElasticLaw, elastic_law
 from ffgym.agents.flexible_joints import Lead, bristles_within, given_torque, in_parts, limit_integral, motion_at
-from ffgym.agents.model_springs import Carried, Past, Springs, Start, unpack_past
-from ffgym.agents.model_states import Motors, state_between
+from ffgym.agents.model_springs import Carried, Past, SpringEffects, Start, unpack_past
+from ffgym.agents.model_states import MotorEffects, state_between
 from ffgym.control import CausalLaw, DynamicLuGreExact, LawStyle, Window
 from ffgym.core.types import Array
 from ffgym.effects import Effect, NativeEffect, ResolverEffect, State, TorqueEffect
@@ -109,12 +109,12 @@ class ModelLaw(CausalLaw):
         return self.machine.robot.n_joints
 
     @cached_property
-    def _springs(self) -> Springs:
-        return Springs(machine=self.machine)
+    def _springs(self) -> SpringEffects:
+        return SpringEffects(machine=self.machine)
 
     @cached_property
-    def _motors(self) -> Motors:
-        return Motors(machine=self.machine)
+    def _motors(self) -> MotorEffects:
+        return MotorEffects(machine=self.machine)
 
     @cached_property
     def _friction(self) -> DynamicLuGreExact:
@@ -197,7 +197,7 @@ class ModelLaw(CausalLaw):
         return here, seen, lost, later
 
     def own_error(self, memory: Array) -> tuple[Array, Array]:
-        """Return error and rate that the law asks for: motors lead their reference; resolver errors are left out."""
+        """Return the motor error and rate that the law causes by its lead, without errors of resolvers."""
         lead = self._past(memory).lead
         return -self._drive.motor_angle(lead.angle), -self._drive.motor_angle(lead.speed)
 

@@ -49,7 +49,7 @@ class Carried:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Springs:
+class SpringEffects:
     """Effects that act on springs and links, of one machine."""
 
     machine: Machine

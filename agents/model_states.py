@@ -28,7 +28,7 @@ ROUNDS = 5
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Motors:
+class MotorEffects:
     """Effects that act on the motors alone, of one machine."""
 
     machine: Machine

@@ -6,7 +6,7 @@ controller could not be changed. With u_p, the feedback without its integral par
     w_s(k + 1) = w_s(k) + rate u_p(k) mu_s(v(k)),       u_p = K_p e + K_v de
 
 where v is the motor speed of the reference now, e and de the observed motor error and its rate. The torque returned is
-that of the new weights at the speed of the next sample. Nothing is learned at standstill (v = 0).
+that of the new weights at the speed of the next sample. Weights stay as they are at standstill (v = 0).
 
 Run it (the weights are the agent's state, one set per sub-environment; they outlive episodes):
 

@@ -8,7 +8,7 @@ Run it:
 
     ffgym demo --agents lugre_dynamic elastic oracle --parameters FILE
 
-Logged: nothing, nothing is learned. Departures from `ffgym.agents.elastic`: none but the parameters.
+Logged: nothing; the law learns nothing. Departures from `ffgym.agents.elastic`: the parameters alone.
 """
 
 from dataclasses import dataclass, field

@@ -6,14 +6,14 @@ model is the drive's own feed-forward, and the difference is friction before all
 
     u_lff = b . [s_1 ... s_W, v, a] + g(x),      x = [s_1 ... s_W, asinh(v / v_0) / asinh(v_max / v_0)]
 
-with slip elements s (`ffgym.robot.friction`: what remembers the last reversal), motor speed v and
+with slip elements s (`ffgym.robot.friction`: memory of the last reversal), motor speed v and
 acceleration a. The linear part is the mean of a Gaussian process, g its deviation from it: a sum of bells around some
 of the samples seen,
 
     g(x) = sum_i alpha_i exp(-|x - x_i|^2 / (2 l^2))
 
-It is zero far from all samples, where the linear part alone answers: shrinking to the mean is what the process
-does where its variance is back at that of the prior.
+It is zero far from all samples, where the linear part alone answers: the process shrinks to its
+mean where its variance is back at that of the prior.
 
 Motions differ in how much of their torque no feature of one motor explains: at 100 mm/s the links swing on their
 gearboxes with more torque than all friction. Each motion counts with that spread as its noise (`MotorRecord.noise`),

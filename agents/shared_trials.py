@@ -1,7 +1,7 @@
 """Trials of many learners at once: the next runs of all of them go through the machine's simulation together.
 
 A simulation with effects computes these for a whole batch at little more cost than for one motion, and no recording
-depends on what runs beside it: thirty learners side by side learn as each would alone, in a tenth of the time.
+depends on the others: thirty learners side by side learn as each would alone, in a tenth of the time.
 """
 
 import threading

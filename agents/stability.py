@@ -131,7 +131,7 @@ class LearningStability:
         if not any(motion.learned.size for motion in motions):
             names = [reference.name for reference in references]
             raise FFGymError(f"Nothing can be learned from {names}: nothing moves.")
-        # splines of each joint along all motions, those that are met, and what the signal loses to them
+        # splines of each joint along all motions, those that are met, and the signal's loss to them
         splines = [
             scipy.sparse.vstack([motion.splines(network, joint) for motion in motions])
             for joint in range(network.n_joints)

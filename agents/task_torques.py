@@ -43,7 +43,7 @@ class TaskTorques(CausalLaw, StoredLaw):
     """A torque for each of the motions it has, and none for any other.
 
     A reference is recognised by its samples, not by its name. Sample by sample, the law runs one task: motions of a
-    work area begin alike, at rest, so that the samples ahead do not tell which one it will be; `task` chooses.
+    work area begin alike, at rest, so that the samples ahead do not show which one it will be; `task` chooses.
     """
 
     tasks: tuple[MotionTorque, ...]

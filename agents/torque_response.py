@@ -37,7 +37,7 @@ class TorqueResponse:
 
     .. math:: s_{k+1} = A s_k + B u_k, \quad y_k = C s_k + D u_k
 
-    The state s is the physical one less what u_k has done to it already within the step that leads to t[k]: a straight
+    The state s is the physical one less the effect of u_k already within the step that leads to t[k]: a straight
     line makes the torque of a sample act before the sample.
     """
 
@@ -208,7 +208,7 @@ def task_error(recording: Recording, reference: Reference, target: Target) -> Ar
     Motors [rad], motor side, m = N; or the TCP [m], world, m = 3, without its offset at the first standstill.
 
     Raises:
-        FFGymError: if the recording lacks what is asked, or is not of this reference.
+        FFGymError: if the recording lacks a column, or is not of this reference.
     """
     if target == "motor":
         return at_samples(motor_error(recording), recording, reference)

@@ -186,7 +186,7 @@ def every_speed(arm: RigidArm) -> list[Reference]:
 def friction_motions(arm: RigidArm) -> list[Reference]:
     """Make motions whose feedback is mostly friction: p1 at 10 and 40 mm/s, or the sines of 1 and 3 Hz.
 
-    At 100 mm/s the elastic joints ask for more torque than friction does, and a network over speed would learn that as
+    At 100 mm/s the elastic joints need more torque than friction does, and a network over speed would learn that as
     friction: with it in training, the tool strays further at 100 mm/s than without (see docs/agents/bspline.md).
     """
     return training_motions(arm, speeds=SPEEDS[:2], frequencies=FREQUENCIES)

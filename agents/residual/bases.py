@@ -32,8 +32,8 @@ BASES = (*_MADE, MODEL)
 ACTION_SCALES: Mapping[str, float] = MappingProxyType(
     {"none": 30.0, "lugre_static": 30.0, "lugre_dynamic": 30.0, "elastic": 110.0, MODEL: 110.0}
 )
-"""Torque of an action of 1 in breakaway torques. Chosen: room for what the base asks for at 100 mm/s with the built-in
-robot and a residual on top; laws that bend springs ask for far more than friction."""
+"""Torque of an action of 1 in breakaway torques. Chosen: room for the base's torque at 100 mm/s with the built-in
+robot and a residual on top; laws that bend springs need far more than friction."""
 
 
 def base_named(base: str) -> tuple[str, str | None]:

@@ -1,7 +1,7 @@
 """Composition of a feed-forward law and a policy on top: features, memory and action, alike in training and in use.
 
 All numbers of a motor are scaled by its own nominal friction, servo and rotor, so that one small network can serve all
-motors alike, and nothing has to be normalised by statistics of the data.
+motors alike, and no feature has to be normalised by statistics of the data.
 """
 
 from dataclasses import dataclass, replace
@@ -17,8 +17,8 @@ from ffgym.robot import RobotDescription
 LIMIT = 10.0
 """Features are clipped to +-LIMIT."""
 ERROR_UNIT = 0.1
-"""Unit of the errors that are seen, in what breakaway torque does. Chosen: at 10 mm/s friction that is 30 % off leaves
-errors of some hundredths of it, which a network must tell apart from nothing."""
+"""Unit of the observed errors, in errors that breakaway torque causes. Chosen: at 10 mm/s friction that is 30 % off
+leaves errors of some hundredths of them, which a network must distinguish from zero."""
 AHEAD = (1, 2, 4, 8)
 """Samples of the reference that are seen; an action is reached at sample 1, and the last is 32 ms ahead, in which a
 joint's servo has settled most of an error."""
@@ -38,7 +38,7 @@ class Features:
     """F numbers for each of N motors, from an observation and the memory of those before it.
 
     Of each remembered sample, the newest first: position error in tenths of f_s / K_p, speed error in tenths of f_s /
-    K_v, both without the errors that the law below asks for, and residual torque in its bound; of each sample ahead:
+    K_v, both without the errors that the law below causes, and residual torque in its bound; of each sample ahead:
     tanh of the speed in Stribeck velocities, speed in f_s / f_v, acceleration in f_s / J_m.
     """
 
@@ -67,7 +67,7 @@ class Features:
 
         Args:
             observation: observation of the environment.
-            own: errors [rad], [rad/s], motor side, which the law below asks for now, shape (..., N) each.
+            own: errors [rad], [rad/s], motor side, which the law below causes now, shape (..., N) each.
             residual: residual that the policy added on the way here, in [-1, 1], shape (..., N).
         """
         rows = []
@@ -102,7 +102,7 @@ class CompositionMemory:
     law: Array
     """Memory of the law below, shape (B, K)."""
     own: tuple[Array, Array]
-    """Errors [rad], [rad/s] that the law asks for at the next sample, motor side, shape (B, N) each."""
+    """Errors [rad], [rad/s] that the law causes at the next sample, motor side, shape (B, N) each."""
     past: Array
     """Samples of the features, shape (B, M, 3, N)."""
 

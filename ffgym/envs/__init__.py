@@ -1,6 +1,6 @@
 """Gymnasium environments, single and vector: tasks, rewards, layers, recorder, pictures of episodes.
 
-The physics stands in `ffgym.simulation`, what an agent observes in `ffgym.control`, agents in `ffgym.agents`.
+The physics is in `ffgym.simulation`, the layout of observations in `ffgym.control`, agents in `ffgym.agents`.
 """
 
 import lazy_loader

@@ -25,7 +25,7 @@ def check_actions(actions: Any, shape: tuple[int, int], going: BoolArray | None)
 
 
 def reset_mask(mask: Any, n: int) -> BoolArray:
-    """Return which of `n` sub-environments to reset; None is all."""
+    """Return the mask of `n` sub-environments to reset; None is all."""
     if mask is None:
         return np.ones(n, dtype=np.bool_)
     given = mask
@@ -50,7 +50,7 @@ def options_for_each(options: Any, n: int) -> tuple[list[dict[str, Any]], Any]:
 
 
 def seeds_for_each(seed: Any, n: int) -> list[int | None]:
-    """Return seeds of `n` sub-environments: i gets seed + i, or one is given for each; None is none."""
+    """Return seeds of `n` sub-environments: i gets seed + i, or one is given for each; None gives no seed."""
     if seed is None:
         return [None] * n
     if isinstance(seed, str) or not isinstance(seed, Sequence | np.ndarray):

@@ -18,7 +18,7 @@ class MotionBank:
     """Assigns motions to B sub-environments; each motion is stored once, however many follow it.
 
     With a plant, position and velocity at every physics step of every control step are kept too, in MuJoCo's order of
-    controls, as they would be computed at every step, bit for bit; docs/performance.md says what that saves.
+    controls, as they would be computed at every step, bit for bit; docs/performance.md has the time that this saves.
 
     Args:
         n: number of sub-environments B.

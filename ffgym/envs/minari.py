@@ -4,7 +4,7 @@
     env = gym.make("ffgym/CirclePath-v0", horizon=500)
     dataset = write_dataset("ffgym/circle-path/zero-v0", env, collect(env, n_episodes=10))
 
-Collecting needs nothing but ffgym; writing needs Minari, which nothing else in ffgym does.
+Collecting needs ffgym alone; only writing needs Minari.
 """
 
 import re

@@ -19,7 +19,7 @@ SLOW = 1e-3
 from samples every 4 ms are known to 25 1/m there, which does not matter over the 10 um that so slow a tool lags."""
 CONCENTRIC = 1e-3
 """Distance of centres in radii, and angle between planes [rad], below which circles count as concentric; chosen: the
-roundness that `metrics.fit_circle` asks of a circle."""
+roundness that `metrics.fit_circle` demands of a circle."""
 
 
 @dataclass(frozen=True, kw_only=True)

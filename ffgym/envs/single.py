@@ -67,7 +67,7 @@ class TrackingEnv(gym.Env[Array, Array]):
                 horizon.
 
         Raises:
-            FFGymError: if an option or the seed is not valid; nothing has changed then. (What fails later, in a layer,
+            FFGymError: if an option or the seed is not valid; nothing has changed then. (A failure later, in a layer,
                 leaves the environment waiting for another reset.)
         """
         before = self._np_random, self._np_random_seed

@@ -102,7 +102,7 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
                 horizon. `options["each"]`: a list with one such dict per sub-environment.
 
         Raises:
-            FFGymError: if an option or a seed is not valid; nothing has changed then. (What fails later, in a layer,
+            FFGymError: if an option or a seed is not valid; nothing has changed then. (A failure later, in a layer,
                 leaves the environment waiting for another reset.)
         """
         chosen, mask = options_for_each(options, self.num_envs)

@@ -30,11 +30,11 @@ PAUSE = 60.0
 """Pause between two sessions [s]; chosen: time to start the next one."""
 
 _FITTED = ParameterPrior.of_share(settings().prior.fitted_share)
-"""How well numbers are known that were fitted to the very recordings."""
+"""Prior of numbers that were fitted to the same recordings."""
 
 Diagnose = Callable[[Machine, Sequence[Recording], ParameterPrior, int], Diagnosis]
-"""What a model lacks, by recordings of the machine, how well the numbers of the model are known, and the most causes to
-look for."""
+"""Function that diagnoses a model by recordings of the machine, the prior of its numbers, and the largest number of
+causes."""
 
 Stage = Callable[[str, str], AbstractContextManager[Progress]]
 """Context of a piece of work that shows progress, by title and unit."""

@@ -14,14 +14,14 @@ from ffgym.recordings import Recording
 from ffgym.robot import RigidArm, RobotDescription, motor_torque
 
 CUTOFF = 10.0
-"""Cut-off of the low-pass filter [Hz]: above what planned motions hold, below the resonances of an industrial robot."""
+"""Cut-off of the low-pass filter [Hz]: above planned motions, below the resonances of an industrial robot."""
 
 MOVING = 0.02
 """Joint speed [rad/s or m/s] above which a sample counts: below it the torque depends on the bristles, which no steady
 law has."""
 
 _ORDER = 4
-"""Order of the Butterworth filter, which runs forward and backward, so that nothing is delayed."""
+"""Order of the Butterworth filter, which runs forward and backward, without delay."""
 
 
 @dataclass(frozen=True, kw_only=True)

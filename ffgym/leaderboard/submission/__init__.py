@@ -1,1 +1,1 @@
-"""Agents of others as files: packed with what they claim, checked, and run again where they see observations only."""
+"""Agents of others as files: packed with their claims, checked, and run again on observations alone."""

@@ -57,7 +57,7 @@ class Limits:
     memory_bytes: int = 32 * 2**30
     """Address space: libraries reserve much more than they use."""
     cpu_seconds: int = 1800
-    """Of one process, all threads together [s]."""
+    """Processor time of one process, all threads together [s]."""
 
 
 class AgentProcess:
