@@ -15,8 +15,8 @@ from ffgym.agents.trials import CountedTrial, RigTrial, Trial, add_sensors
 from ffgym.control import CausalLaw, FeedForwardLaw, Policy
 from ffgym.leaderboard.entrants import Entrant, Maker, ReadyAgent, Registry, one_by_one
 from ffgym.leaderboard.plants import DRAW, NOMINAL, TestPlant
-from ffgym.leaderboard.submission.entrant import entrant_of
-from ffgym.leaderboard.tasks import Task, references_of
+from ffgym.leaderboard.submission.entrant import make_entrant
+from ffgym.leaderboard.tasks import Task, make_references
 
 REGISTRY = Registry("ffgym.agents.entrants:ENTRANTS", maker="ffgym.agents.entrants:make_submitted")
 """Names by which other processes find the entrants, and the function that makes one of a submission."""
@@ -27,8 +27,8 @@ _PRACTISED = "per task"
 
 
 def make_submitted(path: Path) -> Entrant:
-    """Make the entrant of a submission, see `entrant_of`."""
-    return entrant_of(path, LOADERS)
+    """Make the entrant of a submission, see `make_entrant`."""
+    return make_entrant(path, LOADERS)
 
 
 def _entrant(entry: AgentEntry) -> Entrant | None:
@@ -80,7 +80,7 @@ def _practise(
     entry: AgentEntry, plant: TestPlant, seeds: Sequence[int], tasks: tuple[Task, ...]
 ) -> list[ReadyAgent | None]:
     """Let a law practise the tasks through the machine's sensors; all seeds learn side by side."""
-    references, make = references_of(plant.rig.arm, tasks), entry.make
+    references, make = make_references(plant.rig.arm, tasks), entry.make
     assert make is not None  # see _entrant
 
     def learn(seed: int, trial: Trial) -> ReadyAgent:

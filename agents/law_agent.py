@@ -112,7 +112,7 @@ def acting_in(env: Any) -> tuple[ObservationLayout, float]:
         raise FFGymError("A law reads physical values: leave out VecNormalize, or give it norm_obs=False.")
     names = ("observation_layout", "control_dt", "decision_dt")
     try:
-        layout, dt, decision_dt = (attribute_of(env, name) for name in names)
+        layout, dt, decision_dt = (find_attribute(env, name) for name in names)
     except AttributeError as error:
         raise FFGymError(f"{env} is not made by gym.make, gym.make_vec or make_sb3_env with an id of ffgym.") from error
     if decision_dt != dt:
@@ -123,7 +123,7 @@ def acting_in(env: Any) -> tuple[ObservationLayout, float]:
     return layout, float(dt)
 
 
-def attribute_of(env: Any, name: str) -> Any:
+def find_attribute(env: Any, name: str) -> Any:
     """Return an attribute of an environment below its wrappers: single, vector, or stable-baselines3's."""
     is_sb3 = hasattr(env, "get_attr") and not hasattr(env, "single_action_space")
     return env.get_attr(name)[0] if is_sb3 else getattr(env.unwrapped, name)

@@ -31,7 +31,7 @@ def static_lugre(parameters: LuGreParameters | RobotDescription | str | Path) ->
     Raises:
         FFGymError: if the file cannot be read or is wrong.
     """
-    return StaticLuGre(friction_of(parameters))
+    return StaticLuGre(find_friction(parameters))
 
 
 def dynamic_lugre(
@@ -43,10 +43,10 @@ def dynamic_lugre(
         FFGymError: if the file cannot be read or is wrong, or the discretisation is unknown.
     """
     law = DISCRETISATIONS[check_choice("discretisation", discretisation, list(DISCRETISATIONS))]
-    return law(friction_of(parameters))
+    return law(find_friction(parameters))
 
 
-def friction_of(parameters: LuGreParameters | RobotDescription | str | Path) -> LuGreParameters:
+def find_friction(parameters: LuGreParameters | RobotDescription | str | Path) -> LuGreParameters:
     """Return friction parameters as given, or those of a description, a built-in robot, or a file."""
     if isinstance(parameters, LuGreParameters):
         return parameters

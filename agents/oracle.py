@@ -18,7 +18,7 @@ import numpy as np
 
 from ffgym.agents.declaration import AgentEntry, declare
 from ffgym.agents.elastic import ElasticLaw, elastic_law
-from ffgym.agents.law_agent import LawAgent, acting_in, attribute_of
+from ffgym.agents.law_agent import LawAgent, acting_in, find_attribute
 from ffgym.control import LawStyle, ObservationLayout
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
@@ -65,7 +65,7 @@ class OracleAgent:
             FFGymError: if no law can act in it, see `LawAgent.for_env`.
         """
         layout, dt = acting_in(env)
-        return cls(core=attribute_of(env, "core"), layout=layout, control_dt=dt)
+        return cls(core=find_attribute(env, "core"), layout=layout, control_dt=dt)
 
     def predict(
         self, observation: Array, state: Any = None, episode_start: Any = None, deterministic: bool = True

@@ -13,7 +13,7 @@ from ffgym.agents.law_agent import LawPolicy
 from ffgym.agents.model import model_law
 from ffgym.leaderboard.board import Board
 from ffgym.leaderboard.entrants import ReadyAgent
-from ffgym.leaderboard.evaluation.jobs import SeededAgent, outcomes_of
+from ffgym.leaderboard.evaluation.jobs import SeededAgent, run_agents
 from ffgym.leaderboard.plants import THESIS_WORKCELL, find_plant
 from ffgym.leaderboard.tasks import SPLITS
 from ffgym.workcell import workcell
@@ -38,7 +38,7 @@ def main(config: Config) -> None:
     starter = SeededAgent(name="oracle", seed=0, ready=ReadyAgent(law=law, timed=acts))
     board = Board(registry=REGISTRY, folder=config.out)
     with board.hold():
-        board.keep(outcomes_of(plant, [starter], plant.tasks(config.splits)))
+        board.keep(run_agents(plant, [starter], plant.tasks(config.splits)))
 
 
 if __name__ == "__main__":

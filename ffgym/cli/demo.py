@@ -13,7 +13,7 @@ from ffgym.core.files import write_text
 from ffgym.diagnosis import Diagnosis, examine
 from ffgym.diagnosis.diagnosis_file import diagnosis_document
 from ffgym.diagnosis.nominal import EXAMPLE_ROBOT, example_logs
-from ffgym.envs.machines import is_workcell, rig_of
+from ffgym.envs.machines import is_workcell, make_rig
 from ffgym.report import format_one_axis, format_text, write_report
 from ffgym.report.diagnosis import DiagnosisReport, format_findings, render_diagnosis_page
 from ffgym.robot import RigidArm, load_robot
@@ -31,7 +31,7 @@ def run(config: Demo) -> None:
     places = {"--report": config.report, "--json": config.json}
     check_outputs(places | ({"--report, of the diagnosis": second} if config.diagnosis else {}))
     check_laws(config.agents, "--agents")
-    circles, one_axis = _circles(config, rig_of(config.robot)), _one_axis(config)
+    circles, one_axis = _circles(config, make_rig(config.robot)), _one_axis(config)
     info = origin(config, circles)
     page = write_report(config.report, circles, one_axis, info)  # files first: nobody may read what is printed
     rows = [asdict(cell) for cell in circles.cells]

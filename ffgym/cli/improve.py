@@ -9,7 +9,7 @@ from ffgym.diagnosis import diagnose
 from ffgym.diagnosis.settings import settings
 from ffgym.effects import Origin
 from ffgym.envs.circle_path import CONTROLLER
-from ffgym.envs.machines import is_workcell, rig_of
+from ffgym.envs.machines import is_workcell, make_rig
 from ffgym.improvement import Plan, format_improvement, improve, improvement_figures, render_improvement
 from ffgym.report import save_figure
 from ffgym.robot import load_robot
@@ -32,7 +32,7 @@ def run(config: Improve) -> None:
     for name in config.protocols:
         load_protocols(name)
     check_outputs({"--json": config.json}, inputs=(config.rig, config.robot, *config.protocols))
-    rig = rig_of(config.rig)
+    rig = make_rig(config.rig)
     result = improve(
         rig,
         _plan(config),

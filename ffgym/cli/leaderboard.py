@@ -21,7 +21,7 @@ from ffgym.leaderboard.comparison.standings import standings
 from ffgym.leaderboard.entrants import Entrant, Registry, find_entrants
 from ffgym.leaderboard.plants import NOMINAL, ROBOT, draw_name, find_plant
 from ffgym.leaderboard.presentation.page import render_page
-from ffgym.leaderboard.presentation.pictures import paths_of
+from ffgym.leaderboard.presentation.pictures import compute_traces
 from ffgym.leaderboard.presentation.table import format_standings
 from ffgym.leaderboard.results import Row
 from ffgym.leaderboard.submission.process import isolation_note
@@ -122,7 +122,7 @@ def _write(config: Leaderboard, rows: Sequence[Row], plants: Sequence[str], time
     every = dict.fromkeys([*plants, *(outcome.plant for row in rows for outcome in row.outcomes)])
     info["fingerprints"] = {plant: find_plant(plant).fingerprint for plant in every}
     if config.page is not None:
-        write_text(config.page, render_page(rows, tracks=paths_of(rows), provenance=info))
+        write_text(config.page, render_page(rows, tracks=compute_traces(rows), provenance=info))
     circles = []
     for row in rows:
         for outcome in row.outcomes:

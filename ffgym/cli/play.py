@@ -20,7 +20,7 @@ from ffgym.core.measures import rms
 from ffgym.core.registration import ENVIRONMENTS
 from ffgym.core.types import Array
 from ffgym.envs import ResidualAction
-from ffgym.envs.machines import WORKCELL, is_workcell, rig_of
+from ffgym.envs.machines import WORKCELL, is_workcell, make_rig
 from ffgym.envs.rendering import Rendering
 from ffgym.simulation.plant.machine_file import is_machine_file
 from ffgym.studies import thesis_laws
@@ -80,7 +80,7 @@ def check(config: Play) -> None:
 def make(config: Play) -> Any:
     """The environment."""
     name = USUAL.get(config.env, "irb4600_60_205") if config.robot is None else config.robot
-    robot = rig_of(name).robot  # as the machine's controller knows it
+    robot = make_rig(name).robot  # as the machine's controller knows it
     machine: dict[str, Any] = {"robot": robot}
     if config.env == CIRCLES[1]:
         if not is_workcell(name):

@@ -8,7 +8,7 @@ from ffgym.cli.motion_options import Record
 from ffgym.cli.outputs import check_outputs, given_folder, given_options, print_places, provenance, write_numbers
 from ffgym.cli.progress import progress_bar
 from ffgym.core.errors import FFGymError, check_number
-from ffgym.envs.machines import rig_of
+from ffgym.envs.machines import make_rig
 from ffgym.recordings.io import INDEX
 from ffgym.robot import RigidArm
 from ffgym.simulation import Rig, SimulatedRig, TorqueSensor
@@ -26,7 +26,7 @@ _PASSING = ("listing", "out", "json", "force", "threads", "format")
 def run(config: Record) -> None:
     """Check, simulate, write, print."""
     if config.listing:
-        print(protocol_list(rig_of(config.robot or LISTED_ROBOT).arm))
+        print(protocol_list(make_rig(config.robot or LISTED_ROBOT).arm))
         return
     if config.robot is None or not config.protocols:
         raise FFGymError("Name a robot and what to record, e.g. one_axis diagnosis; --list shows the protocols.")
@@ -68,7 +68,7 @@ def run(config: Record) -> None:
 
 def _rig(config: Record, robot: str) -> Rig:
     """Where the motions are run, with what measures on a simulated robot."""
-    rig = rig_of(robot)
+    rig = make_rig(robot)
     if not isinstance(rig, SimulatedRig):
         if given := given_options(config, ("exact", "torque_noise_percent")):
             raise FFGymError(f"{given[0]} is not for {robot}: its sensors are its own, its truth is shut away.")

@@ -10,7 +10,7 @@ from ffgym.cli.outputs import check_outputs, file_of_each, given_options, print_
 from ffgym.cli.progress import progress_bar
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.files import write_text
-from ffgym.envs.machines import is_workcell, rig_of
+from ffgym.envs.machines import is_workcell, make_rig
 from ffgym.paths.motions import load_motion
 from ffgym.recordings import write_recording
 from ffgym.recordings.io import FORMATS
@@ -73,7 +73,7 @@ def _rig(config: Simulate) -> Rig:
     if is_workcell(config.robot):
         if given := given_options(config, ("flexible", "friction", "gravity", "springs")):
             raise FFGymError(f"{given[0]} has no effect on {config.robot}, which is what it is. Leave it out.")
-        return rig_of(config.robot)
+        return make_rig(config.robot)
     options = ModelOptions(
         flexible=config.flexible,
         friction=config.friction,
@@ -81,7 +81,7 @@ def _rig(config: Simulate) -> Rig:
         springs=config.springs,
         looks=False,
     )
-    rig = rig_of(config.robot, options=options)
+    rig = make_rig(config.robot, options=options)
     assert isinstance(rig, SimulatedRig)
     return replace(rig, sensors=sensors_of(rig.robot) if config.sensors else ())
 

@@ -16,7 +16,7 @@ from ffgym.cli.outputs import check_outputs, given_options, print_places, proven
 from ffgym.cli.progress import progress_bar
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
 from ffgym.core.types import Array
-from ffgym.envs.machines import is_workcell, load_described_robot, rig_of
+from ffgym.envs.machines import is_workcell, load_described_robot, make_rig
 from ffgym.paths import Reference
 from ffgym.report import check_figure, save_figure
 from ffgym.report.learning_plots import learning_figure
@@ -57,7 +57,7 @@ def bspline(config: BSpline) -> None:
     state = config.out.with_suffix(".state.npz")  # what is kept between trials, beside the law
     if state.exists() and not config.resume:
         raise FFGymError(f"{state}: holds a training that was interrupted; go on with it by --resume, or delete it.")
-    rig = rig_of(config.robot)
+    rig = make_rig(config.robot)
     robot, motions, record_dt = rig.robot, motions_of(config, rig.arm), config.record_dt_ms / 1e3
     trial = RigTrial(rig=rig, seed=config.seed, record_dt=record_dt, n_threads=config.threads)
     first = NETWORKS[config.network].zero(robot.n_joints, SplineBasis(order=config.order), name=config.out.stem)

@@ -18,7 +18,7 @@ from ffgym.core.errors import check_whole
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.envs.bank import MotionBank, path_error
 from ffgym.envs.motion import EpisodeMotion, MotionColumns
-from ffgym.envs.rewards import Reward, RewardSignals, reward_of
+from ffgym.envs.rewards import Reward, RewardSignals, find_reward
 from ffgym.envs.settings import EnvSettings
 from ffgym.envs.start import Starts
 from ffgym.envs.tasks import MotorSensors, Observer, Tasks, Transition
@@ -67,7 +67,7 @@ class TrackingCore:
         self.tcp_offset = np.zeros((n, 3))
         """TCP - reference at the start of the episode [m], shape (B, 3)."""
         self._centre, self._normal = np.zeros((n, 3)), np.zeros((n, 3))
-        self._rewards: list[Reward] = [reward_of(self.settings.reward, self.robot)] * n
+        self._rewards: list[Reward] = [find_reward(self.settings.reward, self.robot)] * n
         self._one_reward = True
         self._touched = False
         self._running: BoolArray = np.zeros(n, dtype=np.bool_)

@@ -9,7 +9,7 @@ from ffgym.robot import ModelOptions, RigidArm, RobotDescription, load_robot, ro
 from ffgym.simulation.plant import Machine
 
 
-def machine_of(plant: Machine | RobotDescription | str | Path) -> Machine:
+def find_machine(plant: Machine | RobotDescription | str | Path) -> Machine:
     """Return the machine that is simulated.
 
     `plant` is a machine, a description, workcell:<name or seed>, a built-in robot, or a path that ends in .toml, to a
@@ -70,7 +70,7 @@ def workcell_named(name: str) -> "Workcell":
     return workcell(short)
 
 
-def rig_of(
+def make_rig(
     name: str | Path, *, options: ModelOptions | None = None, sensors: "Sequence[Sensor] | None" = None
 ) -> "Rig":
     """Make a rig by name, to run motions on.

@@ -161,7 +161,7 @@ REWARDS: dict[str, type[Reward]] = {
 """Rewards by name."""
 
 
-def reward_of(reward: str | Reward, robot: RobotDescription | None = None) -> Reward:
+def find_reward(reward: str | Reward, robot: RobotDescription | None = None) -> Reward:
     """Return a reward from its name, or as it is."""
     if isinstance(reward, str):
         reward = REWARDS[check_choice("reward", reward, list(REWARDS))]()

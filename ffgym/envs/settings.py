@@ -11,7 +11,7 @@ from ffgym.core.errors import FFGymError, check_choice, check_number, check_shap
 from ffgym.core.types import Array
 from ffgym.envs.recorder import EpisodeRecorder
 from ffgym.envs.rendering import Rendering
-from ffgym.envs.rewards import Reward, reward_of
+from ffgym.envs.rewards import Reward, find_reward
 from ffgym.envs.tasks import Sensing
 from ffgym.robot import RobotDescription
 from ffgym.simulation.plant import Machine, PlantDistribution
@@ -62,7 +62,7 @@ class EnvSettings:
     """Threads of the engine, 0 for all cores; results are the same at any number."""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "reward", reward_of(self.reward))
+        object.__setattr__(self, "reward", find_reward(self.reward))
         if not isinstance(self.layers, Sequence) or isinstance(self.layers, str):
             raise FFGymError(
                 f"layers = {self.layers!r} must be a list, from the robot outwards, e.g. layers=[History(8)]."

@@ -9,9 +9,9 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.types import IntArray
-from ffgym.envs.machines import machine_of
+from ffgym.envs.machines import find_machine
 from ffgym.envs.motion import EpisodeMotion
-from ffgym.envs.rewards import Reward, reward_of
+from ffgym.envs.rewards import Reward, find_reward
 from ffgym.envs.settings import EnvSettings, check_horizon, check_kind
 from ffgym.envs.tasks import Sensing, Tasks
 from ffgym.simulation.plant import Machine
@@ -40,7 +40,7 @@ class Starts:
 
     def __init__(self, tasks: Tasks, n: int, settings: EnvSettings) -> None:
         self.tasks, self._n, self._settings = tasks, n, settings
-        self.machine = Machine.of(tasks.robot) if settings.plant is None else machine_of(settings.plant)
+        self.machine = Machine.of(tasks.robot) if settings.plant is None else find_machine(settings.plant)
         """Simulated machine, before randomisation."""
         self._listed = tasks.list_options() if settings.sampling == "sequence" else []
         if settings.sampling == "sequence" and not self._listed:
@@ -73,14 +73,14 @@ class Starts:
         rng, settings = self.rngs[i], self._settings
         assert rng is not None  # the environment seeds before it resets
         horizon = check_horizon(options.get("horizon", settings.horizon))
-        reward = reward_of(options.get("reward", settings.reward), self.tasks.robot)
+        reward = find_reward(options.get("reward", settings.reward), self.tasks.robot)
         sensing = check_kind("sensing", options.get("sensing", settings.sensing))
         distribution = check_kind("randomization", options.get("randomization", settings.randomization))
         task = {k: v for k, v in options.items() if k in self.tasks.option_names and v is not None}
         if self._listed:
             task = self._listed[int(i + self._episodes[i] * self._n) % len(self._listed)] | task
         motion = self.tasks.draw(rng, task)
-        machine = machine_of(options["plant"]) if options.get("plant") is not None else self.machine
+        machine = find_machine(options["plant"]) if options.get("plant") is not None else self.machine
         if distribution is not None:
             machine = machine.with_robot(distribution.draw(machine.robot, rng))
         return EpisodeStart(

@@ -120,7 +120,7 @@ class ControlGain:
     """Scores law by law, speed by speed."""
 
 
-def gain_on(
+def measure_gain(
     rig: Rig,
     laws: Sequence[Contender],
     *,

@@ -9,7 +9,7 @@ from ffgym.core.claims import claimed
 from ffgym.core.files import made_folder
 from ffgym.diagnosis.diagnosis_file import diagnosis_document
 from ffgym.diagnosis.identification import friction_torques, identify_friction
-from ffgym.improvement.gain import HELD_OUT_RADII, ControlGain, contenders, gain_on, held_out_positions
+from ffgym.improvement.gain import HELD_OUT_RADII, ControlGain, contenders, held_out_positions, measure_gain
 from ffgym.improvement.rounds import Diagnose, ImprovementRound, Plan, Stage, improve_in_rounds
 from ffgym.paths import SPEEDS
 from ffgym.recordings.io import read_folder
@@ -94,7 +94,7 @@ def improve(
     # laws of the model before and after, on circles that no round recorded
     laws = contenders(rig, plan, rounds, replace(nominal, friction=found.friction))
     with stage("comparing laws", "s") as progress:
-        gain = gain_on(
+        gain = measure_gain(
             rig,
             laws,
             positions=places,

@@ -19,7 +19,7 @@ def format_improvement(improvement: Improvement) -> str:
     """Format the findings of each round, and the path errors of the laws."""
     parts = [wrap_text(line) for each in improvement.rounds for line in _round_lines(each)]
     table = _scores(improvement, with_largest=False)
-    parts += [wrap_text(f"ended: {improvement.ended}"), "", table.text(), "", wrap_text(verdict_of(improvement))]
+    parts += [wrap_text(f"ended: {improvement.ended}"), "", table.text(), "", wrap_text(write_verdict(improvement))]
     return "\n".join(parts)
 
 
@@ -43,7 +43,7 @@ def render_improvement(improvement: Improvement, info: Mapping[str, Any]) -> str
         title="What the extended model gains",
         subtitle=f"{improvement.rig.robot.title}, machine: {improvement.rig.name}. Recorded, diagnosed and extended in "
         "rounds; then feed-forward from the model before and after ran on the machine.",
-        headline=[verdict_of(improvement)],
+        headline=[write_verdict(improvement)],
         parts=[
             Section("Path error", [laws, _scores(improvement, with_largest=True), Note(note), paths]),
             Section("Rounds", [_rounds(improvement), Note(f"Ended as {improvement.ended}.")]),
@@ -78,7 +78,7 @@ def improvement_figures(improvement: Improvement) -> list[ReportFigure]:
     ]
 
 
-def verdict_of(improvement: Improvement) -> str:
+def write_verdict(improvement: Improvement) -> str:
     """Write the gain of the model of the last round in one sentence."""
     own = [score for score in improvement.gain.scores if score.law == MODEL]
     said = ", ".join(f"{percent(score.against)} at {score.speed_mm_s:g} mm/s" for score in own)

@@ -10,8 +10,8 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError
 from ffgym.envs import Sensing
-from ffgym.envs.machines import WORKCELL, is_workcell, rig_of
-from ffgym.leaderboard.tasks import Task, tasks_of
+from ffgym.envs.machines import WORKCELL, is_workcell, make_rig
+from ffgym.leaderboard.tasks import Task, list_tasks
 from ffgym.robot import RigidArm, RobotDescription, load_robot
 from ffgym.simulation import Rig, Sensor, SimulatedRig
 from ffgym.simulation.plant import Machine, PlantDistribution
@@ -49,7 +49,7 @@ class TestPlant:
     def tasks(self, splits: Sequence[str]) -> list[Task]:
         """List the motions of splits."""
         assert self.rig.robot.work_area is not None  # robots of the leaderboard have one
-        return tasks_of(splits, list(self.rig.robot.work_area.positions))
+        return list_tasks(splits, list(self.rig.robot.work_area.positions))
 
     @property
     def fingerprint(self) -> str:
@@ -72,7 +72,7 @@ def draw_number(name: str) -> int | None:
 def find_plant(name: str) -> TestPlant:
     """Find a plant by its name: 'nominal', 'workcell:<name or seed>' or 'draw:<number>'."""
     if is_workcell(name):
-        cell = rig_of(name)
+        cell = make_rig(name)
         return TestPlant(
             name=name,
             rig=cell,

@@ -37,7 +37,7 @@ class Task:
     split: str
 
 
-def tasks_of(splits: Sequence[str], positions: Sequence[str]) -> list[Task]:
+def list_tasks(splits: Sequence[str], positions: Sequence[str]) -> list[Task]:
     """List the motions of splits, in the order of SPLITS; `positions` are those of the robot's work area."""
     check_choice("position", TRAIN_POSITION, positions)
     for split in splits:
@@ -57,7 +57,7 @@ def noise_seed(task: Task, seed: int) -> list[int]:
     return [seed, crc32(repr(task).encode())]
 
 
-def references_of(arm: RigidArm, tasks: Sequence[Task]) -> list[Reference]:
+def make_references(arm: RigidArm, tasks: Sequence[Task]) -> list[Reference]:
     """Make the references of tasks; those of one arm are made once."""
     return [_reference(arm, task) for task in tasks]
 

@@ -61,7 +61,7 @@ class Sight:
         return np.stack([(moved * axis).sum(axis=1) for axis in self.axes], axis=1)
 
 
-def sights_of(path: Array) -> list[Sight]:
+def choose_sights(path: Array) -> list[Sight]:
     """Choose the views of a path (T, 3) [m]: along its normal if it is flat, else from above and from its longer side.
 
     An upright line is seen from two sides.
@@ -86,7 +86,7 @@ def sights_of(path: Array) -> list[Sight]:
     return [Sight(axes=np.stack([plane.first, plane.second]), labels=(labels[0], labels[1]), origin=path[0])]
 
 
-def scale_of_error(paths: Sequence[ToolPath], beside: Array) -> float:
+def choose_scale(paths: Sequence[ToolPath], beside: Array) -> float:
     """Choose a round factor, 1 or more, that draws the largest error as at most SHARE of the size of `beside`."""
     size = float(np.linalg.norm(np.ptp(beside, axis=0)))
     return magnification(SHARE * size, max(float(path.distance.max()) for path in paths))
@@ -111,7 +111,7 @@ def tool_path_figure(
         what: name of the enlarged quantity, for the title.
         sizes: size of the figure with one and with two views [inch].
     """
-    sights = sights_of(beside)
+    sights = choose_sights(beside)
     with panels(1, len(sights), size=sizes[len(sights) - 1]) as (figure, grid):
         for axes, sight in zip(grid[0], sights, strict=True):
             for path in paths:

@@ -12,7 +12,7 @@ from ffgym.agents.lffc import Learning, thesis_training
 from ffgym.agents.trials import CountedTrial, thesis_motions, training_motions
 from ffgym.control import DynamicLuGreExact, FeedForwardLaw, NoCompensation
 from ffgym.diagnosis.identification.narx import Samples
-from ffgym.envs.machines import rig_of
+from ffgym.envs.machines import make_rig
 from ffgym.paths import SPEEDS, Reference
 from ffgym.published import ESTIMATION_RECORDS
 from ffgym.robot import RobotDescription, load_robot
@@ -86,7 +86,7 @@ class Laboratory:
     @cached_property
     def workcell(self) -> Rig:
         """The machine that stands for the thesis' real robot in chapter 6, under its controller."""
-        return rig_of(WORKCELL)
+        return make_rig(WORKCELL)
 
     @cached_property
     def lugre_sines(self) -> OneAxisStudy:

@@ -10,7 +10,7 @@ import tyro
 from ffgym.cli import play
 from ffgym.cli.main import main
 from ffgym.cli.motion_options import Play
-from ffgym.envs.machines import rig_of
+from ffgym.envs.machines import make_rig
 from ffgym.robot import ModelOptions, compile_model, physics_fingerprint
 
 iio = pytest.importorskip("imageio.v3")
@@ -80,7 +80,7 @@ def test_a_workcell_is_filmed_as_what_it_is(env, needs_gl, tmp_path):
     assert main(["play", "--out", str(out), *arguments]) == 0
     values = json.loads(numbers.read_text())
     assert values["robot"] == "workcell:thesis"
-    assert values["physics_fingerprint"] == rig_of("workcell:thesis").fingerprint
+    assert values["physics_fingerprint"] == make_rig("workcell:thesis").fingerprint
 
 
 @pytest.mark.parametrize(

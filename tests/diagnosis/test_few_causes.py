@@ -6,7 +6,7 @@ import pytest
 from ffgym.core.errors import FFGymError
 from ffgym.diagnosis import examine
 from ffgym.effects import EFFECTS
-from ffgym.envs.machines import rig_of
+from ffgym.envs.machines import make_rig
 from ffgym.recordings.io import read_folder
 from ffgym.simulation.plant import Machine, save_machine
 from ffgym.simulation.protocols import load_protocols, plan_session, record_into
@@ -20,7 +20,7 @@ def recordings(one_axis, tmp_path_factory):
     folder = tmp_path_factory.mktemp("two")
     (folder / "short.toml").write_text('[[step]]\nprotocol = "excitation"\ncount = 2\nbase = 0.2\nperiods = 1\n')
     effects = tuple(EFFECTS[name].on(one_axis, "j1", **values) for name, values in HIDDEN.items())
-    rig = rig_of(
+    rig = make_rig(
         save_machine(Machine(robot=one_axis, effects=effects), folder / "cell.toml", title="cell", source="a test")
     )
     motions = plan_session(rig.arm, list(load_protocols(str(folder / "short.toml"))))

@@ -6,7 +6,7 @@ import pytest
 
 from ffgym.core.errors import FFGymError
 from ffgym.effects import EFFECTS
-from ffgym.envs.machines import rig_of
+from ffgym.envs.machines import make_rig
 from ffgym.simulation.plant import Machine, save_machine, with_payload
 
 
@@ -40,7 +40,7 @@ def test_an_environment_on_a_machine_file_is_that_on_the_machine(file, worn, irb
 
 
 def test_the_controller_of_a_machine_file_knows_the_robot_that_it_names(file, worn, irb4600):
-    rig = rig_of(file)
+    rig = make_rig(file)
     assert rig.name == "worn"
     assert rig.robot.tool.mass == irb4600.tool.mass
     assert rig.machine.robot.tool.mass == worn.robot.tool.mass
@@ -52,6 +52,6 @@ def test_a_broken_machine_file_says_what_is_wrong_with_it(tmp_path):
     with pytest.raises(FFGymError, match=r"broken\.toml.*title and robot"):
         gym.make("ffgym/CirclePath-v0", plant=str(path))
     with pytest.raises(FFGymError, match=r"broken\.toml.*title and robot"):
-        rig_of(path)
+        make_rig(path)
     with pytest.raises(FFGymError, match="Robot description"):
-        rig_of(tmp_path / "missing.toml")
+        make_rig(tmp_path / "missing.toml")

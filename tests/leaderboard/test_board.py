@@ -19,7 +19,7 @@ from ffgym.leaderboard.board import Board, sum_durations
 from ffgym.leaderboard.entrants import Entrant, ReadyAgent, Registry, one_by_one
 from ffgym.leaderboard.evaluation import jobs
 from ffgym.leaderboard.results import decode_row, encode_row, read_row
-from ffgym.leaderboard.tasks import references_of
+from ffgym.leaderboard.tasks import make_references
 
 HERE = Executor(jobs=1)
 
@@ -125,7 +125,9 @@ def test_the_order_of_runs_is_not_seen_in_the_file(tmp_path):
 
 
 def _practised(plant, seed, tasks):
-    return ReadyAgent(law=NoCompensation(), robot_seconds=sum(r.duration for r in references_of(plant.rig.arm, tasks)))
+    return ReadyAgent(
+        law=NoCompensation(), robot_seconds=sum(r.duration for r in make_references(plant.rig.arm, tasks))
+    )
 
 
 PRACTISES = MappingProxyType(

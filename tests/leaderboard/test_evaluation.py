@@ -12,16 +12,16 @@ from ffgym.leaderboard.evaluation.jobs import (
     TOGETHER,
     Job,
     SeededAgent,
-    cells_of,
+    compute_trails,
     jobs_for,
     lost_cells,
-    outcomes_of,
+    run_agents,
     run_job,
-    trails_of,
+    score_circles,
 )
 from ffgym.leaderboard.plants import find_plant
 from ffgym.leaderboard.results import CircleResult
-from ffgym.leaderboard.tasks import HELD_OUT, SPLITS, THESIS, Task, noise_seed, references_of, tasks_of
+from ffgym.leaderboard.tasks import HELD_OUT, SPLITS, THESIS, Task, list_tasks, make_references, noise_seed
 from ffgym.paths import RADII, SPEEDS
 from ffgym.simulation import Run
 
@@ -35,15 +35,15 @@ def elastic(robot):
 
 def law_cells(plant, law, task, seed=0):
     noise = [np.random.default_rng(noise_seed(task, seed))]
-    [recording] = plant.rig.run([Run(reference=references_of(plant.rig.arm, [task])[0], law=law)], seed=noise)
-    return cells_of(task, recording)
+    [recording] = plant.rig.run([Run(reference=make_references(plant.rig.arm, [task])[0], law=law)], seed=noise)
+    return score_circles(task, recording)
 
 
 @pytest.mark.parametrize("name", ["nominal", "draw:4"])
 def test_a_law_scores_the_same_on_a_rig_and_as_a_policy_in_the_environment(name):
     plant = find_plant(name)
     [[flight]] = run_rollouts(plant, [LawPolicy(make=elastic, preview=4)], [FAST])
-    flown, run = cells_of(FAST, flight.recording), law_cells(plant, elastic(plant.rig.robot), FAST)
+    flown, run = score_circles(FAST, flight.recording), law_cells(plant, elastic(plant.rig.robot), FAST)
     for one, other in zip(flown, run, strict=True):
         assert one.key == other.key
         assert one.rms_mm == pytest.approx(other.rms_mm, rel=1e-6)
@@ -55,7 +55,7 @@ def test_a_law_scores_the_same_on_the_workcell_with_the_same_noise():
     [[_, flight]] = run_rollouts(
         plant, [LawPolicy(make=elastic, preview=4)], [Task("p3", 0.1, (0.001,), "positions"), FAST]
     )
-    [flown], [run] = cells_of(FAST, flight.recording), law_cells(plant, elastic(plant.rig.robot), FAST)
+    [flown], [run] = score_circles(FAST, flight.recording), law_cells(plant, elastic(plant.rig.robot), FAST)
     assert flown.rms_mm == pytest.approx(run.rms_mm, rel=1e-6)
 
 
@@ -66,7 +66,7 @@ def test_who_flies_beside_changes_nothing():
     flights = run_rollouts(plant, [LawPolicy(make=elastic, preview=4)] * 2, [other, FAST])
     for mine in flights:
         assert mine[1].actions.tobytes() == alone.actions.tobytes()
-        assert cells_of(FAST, mine[1].recording) == cells_of(FAST, alone.recording)
+        assert score_circles(FAST, mine[1].recording) == score_circles(FAST, alone.recording)
 
 
 def test_actions_that_push_the_robot_out_of_its_limits_lose_the_cell():
@@ -86,17 +86,17 @@ def test_actions_that_push_the_robot_out_of_its_limits_lose_the_cell():
 
 
 def test_splits_cover_the_thesis_and_share_no_circle():
-    cells = [cell.key[1:] for task in tasks_of(SPLITS, POSITIONS) for cell in lost_cells(task)]
+    cells = [cell.key[1:] for task in list_tasks(SPLITS, POSITIONS) for cell in lost_cells(task)]
     assert len(set(cells)) == len(cells) == 48
-    thesis = {cell.key[1:] for task in tasks_of(THESIS, POSITIONS) for cell in lost_cells(task)}
+    thesis = {cell.key[1:] for task in list_tasks(THESIS, POSITIONS) for cell in lost_cells(task)}
     assert thesis == {(p, r * 1e3, round(v * 1e3)) for p in POSITIONS for r in RADII for v in SPEEDS}
-    held_out = {cell.key[1:] for task in tasks_of(HELD_OUT, POSITIONS) for cell in lost_cells(task)}
-    trained = {cell.key[1:] for task in tasks_of(["train"], POSITIONS) for cell in lost_cells(task)}
+    held_out = {cell.key[1:] for task in list_tasks(HELD_OUT, POSITIONS) for cell in lost_cells(task)}
+    trained = {cell.key[1:] for task in list_tasks(["train"], POSITIONS) for cell in lost_cells(task)}
     assert not held_out & trained
 
 
 def test_noise_differs_from_task_to_task_and_seed_to_seed():
-    tasks = tasks_of(SPLITS, POSITIONS)
+    tasks = list_tasks(SPLITS, POSITIONS)
     assert len({tuple(noise_seed(task, seed)) for task in tasks for seed in range(3)}) == 3 * len(tasks)
 
 
@@ -140,12 +140,12 @@ def test_the_oracle_has_nothing_to_say_on_a_workcell():
 def test_pictures_show_one_held_out_circle_and_its_error():
     plant = find_plant("nominal")
     task = Task("p2", 0.1, (0.001, 0.003), "positions")
-    [recording] = plant.rig.run([Run(reference=references_of(plant.rig.arm, [task])[0])])
-    [trail] = trails_of(task, recording)
+    [recording] = plant.rig.run([Run(reference=make_references(plant.rig.arm, [task])[0])])
+    [trail] = compute_trails(task, recording)
     assert (trail.radius_mm, trail.speed_mm_s) == (3.0, 100.0)
-    cell: CircleResult = cells_of(task, recording)[1]
+    cell: CircleResult = score_circles(task, recording)[1]
     assert np.sqrt(np.mean(np.square(trail.deviation_um))) == pytest.approx(1e3 * cell.rms_mm, rel=0.05)
-    assert trails_of(FAST.__class__("p1", 0.1, (0.003,), "train"), recording) == []
+    assert compute_trails(FAST.__class__("p1", 0.1, (0.003,), "train"), recording) == []
 
 
 def test_an_agent_is_a_law_or_a_policy():
@@ -174,13 +174,13 @@ def test_who_practises_each_motion_learns_through_sensors_and_is_scored_on_all_o
     ready = ENTRANTS[name].ready(plant, [0, 1], tuple(tasks))
     starters = [SeededAgent(name=name, seed=seed, ready=each) for seed, each in enumerate(ready)]
     zero = SeededAgent(name="none", seed=0, ready=ENTRANTS["none"].ready(plant, [0], ())[0])
-    (_, first), (_, second), (_, nothing) = outcomes_of(plant, [*starters, zero], tasks)
+    (_, first), (_, second), (_, nothing) = run_agents(plant, [*starters, zero], tasks)
     for one, other, before in zip(first.cells, second.cells, nothing.cells, strict=True):
         assert minimised(one) < 0.5 * minimised(before)
         assert (one.rms_mm != other.rms_mm) == noisy  # resolvers round, a tracker has noise
-    moved = sum(reference.duration for reference in references_of(plant.rig.arm, tasks))
+    moved = sum(reference.duration for reference in make_references(plant.rig.arm, tasks))
     assert first.robot_seconds == pytest.approx(10 * moved)
     assert first.inference_us is None
     [alone] = ENTRANTS[name].ready(plant, [1], tuple(tasks))
-    [(_, again)] = outcomes_of(plant, [SeededAgent(name=name, seed=1, ready=alone)], tasks)
+    [(_, again)] = run_agents(plant, [SeededAgent(name=name, seed=1, ready=alone)], tasks)
     assert again == second  # whoever learns beside it

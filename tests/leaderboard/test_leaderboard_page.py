@@ -11,7 +11,7 @@ from ffgym.core.errors import FFGymError
 from ffgym.leaderboard.comparison.samples import GROUPS, SELECTIONS
 from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL
 from ffgym.leaderboard.presentation.page import ToolTrace, render_page
-from ffgym.leaderboard.presentation.pictures import number, paths_of, tool_pictures
+from ffgym.leaderboard.presentation.pictures import compute_traces, number, tool_pictures
 from ffgym.leaderboard.presentation.words import best_reductions, list_published_rows
 from ffgym.leaderboard.results import Trail
 from tests.leaderboard.conftest import PROVENANCE
@@ -211,7 +211,7 @@ def test_trails_of_results_become_paths_of_the_first_seed():
     trail = Trail(position="p2", radius_mm=3.0, speed_mm_s=40.0, deviation_um=(100.0,) * 120)
     some = row("elastic", [THESIS_WORKCELL])
     with_trail = replace(some, outcomes=tuple(replace(each, trails=(trail,)) for each in some.outcomes))
-    paths = paths_of([row("none", [THESIS_WORKCELL]), with_trail])
+    paths = compute_traces([row("none", [THESIS_WORKCELL]), with_trail])
     assert list(paths) == ["elastic"]
     np.testing.assert_allclose(np.linalg.norm(paths["elastic"][40.0].enlarge(2.0), axis=1), 3.2, atol=1e-3)
     assert paths["elastic"][40.0].where == "p2, r = 3 mm, workcell:thesis"

@@ -14,7 +14,7 @@ from ffgym.agents.submission import LOADERS, load
 from ffgym.control import ObservationLayout
 from ffgym.core.files import decode_arrays, encode_arrays
 from ffgym.leaderboard.evaluation.closed_loop import run_rollouts
-from ffgym.leaderboard.evaluation.jobs import cells_of
+from ffgym.leaderboard.evaluation.jobs import score_circles
 from ffgym.leaderboard.plants import find_plant
 from ffgym.leaderboard.submission import judge as judging
 from ffgym.leaderboard.submission import manifest as manifests
@@ -92,7 +92,7 @@ def test_a_law_is_accepted_and_acts_as_the_law_in_this_process():
     here = load({"kind": "law", "law": "lugre_dynamic", "file": None}, PAGE, load_robot(ROBOT))
     ((flight,),) = run_rollouts(find_plant("nominal"), [here], PLAN["nominal"])
     assert np.allclose(decode_arrays(decode_archive(data)[ACTIONS])["nominal_0"], flight.actions, rtol=0, atol=1e-7)
-    (cell,) = cells_of(PLAN["nominal"][0], flight.recording)
+    (cell,) = score_circles(PLAN["nominal"][0], flight.recording)
     assert cell.rms_mm == pytest.approx(verdict.claims[0].rms_mm, rel=1e-4)
 
 
@@ -122,7 +122,7 @@ def test_tolerances_are_far_above_what_rounding_makes_of_a_feedback(tmp_path):
     for size in (0.0, 1e-7):
         agent = Noisy(policy.agent(load_robot(ROBOT), layout), size)
         ((flight,),) = run_rollouts(find_plant("nominal"), [policy], tasks, agents=[agent])
-        found.append((flight.actions, cells_of(tasks[0], flight.recording)[0]))
+        found.append((flight.actions, score_circles(tasks[0], flight.recording)[0]))
     (actions, cell), (noisy, other) = found
     assert 0 < np.max(np.abs(noisy - actions) / np.abs(actions).max(axis=0)) < ACTION_TOLERANCE / 1000
     assert abs(other.rms_mm / cell.rms_mm - 1) < SCORE_TOLERANCE / 1000

@@ -11,7 +11,7 @@ from ffgym.recordings.metrics import motor_error, motor_error_rms, relative_rms
 from ffgym.report import circle_figures, one_axis_figures, save_figure
 from ffgym.report.circles.errors_plot import motor_error_figure, ratios_figure
 from ffgym.report.circles.friction_plot import joint_loops_figure, one_axis_figure
-from ffgym.report.circles.paths_plot import flat_circles, magnification_of, paths_figure
+from ffgym.report.circles.paths_plot import choose_magnification, flat_circles, paths_figure
 from ffgym.report.figure import encode_figure, house_style, new_figure
 from ffgym.report.laws import law_styles
 
@@ -45,7 +45,7 @@ def test_paths_at_true_scale_run_where_the_tool_was(circle):
 
 def test_no_enlarged_circle_passes_its_own_centre(circle):
     for speed in (0.04, 0.1):
-        factor = magnification_of(circle, speed)
+        factor = choose_magnification(circle, speed)
         flats = [
             flat for key, recording in circle.recordings.items() if key[2] == speed for flat in flat_circles(recording)
         ]
@@ -55,7 +55,7 @@ def test_no_enlarged_circle_passes_its_own_centre(circle):
 def test_paths_grid_has_a_row_per_speed_and_says_its_magnification(circle):
     titles = [axes.get_title() for axes in paths_figure(circle).figure.axes]
     for title, speed in zip(titles, (0.04, 0.1), strict=True):
-        factor = magnification_of(circle, speed)
+        factor = choose_magnification(circle, speed)
         assert title == f"p1, {speed * 1e3:g} mm/s, " + ("true scale" if factor == 1 else f"error × {factor:g}")
 
 

@@ -14,7 +14,7 @@ from ffgym.recordings.metrics import Contour
 from ffgym.report import format_motion, render_motion_page
 from ffgym.report.figure import POINTS, keep_peaks
 from ffgym.report.motion.plot import motion_figures
-from ffgym.report.tool_path import SHARE, ToolPath, scale_of_error, sights_of
+from ffgym.report.tool_path import SHARE, ToolPath, choose_scale, choose_sights
 from ffgym.simulation import SimulatedRig
 from ffgym.studies import circle_references, motion_study
 
@@ -45,14 +45,14 @@ def only_motion(study):
     ("axis", "labels"), [(2, ("x [mm]", "y [mm]")), (1, ("x [mm]", "z [mm]")), (0, ("y [mm]", "z [mm]"))]
 )
 def test_a_flat_path_is_seen_along_its_normal(axis, labels):
-    (sight,) = sights_of(0.05 * np.roll(CIRCLE, axis - 2, axis=1) + [1.0, 2.0, 3.0])
+    (sight,) = choose_sights(0.05 * np.roll(CIRCLE, axis - 2, axis=1) + [1.0, 2.0, 3.0])
     assert sight.labels == labels
 
 
 def test_a_tilted_flat_path_is_seen_in_its_own_plane_without_distortion():
     turn = np.linalg.qr(np.array([[1.0, 2.0, 0.5], [0.3, 1.0, 2.0], [1.0, 0.0, 1.0]]))[0]
     path = 0.05 * CIRCLE @ turn.T + [1.0, 0.0, 0.5]
-    (sight,) = sights_of(path)
+    (sight,) = choose_sights(path)
     flat = sight.flat(path)
     np.testing.assert_allclose(np.linalg.norm(flat - flat.mean(axis=0), axis=1), 50.0, rtol=2e-2)
     np.testing.assert_allclose(np.linalg.norm(np.diff(flat, axis=0), axis=1), 50 * np.diff(ANGLE), rtol=1e-3)
@@ -73,13 +73,13 @@ def test_other_paths_are_seen_from_above_and_from_the_longer_side(size, labels):
     t = np.linspace(0, 1, 300)
     curve = t if 0 in size else np.stack([np.sin(7 * t), np.sin(11 * t), np.sin(5 * t)], axis=1).T
     path = 0.1 * (np.broadcast_to(curve, (3, 300)) * np.array(size)[:, None]).T
-    assert [sight.labels for sight in sights_of(path)] == labels
+    assert [sight.labels for sight in choose_sights(path)] == labels
 
 
 @given(st.floats(1e-9, 1.0))
 def test_the_magnification_is_round_and_as_large_as_the_share_allows(largest):
     beside = np.array([[0.0, 0, 0], [3.0, 4, 0]])
-    factor = scale_of_error([ToolPath(label="law", nearest=beside, error=np.array([[0, 0, largest]] * 2))], beside)
+    factor = choose_scale([ToolPath(label="law", nearest=beside, error=np.array([[0, 0, largest]] * 2))], beside)
     assert f"{factor:e}"[0] in "125"
     assert float(f"{factor:.0e}") == pytest.approx(factor)
     assert factor == 1 or factor * largest <= SHARE * 5 * (1 + 1e-9)
@@ -88,7 +88,7 @@ def test_the_magnification_is_round_and_as_large_as_the_share_allows(largest):
 
 def test_a_tool_without_any_deviation_is_drawn_to_scale():
     still = ToolPath(label="law", nearest=np.eye(3)[:2], error=np.zeros((2, 3)))
-    assert scale_of_error([still], still.nearest) == 1.0
+    assert choose_scale([still], still.nearest) == 1.0
 
 
 def test_the_drawn_path_leaves_the_reference_by_the_magnified_error(study):

@@ -78,7 +78,7 @@ def outcomes_on(row: Row, grid: Grid) -> list[Outcome]:
     return sorted((each for each in row.outcomes if each.plant in grid.plants), key=lambda each: each.key)
 
 
-def grid_of(row: Row, group: str, splits: Sequence[str]) -> Grid:
+def collect_grid(row: Row, group: str, splits: Sequence[str]) -> Grid:
     """Collect the circles of some splits that a row ran on, and the plants where it ran on all of them.
 
     The grid is empty if the row lacks one of the splits altogether. Order of results in the row does not matter.
@@ -114,7 +114,7 @@ def explain_lack(row: Row, grid: Grid) -> str | None:
     return None
 
 
-def sample_of(row: Row, grid: Grid) -> Sample:
+def collect_sample(row: Row, grid: Grid) -> Sample:
     """Collect the errors of a row on a grid; FFGymError if it is incomplete, or an error is not above 0."""
     why = explain_lack(row, grid)
     if why is not None:

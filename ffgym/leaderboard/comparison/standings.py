@@ -4,7 +4,15 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from ffgym.core.errors import FFGymError, check_choice
-from ffgym.leaderboard.comparison.samples import DRAWS, SELECTIONS, Grid, explain_lack, grid_of, group_of, sample_of
+from ffgym.leaderboard.comparison.samples import (
+    DRAWS,
+    SELECTIONS,
+    Grid,
+    collect_grid,
+    collect_sample,
+    explain_lack,
+    group_of,
+)
 from ffgym.leaderboard.comparison.scores import Difference, Score, ScoredRow, compare_rows, compute_score
 from ffgym.leaderboard.results import Row
 from ffgym.leaderboard.tasks import HELD_OUT
@@ -95,9 +103,9 @@ def standings(rows: Sequence[Row], group: str, selection: str) -> Standings:
     # ranks among all tracks, and within each
     best_first = sorted(scored.values(), key=lambda each: (each.mean, each.row.name))
     ranked = [each for each in best_first if _is_ranked(each.row)]
-    ranks, within = ranks_of(ranked, compare_rows), {}
+    ranks, within = rank_rows(ranked, compare_rows), {}
     for track in dict.fromkeys(each.row.track for each in ranked):
-        within.update(ranks_of([each for each in ranked if each.row.track == track], compare_rows))
+        within.update(rank_rows([each for each in ranked if each.row.track == track], compare_rows))
     lines = tuple(
         Standing(
             row=each.row,
@@ -112,7 +120,7 @@ def standings(rows: Sequence[Row], group: str, selection: str) -> Standings:
     return Standings(group=group, selection=selection, grid=grid, lines=lines, missing=missing)
 
 
-def ranks_of(best_first: Sequence[ScoredRow], compare: Callable[[ScoredRow, ScoredRow], Difference]) -> dict[str, int]:
+def rank_rows(best_first: Sequence[ScoredRow], compare: Callable[[ScoredRow, ScoredRow], Difference]) -> dict[str, int]:
     """Rank rows by name: 1, 1, 3, 4, 4, ...
 
     The first row of a rank leads it. A row shares the rank of the leader before it if the interval of their difference
@@ -131,14 +139,14 @@ def ranks_of(best_first: Sequence[ScoredRow], compare: Callable[[ScoredRow, Scor
 
 def _score_rows(by_name: Mapping[str, Row], group: str, splits: Sequence[str]) -> tuple[Grid, dict[str, ScoredRow]]:
     """Score all rows that are complete on the grid of the zero action's row."""
-    grid = grid_of(by_name[UNCOMPENSATED], group, splits)
+    grid = collect_grid(by_name[UNCOMPENSATED], group, splits)
     if not grid.cells:
         raise FFGymError(f"The zero action {UNCOMPENSATED!r} was not run on {group} with {', '.join(splits)}.")
-    zero = sample_of(by_name[UNCOMPENSATED], grid)
+    zero = collect_sample(by_name[UNCOMPENSATED], grid)
     if not (zero.rms < float("inf")).all():
         raise FFGymError(f"The robot stopped with zero action on {group}, so that nothing can be compared with it.")
     complete = [row for row in by_name.values() if explain_lack(row, grid) is None]
-    return grid, {row.name: ScoredRow.of(row, sample_of(row, grid), zero) for row in complete}
+    return grid, {row.name: ScoredRow.of(row, collect_sample(row, grid), zero) for row in complete}
 
 
 def _is_ranked(row: Row) -> bool:
@@ -155,7 +163,7 @@ def _unproven(scored: ScoredRow, grid: Grid) -> str | None:
 def _against_bases(by_name: Mapping[str, Row], group: str) -> dict[str, AgainstBase]:
     """Compare residuals with their bases, on all held-out circles that the zero action was run on."""
     residuals = {name: row.base for name, row in by_name.items() if row.base is not None}
-    run = [split for split in HELD_OUT if grid_of(by_name[UNCOMPENSATED], group, [split]).cells]
+    run = [split for split in HELD_OUT if collect_grid(by_name[UNCOMPENSATED], group, [split]).cells]
     scored: dict[str, ScoredRow] = {}
     if residuals and run:
         needed = {UNCOMPENSATED, *residuals, *residuals.values()}

@@ -11,7 +11,7 @@ from ffgym.leaderboard.entrants import ReadyAgent, Registry, find_entrant
 from ffgym.leaderboard.evaluation.closed_loop import inference_time, run_rollouts
 from ffgym.leaderboard.plants import DRAW, TestPlant, find_plant
 from ffgym.leaderboard.results import CircleResult, Outcome, Trail
-from ffgym.leaderboard.tasks import Task, noise_seed, references_of
+from ffgym.leaderboard.tasks import Task, make_references, noise_seed
 from ffgym.recordings import Recording
 from ffgym.recordings.metrics import deviation_along
 from ffgym.simulation import Run
@@ -77,10 +77,10 @@ def run_job(job: Job) -> list[tuple[str, Outcome]]:
         made = find_entrant(job.registry, name).ready(plant, seeds, tuple(tasks))
         found = zip(seeds, made, strict=True)
         seeded += [SeededAgent(name=name, seed=seed, ready=ready) for seed, ready in found if ready is not None]
-    return outcomes_of(plant, seeded, tasks, job.threads)
+    return run_agents(plant, seeded, tasks, job.threads)
 
 
-def outcomes_of(
+def run_agents(
     plant: TestPlant, seeded: Sequence[SeededAgent], tasks: Sequence[Task], threads: int = 0
 ) -> list[tuple[str, Outcome]]:
     """Run agents on a plant; return names and outcomes, laws first."""
@@ -89,7 +89,7 @@ def outcomes_of(
     recordings: list[Sequence[Recording | None]] = []
     # laws on the rig, all side by side in one batch
     if laws:
-        references = references_of(plant.rig.arm, tasks)
+        references = make_references(plant.rig.arm, tasks)
         runs = [Run(reference=reference, law=law) for _, law in laws for reference in references]
         noise = [np.random.default_rng(noise_seed(task, agent.seed)) for agent, _ in laws for task in tasks]
         recorded = plant.rig.run(runs, seed=noise, n_threads=threads)
@@ -111,10 +111,12 @@ def _outcome(
     ready, acts = agent.ready, agent.ready.policy or agent.ready.timed
     pairs = list(zip(tasks, recordings, strict=True))
     cells = [
-        cell for task, recording in pairs for cell in (cells_of(task, recording) if recording else lost_cells(task))
+        cell
+        for task, recording in pairs
+        for cell in (score_circles(task, recording) if recording else lost_cells(task))
     ]
     pictured = agent.seed == 0 and not plant.name.startswith(DRAW)
-    trails = [trail for task, recording in pairs if pictured and recording for trail in trails_of(task, recording)]
+    trails = [trail for task, recording in pairs if pictured and recording for trail in compute_trails(task, recording)]
     return Outcome(
         seed=agent.seed,
         plant=plant.name,
@@ -129,7 +131,7 @@ def _outcome(
     )
 
 
-def trails_of(task: Task, recording: Recording) -> list[Trail]:
+def compute_trails(task: Task, recording: Recording) -> list[Trail]:
     """Compute the trail of the circle that pictures show, if the task has it."""
     position, radius = PICTURED
     if task.position != position or radius not in task.radii:
@@ -146,7 +148,7 @@ def trails_of(task: Task, recording: Recording) -> list[Trail]:
     ]
 
 
-def cells_of(task: Task, recording: Recording) -> list[CircleResult]:
+def score_circles(task: Task, recording: Recording) -> list[CircleResult]:
     """Score the circles of a task that ran to its end."""
     return [
         CircleResult(

@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import Any, TypeAlias
 
-from ffgym.leaderboard.comparison.samples import GROUPS, SELECTIONS, grid_of, groups_of
+from ffgym.leaderboard.comparison.samples import GROUPS, SELECTIONS, collect_grid, groups_of
 from ffgym.leaderboard.comparison.standings import Standing, Standings, standings
 from ffgym.leaderboard.presentation.figures import count, digits, duration, length_with_change, share
 from ffgym.leaderboard.presentation.pictures import (
@@ -86,7 +86,7 @@ def all_standings(rows: Sequence[Row]) -> list[Standings]:
         if row.name == UNCOMPENSATED
         for group in groups_of(row)
         for selection in SELECTIONS
-        if grid_of(row, group, SELECTIONS[selection]).cells
+        if collect_grid(row, group, SELECTIONS[selection]).cells
     ]
     return found or [standings(rows, GROUPS[0], next(iter(SELECTIONS)))]  # which names the missing rows
 

@@ -122,7 +122,7 @@ def number(value: float) -> str:
     return "0" if digits == "-0" else digits
 
 
-def paths_of(rows: Sequence[Row], plant: str = THESIS_WORKCELL) -> dict[str, dict[float, ToolTrace]]:
+def compute_traces(rows: Sequence[Row], plant: str = THESIS_WORKCELL) -> dict[str, dict[float, ToolTrace]]:
     """Compute traces from the trails on a plant, of each row's first seed; rows without trails are left out."""
     circle = unit_vectors(np.linspace(0, 2 * np.pi, 721))
     found: dict[str, dict[float, ToolTrace]] = {}

@@ -87,7 +87,7 @@ def every_column() -> tuple[StandingsColumn, ...]:
     return tuple(StandingsColumn(**entry) for entry in tomllib.loads(resource("leaderboard_columns.toml"))["column"])
 
 
-def columns_of(standings: Standings) -> list[StandingsColumn]:
+def list_columns(standings: Standings) -> list[StandingsColumn]:
     """List all columns, with one per speed."""
     columns = []
     for column in every_column():
@@ -101,7 +101,7 @@ def columns_of(standings: Standings) -> list[StandingsColumn]:
 
 def table_of(standings: Standings) -> StandingsTable:
     """Make the table of standings."""
-    columns, published = columns_of(standings), list_published_rows(standings.grid.cells)
+    columns, published = list_columns(standings), list_published_rows(standings.grid.cells)
 
     def cells(figures: Mapping[str, Figure]) -> tuple[Figure, ...]:
         return tuple(figures.get(column.key, NOTHING) for column in columns)
@@ -200,7 +200,7 @@ def format_standings(standings: Standings) -> str:
             report.Column("agent", [line.row.name for line in lines], kind="name"),
             *(
                 report.Column(column.title, [own[column.key] for own in figures], unit=column.unit)
-                for column in columns_of(standings)
+                for column in list_columns(standings)
                 if column.in_terminal
             ),
         ],

@@ -18,7 +18,7 @@ _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}")
 """Pattern of a row's name, as its result file is named after it."""
 
 
-def entrant_of(path: Path, loaders: Mapping[str, str]) -> Entrant:
+def make_entrant(path: Path, loaders: Mapping[str, str]) -> Entrant:
     """Make the entrant of a file of `ffgym leaderboard submit`; its claims are checked by `ffgym leaderboard verify`.
 
     FFGymError if it cannot be read, is damaged, or has a name that no file may have.

@@ -19,7 +19,7 @@ from ffgym.core.types import Array
 from ffgym.envs.circle_path import CONTROLLER
 from ffgym.envs.machines import is_workcell
 from ffgym.leaderboard.evaluation.closed_loop import Rollout, run_rollouts
-from ffgym.leaderboard.evaluation.jobs import cells_of
+from ffgym.leaderboard.evaluation.jobs import score_circles
 from ffgym.leaderboard.plants import NOMINAL, ROBOT, THESIS_WORKCELL, find_plant
 from ffgym.leaderboard.submission import manifest as files_of
 from ffgym.leaderboard.submission.manifest import (
@@ -199,7 +199,7 @@ class Judge:
                     f"{task.speed * 1e3:g} mm/s: a motor was too far from its reference.",
                 )
             names = ("position", "radius_mm", "speed_mm_s", "rms_mm", "max_mm")
-            found = cells_of(task, rollout.recording)
+            found = score_circles(task, rollout.recording)
             claims += [Claim(plant=plant, **{name: getattr(cell, name) for name in names}) for cell in found]
         return claims
 

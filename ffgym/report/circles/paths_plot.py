@@ -79,7 +79,7 @@ def flat_circles(recording: Recording) -> list[FlatCircle]:
     return flat
 
 
-def magnification_of(study: CircleStudy, speed: float) -> float:
+def choose_magnification(study: CircleStudy, speed: float) -> float:
     """Find the largest factor at `speed` [m/s] with which no circle comes near its neighbours or its own centre."""
     recordings = [recording for (_, _, v), recording in study.recordings.items() if v == speed]
     circles = [circle for recording in recordings for circle in flat_circles(recording)]
@@ -95,7 +95,7 @@ def magnification_of(study: CircleStudy, speed: float) -> float:
 def paths_figure(study: CircleStudy) -> ReportFigure:
     """Draw paths of every law: one row per speed, one column per position."""
     laws, columns, rows = (list(dict.fromkeys(part)) for part in zip(*study.recordings, strict=True))
-    styles, factors = law_styles(laws), {speed: magnification_of(study, speed) for speed in rows}
+    styles, factors = law_styles(laws), {speed: choose_magnification(study, speed) for speed in rows}
     with panels(len(rows), len(columns), size=(max(3.0 * len(columns), 5.0), 3.05 * len(rows) + 0.6)) as (figure, grid):
         for i, speed in enumerate(rows):
             for j, position in enumerate(columns):

@@ -19,7 +19,7 @@ from ffgym.report.figure import ReportFigure, keep_peaks, panels
 from ffgym.report.identification.plots import NEW, OLD
 from ffgym.report.page import words_of
 from ffgym.report.table import shorten
-from ffgym.report.tool_path import ToolPath, scale_of_error, tool_path_figure
+from ffgym.report.tool_path import ToolPath, choose_scale, tool_path_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -245,7 +245,7 @@ def tool_figures(report: DiagnosisReport) -> list[ReportFigure]:
         ToolPath(label=name, nearest=tracked, error=-residual.motions[worst].residual["tool"][rows], look=LOOKS[name])
         for name, residual in report.models.items()
     ]
-    factor = scale_of_error(paths, tracked)
+    factor = choose_scale(paths, tracked)
     largest = ", ".join(f"{path.label} {1e6 * path.distance.max():.0f} µm" for path in paths)
     look = {"label": "tracked", "zorder": 1, **LOOKS["measured"]}
     sizes = ((6.4, 5.2), (10.4, 5.2))

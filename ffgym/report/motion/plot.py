@@ -10,7 +10,7 @@ from ffgym.recordings import Recording
 from ffgym.recordings.metrics import Contour, motor_error
 from ffgym.report.figure import ReportFigure, keep_peaks, panels
 from ffgym.report.laws import law_styles
-from ffgym.report.tool_path import ToolPath, scale_of_error, sights_of, tool_path_figure
+from ffgym.report.tool_path import ToolPath, choose_scale, choose_sights, tool_path_figure
 from ffgym.studies import MotionStudy
 
 if TYPE_CHECKING:
@@ -124,7 +124,7 @@ def _tool_paths(study: MotionStudy, motion: str) -> ReportFigure:
         look = {"color": style.colour, "linestyle": style.line, "linewidth": width}
         paths.append(ToolPath(label=style.label, nearest=contour.nearest, error=contour.error, look=look))
     reference = study.recordings[study.agents[0], motion].vector("tcp_reference.position")
-    factor, sights = scale_of_error(paths, reference), sights_of(reference)
+    factor, sights = choose_scale(paths, reference), choose_sights(reference)
     worst = ", ".join(f"{path.label} {1e3 * path.distance.max():.3f} mm" for path in paths)
     drawn = "drawn to scale" if factor == 1 else f"drawn {factor:g} times as large"
     hidden = max(float(np.abs(path.error @ sights[0].normal).max()) for path in paths)

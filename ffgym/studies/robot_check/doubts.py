@@ -8,7 +8,7 @@ import numpy as np
 
 from ffgym.core.types import Array
 from ffgym.robot import RigidArm, RobotDescription, RobotDraft, resonances
-from ffgym.studies.robot_check.loads import inertia_of, margin_of
+from ffgym.studies.robot_check.loads import compute_inertia, compute_margin
 from ffgym.studies.robot_check.shape import rest_position, skeleton
 
 Found = Iterable[tuple[float, dict[str, Any]]]
@@ -85,7 +85,7 @@ def _margin(numerator: str) -> Callable[[RobotDescription], Found]:
     """Return a measure of a torque over the peak torque."""
 
     def measure(robot: RobotDescription) -> Found:
-        margin = margin_of(robot, rest_position(robot))
+        margin = compute_margin(robot, rest_position(robot))
         torque = getattr(margin, numerator)
         return _per_joint(robot, torque / margin.peak, torque=torque, peak=margin.peak)
 
@@ -129,7 +129,7 @@ QUESTIONS = (
     Question(  # built robots have 0.03 to 20; a rotor in kg cm^2 is off by 1e4
         needs=("motor_torque",),
         measure=lambda robot: _per_joint(
-            robot, inertia_of(robot, rest_position(robot)).ratio, rotor=robot.drive.rotor_inertia
+            robot, compute_inertia(robot, rest_position(robot)).ratio, rotor=robot.drive.rotor_inertia
         ),
         low=1e-3,
         high=1e3,

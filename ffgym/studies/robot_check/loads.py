@@ -69,7 +69,7 @@ class Inertia:
     """Links over rotor, both on the motor side: above about 10, servos are hard to tune."""
 
 
-def gravity_of(robot: RobotDescription, places: dict[str, Array], *, with_gears: bool) -> Gravity:
+def compute_gravity(robot: RobotDescription, places: dict[str, Array], *, with_gears: bool) -> Gravity:
     """Compute the holding torque at positions by name, and its worst over the ranges; `with_gears` also at motors."""
     arm = RigidArm(robot)
     everywhere = arm.holding_torque(poses_in_range(robot))
@@ -80,21 +80,21 @@ def gravity_of(robot: RobotDescription, places: dict[str, Array], *, with_gears:
     )
 
 
-def inertia_of(robot: RobotDescription, q: Array) -> Inertia:
+def compute_inertia(robot: RobotDescription, q: Array) -> Inertia:
     """Compute the inertias at joint positions `q` (N,)."""
     link = np.diag(RigidArm(robot).mass_matrix(q[None])[0]).copy()
     rotor = robot.drive.rotor_inertia
     return Inertia(link=link, rotor=rotor, ratio=link / (robot.drive.gear_ratio**2 * rotor))
 
 
-def margin_of(robot: RobotDescription, q: Array) -> Margin:
+def compute_margin(robot: RobotDescription, q: Array) -> Margin:
     """Compute torque margins of the motors, with accelerations at joint positions `q` (N,)."""
     drive, friction = robot.drive, robot.friction
-    gravity = gravity_of(robot, {}, with_gears=True).motor_worst
+    gravity = compute_gravity(robot, {}, with_gears=True).motor_worst
     assert gravity is not None
     at_speed = friction.steady_torque(np.abs(drive.gear_ratio) * robot.kinematics.max_speed)
     left = drive.peak_torque - gravity - friction.static
-    turned = drive.rotor_inertia + inertia_of(robot, q).link / drive.gear_ratio**2
+    turned = drive.rotor_inertia + compute_inertia(robot, q).link / drive.gear_ratio**2
     return Margin(
         peak=drive.peak_torque,
         gravity=gravity,

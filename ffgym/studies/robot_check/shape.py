@@ -110,7 +110,7 @@ class CheckedPose:
     """Reason why it cannot be reached."""
 
 
-def reach_of(robot: RobotDescription) -> Reach:
+def compute_reach(robot: RobotDescription) -> Reach:
     """Compute the reach of a robot; needs kinematics only."""
     poses = poses_in_range(robot)
     points, first = tips(robot, poses), skeleton(robot, poses[0]).joints[0]
@@ -122,7 +122,7 @@ def reach_of(robot: RobotDescription) -> Reach:
     )
 
 
-def places_of(robot: RobotDescription) -> list[CheckedPose]:
+def solve_poses(robot: RobotDescription) -> list[CheckedPose]:
     """Solve the positions of the work area; without one, return the rest pose."""
     area = robot.work_area
     if area is None or not area.positions or robot.tool is None:

@@ -13,12 +13,12 @@ from ffgym.studies.robot_check.loads import (
     Inertia,
     Margin,
     ServoLoop,
-    gravity_of,
-    inertia_of,
-    margin_of,
+    compute_gravity,
+    compute_inertia,
+    compute_margin,
     servo_loop,
 )
-from ffgym.studies.robot_check.shape import CheckedPose, Reach, places_of, reach_of, rest_place
+from ffgym.studies.robot_check.shape import CheckedPose, Reach, compute_reach, rest_place, solve_poses
 
 _SMALL_MARGIN = 2.0
 """Gain margin below which a servo counts as tight; the rule of thumb of 6 dB."""
@@ -87,7 +87,7 @@ def check_robot(draft: RobotDraft) -> RobotCheck:
     # reach and poses
     shape = known("kinematics")
     rest = None if shape is None else rest_place(shape)
-    places = () if shape is None else tuple(places_of(shape))
+    places = () if shape is None else tuple(solve_poses(shape))
     reached = {place.name: place.q for place in places if place.q is not None}
     home = None if rest is None else rest.q
     # resonances and masses
@@ -107,8 +107,8 @@ def check_robot(draft: RobotDraft) -> RobotCheck:
     inertia = margin = servo = None
     if home is not None and rest is not None:
         driven, strong, whole = known("motor_torque"), known("torque_margin"), known("simulation")
-        inertia = None if driven is None else inertia_of(driven, home)
-        margin = None if strong is None else margin_of(strong, home)
+        inertia = None if driven is None else compute_inertia(driven, home)
+        margin = None if strong is None else compute_margin(strong, home)
         servo = None if whole is None else servo_loop(draft.complete(), rest.name, home)
     unreachable = [
         f"work_area.positions.{place.name} cannot be worked at: {place.problem}" for place in places if place.problem
@@ -116,12 +116,12 @@ def check_robot(draft: RobotDraft) -> RobotCheck:
     return RobotCheck(
         draft=draft,
         lacks={entry.name: draft.lacks(entry.name) for entry in CAPABILITIES},
-        reach=None if shape is None else reach_of(shape),
+        reach=None if shape is None else compute_reach(shape),
         rest=rest,
         places=places,
         mass=weight,
         resonances=modes or None,
-        gravity=None if links is None else gravity_of(links, reached, with_gears=with_gears),
+        gravity=None if links is None else compute_gravity(links, reached, with_gears=with_gears),
         inertia=inertia,
         margin=margin,
         servo=servo,

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ffgym.effects import EFFECTS
-from ffgym.envs.machines import rig_of
+from ffgym.envs.machines import make_rig
 from ffgym.logs.quality import check_quality
 from ffgym.recordings import Recording
 from ffgym.robot import RigidArm, load_robot
@@ -61,7 +61,7 @@ def test_nothing_is_said_against_logs_of_any_protocol(name, noise):
 @pytest.mark.slow
 def test_nothing_is_said_against_slow_and_fast_sines_of_a_workcell():
     """Friction that turns round over more than the description's distance is not late, nor a swinging arm wrong."""
-    rig = rig_of("workcell:thesis")
+    rig = make_rig("workcell:thesis")
     protocol = Table61(joints=("j2",), records=(1, 15), least=1.0, periods=2)
     for recording in record(plan_session(arm(), [protocol]), rig, record_dt=1e-3):
         assert objections(recording) == [], recording.header.segment

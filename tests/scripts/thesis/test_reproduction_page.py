@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 
 from ffgym.core.errors import FFGymError
-from ffgym.envs.machines import rig_of
+from ffgym.envs.machines import make_rig
 from scripts.thesis import ITEMS, Laboratory, as_json, chosen, count, fingerprints, render_page, reproduce
 
 FIGURES = [f"figure-4.{n}" for n in range(2, 13)] + [f"figure-5.{n}" for n in (2, 3, *range(5, 21))]
@@ -64,7 +64,7 @@ def test_the_whole_reproduction_shows_and_judges_everything():
 
 def test_numbers_carry_the_fingerprint_of_every_machine(laboratory):
     assert list(fingerprints(laboratory)) == ["irb4600_60_205", "one_axis", "workcell:thesis"]
-    assert fingerprints(laboratory)["workcell:thesis"] == rig_of("workcell:thesis").fingerprint
+    assert fingerprints(laboratory)["workcell:thesis"] == make_rig("workcell:thesis").fingerprint
 
 
 def test_every_item_of_the_thesis_has_something_to_say_and_to_show():
