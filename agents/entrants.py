@@ -37,8 +37,10 @@ def _entrant(entry: AgentEntry) -> Entrant | None:
     if not entry.on_leaderboard or (entry.make is None and manifest is None):
         return None
     practises = entry.track == _PRACTISED
+    # command and seeds without artefacts
     again = f"ffgym leaderboard --agents {entry.name}" if practises else None
     unread = SEEDS if practises or entry.seeded else (0,)
+    # the maker: practice on the tasks, a new law for each plant, or an artefact
     ready: Maker
     if practises:
         ready = partial(_practise, entry)

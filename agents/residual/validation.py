@@ -100,6 +100,7 @@ def _errors(policy: ResidualPolicy, robot: str, plants: int, seed: int) -> Array
         sensing=Sensing(encoder_bits=ENCODER_BITS),
         randomization=PlantDistribution(),
     )
+    # squares of the path error on the circle of each robot
     try:
         agent = policy.agent(load_robot(robot), env.unwrapped.observation_layout)
         observation, _ = env.reset(seed=seed)

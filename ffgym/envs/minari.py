@@ -88,12 +88,14 @@ def _episode(
     info_keys: Sequence[str],
     deterministic: bool,
 ) -> Episode:
+    """Run one episode to its end."""
     observation, info = env.reset(seed=seed, options=options)
     for key in info_keys:
         check_choice("info key", key, list(info))
     core = env.unwrapped.core  # type: ignore[attr-defined]
     motion = core.motions[0]
     space: Any = env.action_space
+    # actions within the space and of its type, as they are applied
     observations, infos = [observation], [info]
     actions: list[Array] = []
     results: list[tuple[Any, bool, bool]] = []
@@ -154,6 +156,7 @@ def write_dataset(
         "description": f"{len(episodes)} episodes of {env.spec.id if env.spec else env}.",
         "requirements": [f"{name}=={versions_now[name]}" for name in ("ffgym", "mujoco")],
     } | about
+    # episodes as Minari takes them
     buffers = [
         EpisodeBuffer(
             seed=episode.seed,
@@ -181,6 +184,7 @@ def write_dataset(
             )
         except ValueError as error:
             raise FFGymError(f"Minari refuses data set {dataset_id!r}: {error}") from error
+    # metadata by which episodes are repeated
     dataset.storage.update_metadata({"versions": versions_now})
     dataset.storage.update_episode_metadata(
         [  # Minari reads 'task/speed' as an entry of the dict 'task'

@@ -121,6 +121,7 @@ def collect_sample(row: Row, grid: Grid) -> Sample:
         raise FFGymError(f"Row {row.name!r} cannot be compared: {why}. Run `ffgym leaderboard` for it again.")
     outcomes = outcomes_on(row, grid)
     seeds = tuple(sorted({outcome.seed for outcome in outcomes}))
+    # results in the order of seeds, plants and circles
     cells: list[CircleResult] = []
     for outcome in outcomes:
         by_key = {cell.key: cell for cell in outcome.cells}

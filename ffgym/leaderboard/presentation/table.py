@@ -106,6 +106,7 @@ def table_of(standings: Standings) -> StandingsTable:
     def cells(figures: Mapping[str, Figure]) -> tuple[Figure, ...]:
         return tuple(figures.get(column.key, NOTHING) for column in columns)
 
+    # rows of the standings, then published methods
     lines = [
         StandingsLine(
             kind="shown" if line.rank is None else "ranked",

@@ -188,6 +188,7 @@ def circles_note(standings: Standings, published: Sequence[PublishedRow] = ()) -
             f"The errors are what a laser tracker with {tracker.noise * 1e6:g} um of noise in each coordinate "
             "measures: none is below that noise."
         )
+    # plants and rows with reservations, published rows, and rows that are left out
     if grid.left_out:
         parts.append(f"Without {_join_words(grid.left_out)}, where zero action lacks some of these circles.")
     unproven = [f"{line.row.name} ({line.unproven})" for line in standings.lines if line.unproven and line.rank]

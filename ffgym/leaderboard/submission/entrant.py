@@ -33,6 +33,7 @@ def make_entrant(path: Path, loaders: Mapping[str, str]) -> Entrant:
             f"{path}: the name {manifest.name!r} must be letters, digits, _ and -, at most 64, as its result file is "
             f"named after it. Submit it with another --name."
         )
+    # the agent runs in a process of its own, one for each plant and seed
     known = sha256_of(data)
     content = None if manifest.agent.file is None else files[manifest.agent.file]
 

@@ -94,6 +94,7 @@ class AgentProcess:
         self._spent_s = self._due_s = 0.0
         self.elapsed_us = 0.0
         """Time of the last decision [us], measured beside the agent; the sum of all is measured in this process."""
+        # folder with the agent's file, and the process
         try:
             folder = TemporaryDirectory(prefix="ffgym-agent-")
             own = Path(folder.name).resolve() / "agent"
@@ -111,6 +112,7 @@ class AgentProcess:
                 f"No process can be started for the agent: {error}. Its folder is made where TMPDIR says, "
                 "which must exist, be writable and have space left."
             ) from error
+        # order to make the agent, and its answer
         self.close = finalize(self, _end, self._process, folder)
         order = {"source": asdict(source), "robot": robot, "loader": loaders[source.kind], "seed": seed}
         try:

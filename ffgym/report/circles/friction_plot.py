@@ -70,6 +70,7 @@ def joint_loops_figure(study: CircleStudy, *, beside: str | None = None) -> Repo
             shares = friction_miss(recording) if beside is None else unlike(recording, other)
             each = ", ".join(f"{joint} {share:.1%}" for joint, share in zip(joints, shares, strict=True))
             misses.append(f"{styles[law].label}: {each}")
+    # caption, with the differences of each law
     place = f"motor side, at {position}, {speed * 1e3:g} mm/s, without standstill"
     if beside is None:
         caption = (
@@ -138,6 +139,7 @@ def one_axis_figure(study: OneAxisStudy, frequency: float) -> ReportFigure:
         for row, label in zip(grid, ("motor speed [rad/s]", "motor error [mrad]", "feedback $u_c$ [N m]"), strict=True):
             row[0].set_ylabel(label)
         figure.align_ylabels()
+    # RMS error of each law, for the caption
     values = []
     for result in study.results:
         if result.frequency_hz == frequency:

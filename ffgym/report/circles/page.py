@@ -58,6 +58,7 @@ def render_report(circle_study: CircleStudy, one_axis_study: OneAxisStudy, info:
     words, robot = words_of("circles"), one_axis_study.robot.title
     shares = {"reproduced": REPRODUCED, "partly reproduced": PARTLY}
     counted = ", ".join(f"“{word}” if at least {share:.0%}" for word, share in shares.items())
+    # verdicts on what is reproduced, and the sine test
     found = findings(circle_study)
     columns = [
         Column("question", [finding.question for finding in found], kind="prose"),

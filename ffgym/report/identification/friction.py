@@ -141,6 +141,7 @@ def friction_figures(report: FrictionReport) -> list[ReportFigure]:
     for j, joint in enumerate(found.joints):
         if joint.bristles is None:
             continue
+        # loops of the records that were used, and of those that were not
         fitted = set(joint.bristles.data.segments)
         used = [torque for torque in report.used if torque.signals.segment in fitted]
         for name, thesis, torques, words in (

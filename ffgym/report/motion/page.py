@@ -77,6 +77,7 @@ def _section(study: MotionStudy, name: str) -> Section:
         Column("joint", study.robot.joints, kind="name"),
         Column("speed", [results[0].speed_use[j] for j in joints], ".1%"),
     ]
+    # columns of each law
     styles = law_styles(result.agent for result in results)
     for result in results:
         law, colour = styles[result.agent].label, styles[result.agent].colour
