@@ -285,7 +285,10 @@ def format_diagnosis(diagnosis: Diagnosis, robot: RobotDescription | None = None
         )
     parts += [wrap_text(f"between recordings: {drift.message}") for drift in diagnosis.drifts]
     for pattern in diagnosis.patterns:
-        parts += [wrap_text(f"pattern: {pattern.message}"), *(wrap_text(f"  not a cause: {lead}") for lead in pattern.leads)]
+        parts += [
+            wrap_text(f"pattern: {pattern.message}"),
+            *(wrap_text(f"  not a cause: {lead}") for lead in pattern.leads),
+        ]
     if diagnosis.levels:
         table = levels_table(diagnosis).text().replace("not small", "NOT SMALL")  # what is wrong stands out
         parts += ["", table, ""]
