@@ -28,7 +28,7 @@ from ffgym.logs import write_corrected
 from ffgym.logs.quality import accepted, judged
 from ffgym.recordings import Recording
 from ffgym.report.diagnosis import DiagnosisReport, compared_table, format_diagnosis, render_diagnosis_page
-from ffgym.report.table import filled
+from ffgym.report.table import wrap_text
 from ffgym.robot import ModelOptions, load_draft
 from ffgym.simulation.plant import Machine, load_machine, save_machine
 from ffgym.simulation.plant.machine_file import is_machine_file
@@ -256,7 +256,7 @@ class NextStep:
     @property
     def text(self) -> str:
         """Advice and commands for a terminal, a line each."""
-        return "\n  ".join([filled(f"next: {self.advice}"), *self.commands])
+        return "\n  ".join([wrap_text(f"next: {self.advice}"), *self.commands])
 
 
 def next_step(config: Diagnose, diagnosis: Diagnosis, period: float | None = None) -> NextStep:
