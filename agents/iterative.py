@@ -50,7 +50,7 @@ from ffgym.control import FeedForwardLaw, LawStyle, NoCompensation
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
 from ffgym.core.measures import rms_length
 from ffgym.core.types import Array, IntArray
-from ffgym.logs.preparation import motor_effort
+from ffgym.logs.preparation import read_motor_torque
 from ffgym.paths import Reference
 from ffgym.recordings import Recording
 from ffgym.robot import RigidArm
@@ -244,7 +244,8 @@ class IterativeLearning:
         # torque that the drive has left beside its own control; more would never come, and pile up
         peak = self.arm.robot.drive.peak_torque
         feedforward, feedback = (
-            motor_effort(reference.robot, recording, family) for family in ("feedforward.effort", "feedback.effort")
+            read_motor_torque(reference.robot, recording, family)
+            for family in ("feedforward.effort", "feedback.effort")
         )
         control = at_samples(feedforward + feedback, recording, reference)
         following = np.clip(wanted, -peak - control, peak - control)

@@ -18,7 +18,7 @@ import numpy as np
 from ffgym.agents.flexible_joints import Lead
 from ffgym.core.types import Array
 from ffgym.effects import State, TorqueEffect
-from ffgym.effects.together import in_order, relaxed, step
+from ffgym.effects.together import relax, sort_effects, step
 from ffgym.effects.transmission.backlash import Backlash
 from ffgym.simulation.plant import Machine
 
@@ -58,7 +58,7 @@ class SpringEffects:
     def effects(self) -> tuple[TorqueEffect, ...]:
         """Effects on springs and links without gaps, in the order in which a plant adds them up."""
         chosen = (e for e in self.machine.torque_effects if e.side == "link" and not isinstance(e, Backlash))
-        return tuple(in_order(chosen))
+        return tuple(sort_effects(chosen))
 
     @cached_property
     def _still(self) -> State:
@@ -76,7 +76,7 @@ class SpringEffects:
     def rest(self, needed: Array, q: Array) -> tuple[Carried, list[Array]]:
         """Find the torque carried where the robot rests at `q` (..., N), and the memories of effects there."""
         none = np.zeros_like(q)
-        memories = relaxed(self.effects, self._state(q, none, none, none, none))
+        memories = relax(self.effects, self._state(q, none, none, none, none))
         carried, _ = self._solve_balance(lambda bent: self._state(q, none, bent, none, bent), needed, memories, 1.0)
         return self._beyond_gap(carried, self.machine.physical.drive.joint_stiffness * LOOSE), memories
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from ffgym.core.types import Array
 from ffgym.effects import State, TorqueEffect
-from ffgym.effects.along import samples
-from ffgym.effects.together import in_order, relaxed, step
+from ffgym.effects.along import iterate_samples
+from ffgym.effects.together import relax, sort_effects, step
 from ffgym.simulation.plant import Machine
 
 _MOTION = ("time", "joint_angle", "joint_speed", "deflection", "deflection_rate", "load", "command")
@@ -36,14 +36,14 @@ class MotorEffects:
     @cached_property
     def effects(self) -> tuple[TorqueEffect, ...]:
         """Effects on the motors of the machine, in a fixed order."""
-        return tuple(in_order(effect for effect in self.machine.torque_effects if effect.side != "link"))
+        return tuple(sort_effects(effect for effect in self.machine.torque_effects if effect.side != "link"))
 
     def rest(self, state: State) -> tuple[Array, list[Array]]:
         """Find the torque of effects on motors that rest [N m], (..., N), and their memories there."""
         needed, added, memories = state.command, np.zeros_like(state.load), list[Array]()
         for _ in range(ROUNDS + 1):
             state = state.with_values(command=needed - added)
-            memories = relaxed(self.effects, state)
+            memories = relax(self.effects, state)
             added = self._sum_torques(self.effects, state, memories, 1.0)[0]
         return added, memories
 
@@ -64,7 +64,7 @@ class MotorEffects:
         later = list(memories)
         lasting = [k for k, memory in enumerate(memories) if memory.shape[-1]]
         torques = []
-        for state in samples(states) if lasting else ():
+        for state in iterate_samples(states) if lasting else ():
             ones = [self.effects[k] for k in lasting]
             torque, after = self._sum_torques(ones, state, [later[k] for k in lasting], dt / len(needed))
             torques.append(torque)

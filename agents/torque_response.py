@@ -19,7 +19,7 @@ import numpy as np
 import scipy
 
 from ffgym.core.errors import FFGymError, check_choice, check_number
-from ffgym.core.measures import rms_length
+from ffgym.core.measures import interpolate, rms_length
 from ffgym.core.types import Array
 from ffgym.paths import Reference
 from ffgym.recordings import Recording
@@ -235,7 +235,7 @@ def at_samples(rows: Array, recording: Recording, reference: Reference) -> Array
     if not seen.any():
         raise FFGymError(f"Recording {recording.header.segment!r} has no row in which the TCP was seen.")
     if not seen.all():
-        rows = np.stack([np.interp(recording.t, recording.t[seen], column[seen]) for column in rows.T], axis=1)
+        rows = interpolate(recording.t, recording.t[seen], rows[seen])
     weights = np.convolve(np.ones(per_sample), np.ones(per_sample)) / per_sample**2
     padded = np.pad(rows, ((per_sample - 1, per_sample - 1), (0, 0)), mode="edge")
     return np.stack([np.convolve(column, weights, mode="valid")[::per_sample] for column in padded.T], axis=1)

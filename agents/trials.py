@@ -9,7 +9,7 @@ import numpy as np
 from ffgym.control.setpoints import torque_at_rows
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.types import Array, BoolArray, IntArray
-from ffgym.logs.preparation import motor_effort, read_motor_side
+from ffgym.logs.preparation import read_motor_side, read_motor_torque
 from ffgym.paths import SPEEDS, Reference
 from ffgym.recordings import Recording
 from ffgym.recordings.metrics import motor_error
@@ -143,7 +143,7 @@ class Lesson:
             motor_dq=motor_dq,
             motor_ddq=motor_ddq,
             signal=learning_signal(recording, robot, signal),
-            added=motor_effort(robot, recording, "compensation.effort"),
+            added=read_motor_torque(robot, recording, "compensation.effort"),
             error=motor_error(recording),
             moving=~recording.mask(kind="standstill") & ~ended,
         )
@@ -166,8 +166,8 @@ def learning_signal(recording: Recording, robot: RobotDescription, signal: Signa
     check_choice("learning signal", signal, SIGNALS)
     if signal == "e_p":
         return robot.servo.position_gain * motor_error(recording)
-    feedback = motor_effort(robot, recording, "feedback.effort")
-    return feedback if signal == "u_c" else feedback - motor_effort(robot, recording, "feedback.integral")
+    feedback = read_motor_torque(robot, recording, "feedback.effort")
+    return feedback if signal == "u_c" else feedback - read_motor_torque(robot, recording, "feedback.integral")
 
 
 def thesis_motions(arm: RigidArm) -> list[Reference]:

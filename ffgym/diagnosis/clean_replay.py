@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 import scipy
 
+from ffgym.core.measures import interpolate
 from ffgym.core.types import Array
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.replay import Replay, predict_feedback, replay
@@ -90,11 +91,11 @@ def _refine(log: Log, every: int, smooth: bool) -> Log:
         torque=np.zeros_like(q),
         tool=None,
         link=None,
-        feedback=None if log.feedback is None else _interpolate(log.feedback, log, t),
+        feedback=None if log.feedback is None else interpolate(t, log.t, log.feedback),
         reference=None
         if reference is None
-        else (_differentiate(reference[0], log, t)[0], _interpolate(reference[1], log, t)),
-        temperature=None if log.temperature is None else _interpolate(log.temperature, log, t),
+        else (_differentiate(reference[0], log, t)[0], interpolate(t, log.t, reference[1])),
+        temperature=None if log.temperature is None else interpolate(t, log.t, log.temperature),
     )
 
 
@@ -109,13 +110,6 @@ def _differentiate(q: Array, log: Log, t: Array) -> tuple[Array, Array, Array]:
         angle[within:, i] = q[n - 1, i]
         speed[:within, i], change[:within, i] = curve(t[:within], 1), curve(t[:within], 2)
     return angle, speed, change
-
-
-def _interpolate(values: Array, log: Log, t: Array) -> Array:
-    """Interpolate values (T, M, N) linearly at finer times."""
-    flat = values.reshape(len(values), -1)
-    found = np.stack([np.interp(t, log.t, column) for column in flat.T], axis=1)
-    return found.reshape(len(t), *values.shape[1:])
 
 
 def _record(log: Log, run: Replay, fine: Replay, every: int, i: int) -> Recording:

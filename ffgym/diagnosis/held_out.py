@@ -13,7 +13,7 @@ import numpy as np
 
 from ffgym.control import FeedForwardLaw
 from ffgym.core.errors import FFGymError
-from ffgym.core.measures import rms
+from ffgym.core.measures import interpolate, rms
 from ffgym.core.types import Array
 from ffgym.diagnosis.computing import FAILED
 from ffgym.diagnosis.log import assemble_log
@@ -22,7 +22,7 @@ from ffgym.diagnosis.replay import predict, replay
 from ffgym.diagnosis.residual import UNITS, components
 from ffgym.diagnosis.residual_rows import compute_residuals, filter_measured, find_counting_rows
 from ffgym.diagnosis.sampling import Sampling
-from ffgym.logs.preparation import acting_torque, motor_torque
+from ffgym.logs.preparation import convert_to_motor_side, read_acting_torque
 from ffgym.paths import Reference
 from ffgym.recordings import Recording
 from ffgym.recordings.metrics import motor_error
@@ -157,7 +157,7 @@ def _run_again(nominal: Machine, recording: Recording) -> Run:
             )
         return Run(reference=reference)
     added = _interpolate(reference.t, recording, recording.joint_array("compensation.effort"))
-    added = motor_torque(nominal.robot.drive, recording.header, added)
+    added = convert_to_motor_side(nominal.robot.drive, recording.header, added)
     return Run(reference=reference, law=RecordedLaw(added=added))
 
 
@@ -191,14 +191,14 @@ def _compare(
 
 def _signal(quantity: str, robot: RobotDescription, recording: Recording) -> Array:
     if quantity == "torque":
-        return acting_torque(robot, recording)
+        return read_acting_torque(robot, recording)
     return recording.vector("tcp.position") if quantity == "tool" else motor_error(recording)
 
 
 def _interpolate(t: Array, recording: Recording, values: Array) -> Array:
     """Interpolate values (T, C) of a recording linearly at other times since its beginning."""
     since, known = recording.t - recording.t[0], ~np.isnan(values).any(axis=1)
-    return np.stack([np.interp(t, since[known], column[known]) for column in values.T], axis=1)
+    return interpolate(t, since[known], values[known])
 
 
 def is_better(levels: Sequence[LoopLevel]) -> bool:

@@ -14,10 +14,10 @@ from ffgym.diagnosis.sampling import Sampling, white_noise, without_trembling
 from ffgym.diagnosis.settings import settings
 from ffgym.logs.preparation import (
     LowPass,
-    acting_torque,
     check_fits,
-    derivatives,
-    joint_position,
+    differentiate,
+    read_acting_torque,
+    read_joint_position,
     read_joint_side,
 )
 from ffgym.recordings import Recording
@@ -146,8 +146,8 @@ def assemble_log(
     for i, recording in enumerate(recordings):
         known[ends : max(ends, len(recording) - ends), i] = True
         known[: len(recording), i] &= recording.valid.any(axis=1)
-    positions = [joint_position(robot, recording, low_pass) for recording in recordings]
-    rates = [derivatives(q, recording.dt) for q, recording in zip(positions, recordings, strict=True)]
+    positions = [read_joint_position(robot, recording, low_pass) for recording in recordings]
+    rates = [differentiate(q, recording.dt) for q, recording in zip(positions, recordings, strict=True)]
 
     def beside(of: Sequence[Array], hold: bool = True) -> Array:
         return pad(of, sampling.n_samples, hold)
@@ -169,7 +169,7 @@ def assemble_log(
         ddq=beside([ddq for _, ddq in rates], hold=False),
         trembling=trembling,
         slip_dq=np.gradient(without_trembling(q, trembling), sampling.dt, axis=0),
-        torque=beside([acting_torque(robot, recording) for recording in recordings]),
+        torque=beside([read_acting_torque(robot, recording) for recording in recordings]),
         tool=where_all("tcp.position", read_tool) if robot.tool is not None else None,
         link=where_all("link.position", lambda r: r.joint_array("link.position")),
         feedback=read_feedback(robot, recordings, sampling.n_samples),

@@ -7,9 +7,10 @@ import numpy as np
 import scipy
 
 from ffgym.core.errors import FFGymError
+from ffgym.core.measures import interpolate
 from ffgym.core.types import Array
 from ffgym.diagnosis.settings import settings
-from ffgym.logs.preparation import motor_effort, motor_torque, read_joint_side, read_motor_side
+from ffgym.logs.preparation import convert_to_motor_side, read_joint_side, read_motor_side, read_motor_torque
 from ffgym.paths import Reference
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
@@ -30,7 +31,7 @@ def read_tool(recording: Recording) -> Array:
     seen = np.flatnonzero(~np.isnan(position).any(axis=1))
     if len(seen) < 2:
         return np.full_like(position, np.nan)
-    between = np.stack([np.interp(t, t[seen], position[seen, k]) for k in range(3)], axis=1)
+    between = interpolate(t, t[seen], position[seen])
     after = np.minimum(np.searchsorted(seen, np.arange(len(t))), len(seen) - 1)
     before = np.maximum(np.where(seen[after] == np.arange(len(t)), after, after - 1), 0)
     gap = seen[after] - seen[before]
@@ -58,8 +59,8 @@ def read_feedback(robot: RobotDescription, recordings: Sequence[Recording], n: i
         torque = recording.joint_array(of)
         if of == "feedforward.effort" and recording.has("compensation.effort"):
             torque = torque + recording.joint_array("compensation.effort")
-        torque = motor_torque(robot.drive, recording.header, torque)
-        found.append(torque if of == "feedback.effort" else motor_effort(robot, recording) - torque)
+        torque = convert_to_motor_side(robot.drive, recording.header, torque)
+        found.append(torque if of == "feedback.effort" else read_motor_torque(robot, recording) - torque)
     return pad(found, n, hold=True)
 
 

@@ -23,8 +23,8 @@ from ffgym.diagnosis.replay.states import along_speed
 from ffgym.diagnosis.residual import Channel
 from ffgym.effects import Effect, NativeEffect, TorqueEffect
 from ffgym.effects.along import torques_along
-from ffgym.effects.together import plus
-from ffgym.logs.preparation import derivatives_of_motions
+from ffgym.effects.together import add
+from ffgym.logs.preparation import differentiate_motions
 from ffgym.robot import RobotDescription
 from ffgym.robot.friction import LuGreParameters
 from ffgym.simulation.plant import Machine
@@ -50,7 +50,7 @@ class Perturbation:
         found = {}
         for name in (f.name for f in fields(Perturbation)):
             other = getattr(more, name)
-            found[name] = plus(getattr(self, name), None if other is None else sign * other)
+            found[name] = add(getattr(self, name), None if other is None else sign * other)
         return Perturbation(**found)
 
     def select_joint(self, joint: int) -> "Perturbation":
@@ -90,7 +90,7 @@ def perturb_numbers(run: Replay, other: RobotDescription) -> Perturbation:
     if not have_same_numbers(other.friction, robot.friction):
         motor = _compute_friction(run, other.friction, 0.0) - run.bristles.torque
     if np.any(heavier := more("rotor_inertia")):
-        motor = plus(motor, heavier * drive.motor_angle(run.log.ddq))
+        motor = add(motor, heavier * drive.motor_angle(run.log.ddq))
     stiffer, damped = more("joint_stiffness"), more("joint_damping")
     if np.any(stiffer) or np.any(damped):
         spring = -(stiffer * run.deflection.angle + damped * run.deflection.rate)
@@ -110,7 +110,7 @@ def perturb_motion(run: Replay, further: Array) -> Perturbation:
     """Compute the perturbation by motors that truly were `further` [rad] than read, behind the gearbox, low-passed."""
     drive, log = run.robot.drive, run.log
     joint_q = log.sampling.motion_filter(further, log.dt)
-    joint_dq, joint_ddq = derivatives_of_motions(joint_q, log.lengths, log.dt)
+    joint_dq, joint_ddq = differentiate_motions(joint_q, log.lengths, log.dt)
     friction = _compute_friction(run, run.robot.friction, joint_dq)
     return Perturbation(
         motor=drive.rotor_inertia * drive.motor_angle(joint_ddq) + friction - run.bristles.torque,

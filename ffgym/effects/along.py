@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from dataclasses import fields
-from itertools import chain
 
 import numpy as np
 
@@ -11,7 +10,7 @@ from ffgym.effects.state import State, Torques
 
 
 def torques_along(effect: TorqueEffect, states: State, dt: float) -> Torques:
-    """What an effect adds at T samples, (T, ..., N) each; a machine that is at rest at the first of them is settled.
+    """Compute torques of an effect at T samples, (T, ..., N) each; a machine at rest at the first of them is settled.
 
     Args:
         effect: of one machine.
@@ -19,22 +18,21 @@ def torques_along(effect: TorqueEffect, states: State, dt: float) -> Torques:
             spreads over that.
         dt: sample time [s].
     """
-    each = samples(states)
-    first = next(each)
-    memory = effect.initial_memory(first)
+    shape = states.motor_angle.shape
+    memory = effect.initial_memory(states.each(lambda values: np.broadcast_to(values, shape)[0]))
     if not memory.size:
         return effect.torques(states, effect.initial_memory(states), dt)[0]
     if (at_once := effect.torques_over(states, dt)) is not None:
         return at_once
     found = []
-    for state in chain([first], each):
+    for state in iterate_samples(states):
         added, memory = effect.torques(state, memory, dt)
         found.append(added)
     names = [f.name for f in fields(Torques) if getattr(found[0], f.name) is not None]
     return Torques(**{name: np.stack([getattr(added, name) for added in found]) for name in names})
 
 
-def samples(states: State) -> Iterator[State]:
+def iterate_samples(states: State) -> Iterator[State]:
     """Yield the states at each sample in turn, (..., N) each: views, made cheaply, as there are many of them."""
     shape, names = states.motor_angle.shape, states.names()
     for name in names:  # what follows from the rest is computed once, for all samples

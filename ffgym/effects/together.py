@@ -33,7 +33,7 @@ _HALVINGS = 60
 """Halvings of the bracket, to less than rounding."""
 
 
-def in_order(effects: Iterable[E]) -> list[E]:
+def sort_effects(effects: Iterable[E]) -> list[E]:
     """Sort effects into the order in which they act, so that sums do not depend on how they were listed."""
     return sorted(effects, key=lambda effect: (effect.side != "link", effect.name))
 
@@ -67,8 +67,8 @@ def step(
     return _sum(effects, state, ask, present), later
 
 
-def relaxed(effects: Sequence[TorqueEffect], state: State) -> list[Array]:
-    """Memories of effects of machines that rest at `state`."""
+def relax(effects: Sequence[TorqueEffect], state: State) -> list[Array]:
+    """Compute memories of effects of machines that rest at `state`."""
     return [effect.initial_memory(state) for effect in effects]
 
 
@@ -87,21 +87,21 @@ def _sum(
     for k, effect in enumerate(effects):
         here, added = None if present is None else present[k], ask(effect, state)
         spring = _where(here, added.spring)
-        total.motor = plus(total.motor, _where(here, added.motor))
+        total.motor = add(total.motor, _where(here, added.motor))
         # outputs that lead their motors act back on these by the slopes of one another
         slope = None if spring is None else _where(here, effect.lead_slope(state))
         if spring is not None and slope is not None:
             if slopes is not None:
-                total.motor = plus(total.motor, -spring * slopes)
-            slopes = plus(slopes, slope)
-        total.link = plus(total.link, _where(here, added.link))
+                total.motor = add(total.motor, -spring * slopes)
+            slopes = add(slopes, slope)
+        total.link = add(total.link, _where(here, added.link))
         if spring is not None:
-            total.spring = plus(total.spring, spring)
+            total.spring = add(total.spring, spring)
             state = state.with_values(wound=total.spring)
     return total
 
 
-def plus(total: Array | None, more: Array | None) -> Array | None:
+def add(total: Array | None, more: Array | None) -> Array | None:
     """Add what there is; None is nothing."""
     if more is None:
         return total

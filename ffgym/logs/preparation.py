@@ -43,7 +43,7 @@ class LowPass:
         return 3 * (self.order + 1)
 
     def end_rows(self, dt: float) -> int:
-        """Rows at either end of a record, sampled every `dt` [s], that do not count."""
+        """Number of rows at either end of a record, sampled every `dt` [s], that do not count."""
         return round(self.settling / (self.cutoff * dt))
 
     def knows(self, n_rows: int, dt: float) -> BoolArray:
@@ -68,8 +68,8 @@ class LowPass:
         return np.asarray(scipy.signal.filtfilt(*coefficients, values, axis=0))
 
 
-def derivatives(angle: Array, dt: float) -> tuple[Array, Array]:
-    """First and second derivative of samples (T, ...) along time, T > 2.
+def differentiate(angle: Array, dt: float) -> tuple[Array, Array]:
+    """Compute the first and second derivative of samples (T, ...) along time, T > 2.
 
     Those of the sine series through the samples, less their chord: a motion that rests at both ends goes on smoothly
     beyond them. Differences of neighbours lose 1 - (sin x / x)^2 of an acceleration, x = 2 pi f dt: a third of it at a
@@ -90,22 +90,22 @@ def derivatives(angle: Array, dt: float) -> tuple[Array, Array]:
     return first, change
 
 
-def derivatives_of_motions(angle: Array, lengths: Sequence[int], dt: float) -> tuple[Array, Array]:
-    """Those of motions side by side (T, M, ...), each of its own length; 0 in what is padded."""
+def differentiate_motions(angle: Array, lengths: Sequence[int], dt: float) -> tuple[Array, Array]:
+    """Compute derivatives of motions side by side (T, M, ...), each of its own length; 0 in what is padded."""
     first, second = np.zeros_like(angle), np.zeros_like(angle)
     for i, n in enumerate(lengths):
-        first[:n, i], second[:n, i] = derivatives(angle[:n, i], dt)
+        first[:n, i], second[:n, i] = differentiate(angle[:n, i], dt)
     return first, second
 
 
-def joint_side(drive: Drive, header: Header, values: Array) -> Array:
+def convert_to_joint_side(drive: Drive, header: Header, values: Array) -> Array:
     """Bring positions, speeds or accelerations (T, N) of a recording behind the gearbox."""
     return values if header.position_side == "link" else drive.joint_angle(values)
 
 
 def read_joint_side(robot: RobotDescription, recording: Recording, family: str = "motor.position") -> Array:
     """Read measured or set positions, speeds or accelerations behind the gearbox, shape (T, N)."""
-    return joint_side(robot.drive, recording.header, recording.joint_array(family))
+    return convert_to_joint_side(robot.drive, recording.header, recording.joint_array(family))
 
 
 def read_motor_side(robot: RobotDescription, recording: Recording, family: str = "motor.position") -> Array:
@@ -114,17 +114,17 @@ def read_motor_side(robot: RobotDescription, recording: Recording, family: str =
     return robot.drive.motor_angle(values) if recording.header.position_side == "link" else values
 
 
-def motor_torque(drive: Drive, header: Header, torque: Array) -> Array:
+def convert_to_motor_side(drive: Drive, header: Header, torque: Array) -> Array:
     """Bring torques (T, N) of a recording to the motor side [N m]; those of currents and commands are there."""
     return drive.motor_torque(torque) if header.torque_semantics == "link_side" else torque
 
 
-def recorded_torque(drive: Drive, header: Header, torque: Array) -> Array:
+def convert_to_recorded_side(drive: Drive, header: Header, torque: Array) -> Array:
     """Bring torques (T, N), motor side [N m], to the side of a recording."""
     return drive.joint_torque(torque) if header.torque_semantics == "link_side" else torque
 
 
-def joint_position(robot: RobotDescription, recording: Recording, low_pass: LowPass) -> Array:
+def read_joint_position(robot: RobotDescription, recording: Recording, low_pass: LowPass) -> Array:
     """Filter positions behind the gearbox from motor angles, without delay; SI, shape (T, N).
 
     Raises:
@@ -139,15 +139,15 @@ def joint_position(robot: RobotDescription, recording: Recording, low_pass: LowP
     return low_pass(read_joint_side(robot, recording), recording.dt)
 
 
-def joint_motion(robot: RobotDescription, recording: Recording, low_pass: LowPass) -> tuple[Array, Array, Array]:
-    """Position, speed, acceleration behind the gearbox from motor angles, as `joint_position`; differences of rows."""
-    q = joint_position(robot, recording, low_pass)
+def read_joint_motion(robot: RobotDescription, recording: Recording, low_pass: LowPass) -> tuple[Array, Array, Array]:
+    """Compute position, speed and acceleration behind the gearbox from motor angles, by differences of rows."""
+    q = read_joint_position(robot, recording, low_pass)
     dq = np.gradient(q, recording.dt, axis=0)
     return q, dq, np.gradient(dq, recording.dt, axis=0)
 
 
-def motor_effort(robot: RobotDescription, recording: Recording, family: str = "motor.effort") -> Array:
-    """Recorded torque of a family, motor side [N m], shape (T, N), row by row as it stands in the recording.
+def read_motor_torque(robot: RobotDescription, recording: Recording, family: str = "motor.effort") -> Array:
+    """Read torques of a family, motor side [N m], shape (T, N), row by row as they stand in the recording.
 
     Raises:
         FFGymError: if robot and recording do not fit, or it does not say what its torque is.
@@ -156,12 +156,12 @@ def motor_effort(robot: RobotDescription, recording: Recording, family: str = "m
     header = recording.header
     if header.torque_semantics == "unspecified":
         raise FFGymError(f"Recording {header.segment!r} does not say what its torque is: torque_semantics.")
-    return motor_torque(robot.drive, header, recording.joint_array(family))
+    return convert_to_motor_side(robot.drive, header, recording.joint_array(family))
 
 
-def acting_torque(robot: RobotDescription, recording: Recording) -> Array:
-    """Motor torque that acts about the time of each row, motor side [N m], shape (T, N)."""
-    torque, hold = motor_effort(robot, recording), recording.header.hold
+def read_acting_torque(robot: RobotDescription, recording: Recording) -> Array:
+    """Read the motor torque that acts about the time of each row, motor side [N m], shape (T, N)."""
+    torque, hold = read_motor_torque(robot, recording), recording.header.hold
     if hold == "unspecified":
         raise FFGymError(
             f"Recording {recording.header.segment!r} does not say when its torque acts, and half a sample matters: set "

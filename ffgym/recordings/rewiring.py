@@ -8,6 +8,7 @@ from typing import Self, final
 import numpy as np
 
 from ffgym.core.errors import FFGymError
+from ffgym.core.measures import interpolate
 from ffgym.core.types import Array, BoolArray
 from ffgym.recordings.header import clip_phases
 from ffgym.recordings.recording import Recording
@@ -158,7 +159,4 @@ def earlier(samples: Array, t: Array, delay: float) -> tuple[Array, BoolArray]:
     places = np.clip(np.arange(len(t)) + rows, 0, len(t) - 1)
     if np.all(np.abs(t[places] - wanted)[reached] < _WHOLE * dt):
         return samples[places], reached
-    if samples.ndim == 1:
-        return np.interp(wanted, t, samples), reached
-    flat = samples.reshape(len(t), -1)
-    return np.stack([np.interp(wanted, t, column) for column in flat.T], axis=1).reshape(samples.shape), reached
+    return interpolate(wanted, t, samples), reached

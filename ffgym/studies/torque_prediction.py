@@ -8,7 +8,7 @@ import numpy as np
 from ffgym.core.errors import FFGymError
 from ffgym.core.measures import rms
 from ffgym.core.types import Array, BoolArray
-from ffgym.logs.preparation import LowPass, joint_motion, motor_effort
+from ffgym.logs.preparation import LowPass, read_joint_motion, read_motor_torque
 from ffgym.published import AsymmetricFriction
 from ffgym.recordings import Recording
 from ffgym.robot import RigidArm, RobotDescription, motor_torque
@@ -95,8 +95,8 @@ def predict_torque(
             for the filter, or a joint never moves.
     """
     low_pass = LowPass(cutoff=cutoff, order=_ORDER)
-    measured = motor_effort(robot, recording)
-    q, dq, ddq = joint_motion(robot, recording, low_pass)
+    measured = read_motor_torque(robot, recording)
+    q, dq, ddq = read_joint_motion(robot, recording, low_pass)
     scored = (np.abs(dq) > MOVING) & low_pass.knows(len(dq), recording.dt)[:, None]
     still = [joint for j, joint in enumerate(robot.joints) if not scored[:, j].any()]
     if still:

@@ -13,7 +13,7 @@ from ffgym.diagnosis.nuisance import ParameterPrior
 from ffgym.diagnosis.prepare import prepare
 from ffgym.diagnosis.replay import replay
 from ffgym.diagnosis.settings import use_settings
-from ffgym.logs.preparation import derivatives
+from ffgym.logs.preparation import differentiate
 from ffgym.recordings import Recording
 from ffgym.robot import ModelOptions, RigidArm
 from ffgym.simulation import Run, simulate
@@ -84,7 +84,7 @@ def test_a_motion_that_is_made_up_is_the_measured_one_once_it_went_through_the_l
     stopped = np.maximum(log.q, np.quantile(log.q, 0.3, axis=0))
     low_pass = log.sampling.motion_filter
     smooth = np.stack([low_pass(stopped[:, 0], log.dt)], axis=1)
-    dq, ddq = derivatives(smooth[:, 0], log.dt)
+    dq, ddq = differentiate(smooth[:, 0], log.dt)
     log = replace(log, q=smooth, dq=dq[:, None], ddq=ddq[:, None], slip_dq=dq[:, None], trembling=0 * log.trembling)
     again = assemble_log(log.robot, replay_finely(log, replay(log, nominal())), like=log).q
     inner = slice(50, -50)

@@ -5,7 +5,7 @@ import pytest
 
 from ffgym.diagnosis.sampling import Sampling, white_noise, without_trembling
 from ffgym.diagnosis.settings import settings
-from ffgym.logs.preparation import LowPass, derivatives, derivatives_of_motions
+from ffgym.logs.preparation import LowPass, differentiate, differentiate_motions
 
 
 @pytest.fixture(scope="module")
@@ -98,7 +98,7 @@ def swing(frequency, n=2001):
 @pytest.mark.parametrize("frequency", [0.5, 10.0, 40.0, 100.0])
 def test_derivatives_are_right_up_to_half_the_sample_rate(frequency):
     angle, speed, acceleration = swing(frequency)
-    first, second = derivatives(np.stack([angle, -2 * angle], axis=1), DT)
+    first, second = differentiate(np.stack([angle, -2 * angle], axis=1), DT)
     for found, true in ((first, speed), (second, acceleration)):
         np.testing.assert_allclose(found, np.stack([true, -2 * true], axis=1), atol=1e-5 * np.abs(true).max())
 
@@ -106,9 +106,9 @@ def test_derivatives_are_right_up_to_half_the_sample_rate(frequency):
 def test_motions_side_by_side_are_differentiated_one_by_one_and_rest_where_they_are_padded():
     long, short = swing(3.0)[0], swing(7.0, n=1500)[0]
     side_by_side = np.stack([long, np.pad(short, (0, 501), mode="edge")], axis=1)
-    first, second = derivatives_of_motions(side_by_side[..., None], [2001, 1500], DT)
+    first, second = differentiate_motions(side_by_side[..., None], [2001, 1500], DT)
     for motion, angle in enumerate((long, short)):
-        alone = derivatives(angle[:, None], DT)
+        alone = differentiate(angle[:, None], DT)
         np.testing.assert_allclose(first[: len(angle), motion], alone[0], atol=1e-12)
         np.testing.assert_allclose(second[: len(angle), motion], alone[1], atol=1e-9)
     assert not first[1500:, 1].any()

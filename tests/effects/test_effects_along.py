@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ffgym.effects import EFFECTS, TorqueEffect, torques_along
-from ffgym.effects.along import samples
+from ffgym.effects.along import iterate_samples
 from ffgym.paths import joint_reference, multisine
 from ffgym.simulation import Run, simulate
 from tests.effects.effect_samples import as_strong_as_plausible, state_of
@@ -60,7 +60,7 @@ def test_a_memory_over_the_whole_recording_is_that_of_sample_by_sample(name, sha
     if name == "torque_delay":
         effect = replace(effect, lag=np.zeros(irb4600.n_joints))
     at_once = effect.torques_over(states, dt)
-    each = list(samples(states))
+    each = list(iterate_samples(states))
     memory, found = effect.initial_memory(each[0]), []
     for state in each:
         torques, memory = effect.torques(state, memory, dt)

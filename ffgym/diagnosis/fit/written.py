@@ -23,7 +23,7 @@ from ffgym.diagnosis.residual_rows import compute_residuals
 from ffgym.diagnosis.solving import solve_bounded
 from ffgym.effects import ClockEffect, Effect, NativeEffect
 from ffgym.effects.friction.stribeck import StribeckPeak
-from ffgym.logs.preparation import recorded_torque
+from ffgym.logs.preparation import convert_to_recorded_side
 from ffgym.recordings import Recording
 from ffgym.simulation.plant import Machine
 
@@ -152,7 +152,7 @@ def _refitted(problem: FitProblem, fit: Fit, refit: Refit, chosen: BoolArray) ->
 def _without_causes(problem: FitProblem, motion: int, effects: Sequence[Effect], torque: Array) -> Recording:
     """The recording of a motion in step with its positions, less a torque (T, N), motor side [N m]."""
     recording = problem.log.recordings[motion]
-    own = recorded_torque(problem.log.robot.drive, recording.header, torque)
+    own = convert_to_recorded_side(problem.log.robot.drive, recording.header, torque)
     names = [f"motor.effort.{joint}" for joint in recording.header.joints]
     measured = np.stack([recording[name] for name in names], axis=1)
     rest = undo_delay(measured, "torque", effects, recording.dt) - own

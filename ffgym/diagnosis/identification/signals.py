@@ -7,7 +7,7 @@ import scipy
 
 from ffgym.core.types import Array, BoolArray
 from ffgym.logs.preparation import LowPass as LowPass
-from ffgym.logs.preparation import acting_torque, joint_motion
+from ffgym.logs.preparation import read_acting_torque, read_joint_motion
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
 
@@ -69,8 +69,8 @@ def signals_of(robot: RobotDescription, recording: Recording, low_pass: LowPass 
             it is sampled unevenly, too slowly or too shortly for the filter.
     """
     low_pass = low_pass or LowPass()
-    q, dq, ddq = joint_motion(robot, recording, low_pass)
-    torque = low_pass(acting_torque(robot, recording), recording.dt)
+    q, dq, ddq = read_joint_motion(robot, recording, low_pass)
+    torque = low_pass(read_acting_torque(robot, recording), recording.dt)
     reach = 2 * low_pass.end_rows(recording.dt) + 1
     masked = scipy.ndimage.maximum_filter1d((~recording.valid).astype(np.int8), reach, axis=0, mode="nearest")
     return Signals(

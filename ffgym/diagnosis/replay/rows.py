@@ -37,9 +37,9 @@ from ffgym.diagnosis.replay.states import (
 from ffgym.diagnosis.settings import settings
 from ffgym.effects import State
 from ffgym.effects.along import torques_along
-from ffgym.effects.together import plus, sum_along
+from ffgym.effects.together import add, sum_along
 from ffgym.effects.transmission.base_flexibility import BaseFlexibility
-from ffgym.logs.preparation import derivatives_of_motions
+from ffgym.logs.preparation import differentiate_motions
 from ffgym.robot import RigidArm, RobotDescription
 from ffgym.simulation.plant import Machine
 
@@ -207,7 +207,7 @@ def replay(
     of_motors = [effect for effect in machine.torque_effects if effect.side == "motor"]
     for effect in sorted(of_motors, key=lambda effect: (effect.code.startswith("M"), effect.name)):
         state.set_values(motor_torque=torque if motor is None else torque - motor)
-        motor = plus(motor, torques_along(effect, state, log.dt).motor)
+        motor = add(motor, torques_along(effect, state, log.dt).motor)
     torque = torque if motor is None else torque - motor
     state.set_values(motor_torque=torque)
     return Replay(
@@ -250,7 +250,7 @@ def _truly(log: Log, machine: Machine) -> Log:
     angle = drive.motor_angle(log.q)
     read, _ = machine.read_by_resolver(angle, drive.motor_angle(log.dq))
     q = log.q - sampling.motion_filter(drive.joint_angle(read - angle), log.dt)
-    dq, ddq = derivatives_of_motions(q, log.lengths, log.dt)
+    dq, ddq = differentiate_motions(q, log.lengths, log.dt)
     slip = log.slip_dq + np.where(log.slip_dq != 0, dq - log.dq, 0.0)
     return replace(log, q=q, dq=dq, ddq=ddq, slip_dq=slip)
 

@@ -9,8 +9,8 @@ from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.replay.recursions import first_order
 from ffgym.diagnosis.replay.springs import Deflection, Springs, between, straight
 from ffgym.effects import State, TorqueEffect, Torques
-from ffgym.effects.along import samples
-from ffgym.effects.together import find_rest, in_order, plus, relaxed, step, sum_along
+from ffgym.effects.along import iterate_samples
+from ffgym.effects.together import add, find_rest, relax, sort_effects, step, sum_along
 from ffgym.robot.friction import LuGreParameters
 from ffgym.simulation.plant import Machine
 
@@ -85,7 +85,7 @@ def state_of(log: Log, machine: Machine, bristles: Bristles) -> State:
 
 def arm_effects(machine: Machine) -> list[TorqueEffect]:
     """Effects that depend on how joints bend."""
-    return in_order(effect for effect in machine.torque_effects if effect.side == "link" and not effect.is_null)
+    return sort_effects(effect for effect in machine.torque_effects if effect.side == "link" and not effect.is_null)
 
 
 def deflected(
@@ -96,7 +96,7 @@ def deflected(
     The state is that where joints do not bend yet; about as `start` (M, N) [rad] they bend at the first sample.
     """
     led = sum_along([effect for effect in effects if effect.follows_motor], state, dt)
-    load = torque if (push := plus(led.spring, led.link)) is None else torque + push
+    load = torque if (push := add(led.spring, led.link)) is None else torque + push
     bending = [effect for effect in effects if not effect.follows_motor]
     if bending:
         return flown(springs, state, bending, load, start, dt)
@@ -112,15 +112,15 @@ def flown(
     if every > 1:  # the state at so many steps in each sample, on straight lines
         n = len(state.motor_angle)
         state = state.each(lambda values: straight(values, every) if values.ndim > 1 and len(values) == n else values)
-    each = list(samples(state))
+    each = list(iterate_samples(state))
 
     def pull(angle: Array) -> Array:
         """Compute the imbalance of torques at rest; it grows with the deflection."""
         now = each[0].with_values(deflection=angle, deflection_rate=np.zeros_like(angle))
-        return springs.restoring(angle) - torque[0] - _behind(step(effects, now, relaxed(effects, now), dt)[0], angle)
+        return springs.restoring(angle) - torque[0] - _behind(step(effects, now, relax(effects, now), dt)[0], angle)
 
     rest = find_rest(pull, start)
-    memories = relaxed(effects, each[0].with_values(deflection=rest, deflection_rate=np.zeros_like(rest)))
+    memories = relax(effects, each[0].with_values(deflection=rest, deflection_rate=np.zeros_like(rest)))
 
     def push(k: int, angle: Array, rate: Array) -> Array:
         each[k].set_values(deflection=angle, deflection_rate=rate)
@@ -134,5 +134,5 @@ def flown(
 
 def _behind(added: Torques, angle: Array) -> Array:
     """Torque of effects behind the gearbox, link side [N m], (M, N), where joints bend by `angle` [rad]."""
-    total = plus(added.spring, added.link)
+    total = add(added.spring, added.link)
     return np.zeros_like(angle) if total is None else total

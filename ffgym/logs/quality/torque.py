@@ -7,9 +7,9 @@ from functools import lru_cache
 import numpy as np
 import scipy
 
-from ffgym.core.measures import rms
+from ffgym.core.measures import interpolate, rms
 from ffgym.core.types import Array, BoolArray
-from ffgym.logs.preparation import motor_torque
+from ffgym.logs.preparation import convert_to_motor_side
 from ffgym.logs.quality.check import Seen, check
 from ffgym.logs.quality.log import Log, NotJudgedError
 from ffgym.logs.quality.signals import TINY, averaged
@@ -70,7 +70,7 @@ def model_of(log: Log) -> Model:
     arm, drive = log.arm, robot.drive
 
     def everywhere(values: Array) -> Array:
-        return np.stack([np.interp(log.t, log.t[few], column) for column in values.T], axis=1)
+        return interpolate(log.t, log.t[few], values)
 
     links = drive.motor_torque(arm.inverse_dynamics(q[few], dq[few], ddq[few]))
     return Model(
@@ -89,7 +89,7 @@ def _measured(log: Log, robot: RobotDescription) -> Array:
     header = log.recording.header
     if not log.recording.has("motor.effort") or header.torque_semantics == "unspecified":
         raise NotJudgedError("it needs motor.effort, and torque_semantics in the header")
-    return motor_torque(robot.drive, header, log.recording.joint_array("motor.effort"))
+    return convert_to_motor_side(robot.drive, header, log.recording.joint_array("motor.effort"))
 
 
 def _size(values: Array) -> float:

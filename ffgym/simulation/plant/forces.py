@@ -13,7 +13,7 @@ from mujoco import batch
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.effects import ResolverEffect, ResolverError, State, TorqueEffect, Torques
 from ffgym.effects.stack import by_kind, stack_effects
-from ffgym.effects.together import plus, relaxed, step
+from ffgym.effects.together import add, relax, step
 from ffgym.simulation.plant.engine_state import Addresses
 from ffgym.simulation.plant.machine import Machine
 from ffgym.simulation.plant.reading import EngineState, Reading, stack_numbers
@@ -64,7 +64,7 @@ class Forces:
         self._motor = np.zeros((self._n_robots, n))  # what effects added to motors last, link side
         everyone = self.choose(slice(None))
         state = self.state(everyone)
-        self._memory = relaxed(everyone.torque, state)
+        self._memory = relax(everyone.torque, state)
 
     @staticmethod
     def needed(machines: Sequence[Machine]) -> bool:
@@ -101,7 +101,7 @@ class Forces:
     def begin(self, chosen: Chosen, state: State) -> None:
         """Reset memories: simulations are at rest in `state`."""
         self._motor[chosen.rows] = 0.0
-        for memory, now in zip(self._memory, relaxed(chosen.torque, state), strict=True):
+        for memory, now in zip(self._memory, relax(chosen.torque, state), strict=True):
             memory[chosen.rows] = now
 
     def copy_memories(self) -> list[Array]:
@@ -123,7 +123,7 @@ class Forces:
 
     def resting(self, chosen: Chosen, state: State) -> Torques:
         """Compute torques added to robots that rest in `state`, with relaxed memories."""
-        return step(chosen.torque, state, relaxed(chosen.torque, state), self._dt, chosen.present)[0]
+        return step(chosen.torque, state, relax(chosen.torque, state), self._dt, chosen.present)[0]
 
     def resolver_error(self, motor_angle: Array, motor_speed: Array) -> ResolverError:
         """Compute errors of resolvers in angle [rad] and speed [rad/s], motor side, (B, N) each."""
@@ -169,7 +169,7 @@ class Forces:
         motor = None if total.motor is None else self._drive.joint_torque(total.motor)
         if motor is not None:
             self._motor[chosen.rows] = motor
-        turning, behind = plus(motor, total.link), plus(total.spring, total.link)
+        turning, behind = add(motor, total.link), add(total.spring, total.link)
         if turning is not None:
             self._applied[chosen.everyone, at.motor_qpos] = turning
         if behind is not None:

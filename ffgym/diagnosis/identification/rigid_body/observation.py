@@ -18,7 +18,7 @@ from ffgym.diagnosis.identification.rigid_body.terms import (
     elastic_motion,
     rigid_motion,
 )
-from ffgym.logs.preparation import LowPass, acting_torque, joint_motion
+from ffgym.logs.preparation import LowPass, read_acting_torque, read_joint_motion
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
 
@@ -100,12 +100,12 @@ def _part(
 ) -> Equations:
     """Equations of one recording."""
     dt, parallel = recording.dt, filtering.parallel
-    rigid = rigid_motion(robot, *joint_motion(robot, recording, filtering.motion))
+    rigid = rigid_motion(robot, *read_joint_motion(robot, recording, filtering.motion))
     motion = elastic_motion(robot, rigid, bodies, dt)
     stride = max(1, int(1 / (_ROWS_PER_CUTOFF * parallel.cutoff * dt)))
     kept = slice(None, None, stride)
     columns = [_filtered(part, parallel, dt)[kept] for term in terms for part in term.columns(robot, motion)]
-    measured = torque = acting_torque(robot, recording)
+    measured = torque = read_acting_torque(robot, recording)
     for term in TERMS:
         if term not in terms and np.any(term.described(robot)):
             torque = torque - term.torque(robot, motion, term.described(robot))

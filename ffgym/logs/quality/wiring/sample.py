@@ -6,6 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from ffgym.core.measures import interpolate
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.logs.preparation import LowPass
 from ffgym.logs.quality.signals import white_noise
@@ -131,7 +132,7 @@ def _band(recordings: Sequence[Recording], families: Sequence[str]) -> float:
             angle, t = recording.joint_array("motor.position"), _even(recording)
             # of the density 2 dt noise^2 up to the cut-off, times (2 pi f)^4
             noise = white_noise(angle) * (2 * np.pi * band) ** 2 * np.sqrt(2 * recording.dt * band / 5)
-            slow = LowPass(cutoff=band)(_resampled(angle, recording.t, t), recording.dt)
+            slow = LowPass(cutoff=band)(interpolate(t, recording.t, angle), recording.dt)
             there = np.std(np.gradient(np.gradient(slow, t, axis=0), t, axis=0), axis=0)
             moved = np.ptp(slow, axis=0) > 0
             shares.append(float(np.median((noise / np.maximum(there, 1e-300))[moved])) if moved.any() else 0.0)
@@ -149,8 +150,8 @@ def _motion(recording: Recording, families: Sequence[str], band: float, rows: in
         stack = recording.joint_array if FAMILIES[family].parts == "joint" else recording.vector
         raw = stack(family)
         seen = np.isfinite(raw).all(axis=1)
-        slow = LowPass(cutoff=band)(_resampled(raw[seen], recording.t[seen], even), dt) if seen.sum() > 30 else None
-        found = np.full((len(grid), raw.shape[1]), np.nan) if slow is None else _resampled(slow, even, grid)
+        slow = LowPass(cutoff=band)(interpolate(even, recording.t[seen], raw[seen]), dt) if seen.sum() > 30 else None
+        found = np.full((len(grid), raw.shape[1]), np.nan) if slow is None else interpolate(grid, even, slow)
         if slow is not None and not seen.all():
             # rows that are far from any sample
             times = recording.t[seen]
@@ -167,7 +168,3 @@ def _motion(recording: Recording, families: Sequence[str], band: float, rows: in
 def _even(recording: Recording) -> Array:
     t = recording.t
     return np.asarray(t[0] + recording.dt * np.arange(int((t[-1] - t[0]) / recording.dt + 1e-6) + 1))
-
-
-def _resampled(values: Array, t: Array, wanted: Array) -> Array:
-    return np.stack([np.interp(wanted, t, column) for column in values.T], axis=1)

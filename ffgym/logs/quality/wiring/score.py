@@ -7,7 +7,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from ffgym.core.types import Array, BoolArray
-from ffgym.logs.preparation import joint_side, motor_torque
+from ffgym.logs.preparation import convert_to_joint_side, convert_to_motor_side
 from ffgym.logs.quality.wiring.model import Columns, Regressor, bounded_fit, bounds
 from ffgym.logs.quality.wiring.sample import SIGN, Samples
 from ffgym.recordings.rewiring import Rewire, Rewiring
@@ -158,7 +158,7 @@ class Scorer:
 
     def link_side(self, values: Array) -> Array:
         """Positions, speeds or accelerations of a family kept as `motor.position`, behind the gearbox."""
-        return joint_side(self.robot.drive, self.samples.header, values)
+        return convert_to_joint_side(self.robot.drive, self.samples.header, values)
 
     def columns(self, wiring: Rewiring) -> Columns:
         """Regressor of the motion in a reading."""
@@ -179,7 +179,7 @@ class Scorer:
 
     def torque(self, wiring: Rewiring) -> Array:
         """Recorded torque, motor side, in a reading, (R, N)."""
-        return motor_torque(self.robot.drive, self.samples.header, self.values(wiring, TORQUE))
+        return convert_to_motor_side(self.robot.drive, self.samples.header, self.values(wiring, TORQUE))
 
     def judged(self, wiring: Rewiring) -> list[int]:
         """Joints that move enough for their torque to be judged."""
