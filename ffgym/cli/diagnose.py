@@ -25,7 +25,7 @@ from ffgym.diagnosis.nominal import EXAMPLE_ROBOT
 from ffgym.diagnosis.settings import settings
 from ffgym.diagnosis.thinning import read_notes
 from ffgym.logs import write_corrected
-from ffgym.logs.quality import accepted, judged
+from ffgym.logs.quality import accept_findings, judge_logs
 from ffgym.recordings import Recording
 from ffgym.report.diagnosis import DiagnosisReport, compared_table, format_diagnosis, render_diagnosis_page
 from ffgym.report.table import wrap_text
@@ -114,7 +114,7 @@ def _check(config: Diagnose) -> None:
         raise FFGymError("Name the model that the logs are compared with: --robot ROBOT.")
     if not config.logs and (given := given_options(config, ("columns",))):
         raise FFGymError(f"{given[0]} has no effect on the example logs. Leave it out, or name logs.")
-    accepted(config.accept)
+    accept_findings(config.accept)
     check_whole("--seed", config.seed, low=0)
     check_whole("--most-causes", config.most_causes, low=1, high=settings().search.most_causes)
     if config.calibration is not None:
@@ -141,7 +141,7 @@ def _inputs(config: Diagnose) -> tuple[Nominal, list[Recording]]:
         )
     draft = load_draft(config.robot)
     recordings = logs_from(config.logs, config.columns, draft.description_for("identification"))
-    sound = judged(recordings, needs=("diagnosis",), accept=config.accept).recordings
+    sound = judge_logs(recordings, needs=("diagnosis",), accept=config.accept).recordings
     return identify_nominal(draft, config.robot, sound or recordings), recordings
 
 
@@ -150,7 +150,7 @@ def _held_out(config: Diagnose, nominal: Nominal) -> list[Recording]:
     if not config.validate:
         return []
     read = logs_from(config.validate, config.columns, nominal.machine.robot)
-    sound = judged(read, nominal.machine.physical, needs=("diagnosis",), accept=config.accept)
+    sound = judge_logs(read, nominal.machine.physical, needs=("diagnosis",), accept=config.accept)
     held_out = [*sound.recordings]
     for note in read_notes(held_out):
         print(f"--validate: {note}", file=sys.stderr, flush=True)

@@ -14,8 +14,8 @@ from ffgym.diagnosis.thinning import thin
 from ffgym.effects import Origin
 from ffgym.envs.machines import load_described_robot
 from ffgym.logs import load_columns, read_logs
-from ffgym.logs.quality import conditioned_alike
-from ffgym.logs.read import corrected
+from ffgym.logs.quality import condition_alike
+from ffgym.logs.read import correct_offsets
 from ffgym.recordings import Recording, read_recording
 from ffgym.recordings.io import SUFFIX, Stored, read_folder, recording_files
 from ffgym.robot import RobotDescription, RobotDraft
@@ -74,7 +74,7 @@ def logs_from(paths: Sequence[Path], columns: str | None, robot: RobotDescriptio
         source.rename(f"{path.stem}/{source.header.segment}") if names.count(source.header.segment) > 1 else source
         for path, source in read
     ]
-    return conditioned_alike(thin(named))
+    return condition_alike(thin(named))
 
 
 def nominal_named(name: str | None) -> Nominal:
@@ -105,7 +105,7 @@ def _read(path: Path, columns: str | None, robot: RobotDescription) -> Sequence[
     if columns is None:
         return [_opened(file) for file in (recording_files(path) if path.is_dir() else [path])]
     if path.is_dir() and (made := load_columns(columns)).is_for_recordings:
-        return [corrected(recording, made) for recording in read_folder(path)]
+        return [correct_offsets(recording, made) for recording in read_folder(path)]
     return read_logs(path, columns, robot=robot)
 
 

@@ -20,7 +20,7 @@ from ffgym.diagnosis.identification.rigid_body import Filtering, RigidBodyOption
 from ffgym.envs.machines import load_described_robot
 from ffgym.logs import read_logs as read_motions
 from ffgym.logs.preparation import LowPass
-from ffgym.logs.quality import check_quality, conditioned_alike
+from ffgym.logs.quality import check_quality, condition_alike
 from ffgym.recordings import Recording
 from ffgym.recordings.io import read_folder
 from ffgym.report.identification import (
@@ -114,7 +114,7 @@ def read_logs(config: Identify, robot: RobotDescription, *, known: bool = True) 
     apart = [recording for path in config.validate for recording in _read(path, config.columns, robot)]
     named = [recording for path in config.logs for recording in _read(path, config.columns, robot)]
     given = [recording for recording in named if not any(recording.equals(other) for other in apart)]
-    made = conditioned_alike([*given, *apart])
+    made = condition_alike([*given, *apart])
     if not given:
         raise FFGymError("All logs are for validation, so none is left to identify from.")
     doubts = []

@@ -38,8 +38,7 @@ from ffgym.diagnosis.settings import settings
 from ffgym.diagnosis.sizes import compute_held_out_gain, compute_levels, is_there, list_causes
 from ffgym.diagnosis.thinning import read_notes, thin
 from ffgym.diagnosis.verdict import judge, list_blind_rivals, select_reported, weaken_for_blind_rivals, write_sentence
-from ffgym.logs.quality import conditioned_alike
-from ffgym.logs.quality import judged as judged_logs
+from ffgym.logs.quality import condition_alike, judge_logs
 from ffgym.logs.quality.wiring import Wiring, find_wiring
 from ffgym.recordings import Recording, Rewiring
 from ffgym.robot import RobotDescription
@@ -118,9 +117,9 @@ def examine(
     machine = Machine.of(nominal)
     check_whole("most causes", most, low=1, high=settings().search.most_causes)
     rng = np.random.default_rng(check_whole("seed", seed, low=0))
-    recordings = conditioned_alike(sort_by_content(given))
+    recordings = condition_alike(sort_by_content(given))
     # judge the quality of the logs, and keep what is to be reported in any case
-    quality = judged_logs(recordings, machine.physical, ("diagnosis",), accept)
+    quality = judge_logs(recordings, machine.physical, ("diagnosis",), accept)
     names = tuple(recording.header.segment for recording in given)
     said: dict[str, Any] = {
         "robot": machine.robot.name,

@@ -15,11 +15,11 @@ from .quality import Finding as Finding
 from .quality import Judged as Judged
 from .quality import Need as Need
 from .quality import QualityReport as QualityReport
-from .quality import accepted as accepted
+from .quality import accept_findings as accept_findings
 from .quality import check_quality as check_quality
-from .quality import conditioned as conditioned
-from .quality import conditioned_alike as conditioned_alike
-from .quality import judged as judged
+from .quality import condition as condition
+from .quality import condition_alike as condition_alike
+from .quality import judge_logs as judge_logs
 from .quality import notes_of as notes_of
 from .read import read_log as read_log
 from .read import read_logs as read_logs

@@ -9,7 +9,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole, errors_at
-from ffgym.logs.keys import checked_table
+from ffgym.logs.keys import check_table
 from ffgym.robot.reading.quantity import OTHER_UNITS
 
 Resample = Literal["", "gaps", "linear", "hold"]
@@ -101,14 +101,14 @@ class Column:
 
     @property
     def is_scaled(self) -> bool:
-        """Whether numbers are more than converted from their unit."""
+        """Tell whether numbers are more than converted from their unit."""
         plain = (self.scale, self.offset, self.sign) == (1.0, 0.0, 1.0)
         return not plain or self.twos_complement is not None or bool(self.times)
 
 
 def parse_column(table: Any, where: str) -> Column:
     """Column of a TOML table that messages call `where`."""
-    entries = checked_table(table, "columns", where)
+    entries = check_table(table, "columns", where)
     with errors_at(where):
         return Column(**{key: _READERS[key](key, value) for key, value in entries.items()})
 
@@ -179,7 +179,7 @@ class Conversion(NamedTuple):
 
 
 def conversion(unit: str, wanted: str, counts_per_turn: float | None = None) -> Conversion:
-    """How numbers in `unit` become the SI unit `wanted`."""
+    """Find the conversion of numbers in `unit` to the SI unit `wanted`."""
     if unit in COUNTS and COUNTS[unit] == wanted:
         if counts_per_turn is None:
             raise FFGymError(f"unit {unit!r} needs counts_per_turn: encoder counts per turn of the encoder's shaft.")

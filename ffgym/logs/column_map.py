@@ -12,7 +12,7 @@ from ffgym.core.errors import FFGymError, check_number, errors_at
 from ffgym.core.files import read_text, write_text
 from ffgym.core.toml import parse_toml, toml_key, toml_value
 from ffgym.logs.column import Column, check_truth, parse_column
-from ffgym.logs.keys import KEYS, checked_table
+from ffgym.logs.keys import KEYS, check_table
 from ffgym.logs.text_layout import TextLayout
 from ffgym.recordings.rewiring import Rewire, Rewiring
 from ffgym.recordings.schema import FAMILIES, closest
@@ -25,7 +25,7 @@ _NEUTRAL = {"factor": 1.0, "offset": 0.0, "delay": 0.0}
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ColumnMap:
-    """What the arrays of a file mean. Made by `load_columns` or `parse_columns`."""
+    """Meaning of the arrays of a file, made by `load_columns` or `parse_columns`."""
 
     where: str
     """Name of the file or text, for messages."""
@@ -52,7 +52,7 @@ class ColumnMap:
 
     @property
     def is_for_recordings(self) -> bool:
-        """Whether the files are recordings, of which nothing but the corrections has to be said."""
+        """Tell whether the files are recordings, of which nothing but the corrections has to be said."""
         return not self.columns
 
 
@@ -117,7 +117,7 @@ def column_map_of(tree: Mapping[str, Any], where: str, folder: Path) -> ColumnMa
     rewiring = _parse_rewiring(tree.get("rewire", {}))
     if set(tree) == {"rewire"}:
         return ColumnMap(where=where, folder=folder, columns={}, rewiring=rewiring)
-    log, motions = (checked_table(tree.get(name, {}), name) for name in ("log", "motions"))
+    log, motions = (check_table(tree.get(name, {}), name) for name in ("log", "motions"))
     for name, value in [("robot", log.get("robot", "")), *motions.items()]:
         if not isinstance(value, str):
             raise FFGymError(f"{name} = {value!r} must be text.")
@@ -153,15 +153,15 @@ def _with_base(tree: Mapping[str, Any], folder: Path, seen: tuple[str, ...] = ()
     else:
         raise FFGymError(f"base = {base!r} is unknown. Built in: {', '.join(builtin_columns())}; a file ends in .toml.")
     below = _with_base(parse_toml(text, base if base.endswith(".toml") else f"{base}.toml"), folder, (*seen, base))
-    return _merged(below, {**tree, "log": {key: value for key, value in log.items() if key != "base"}})
+    return _merge_tables(below, {**tree, "log": {key: value for key, value in log.items() if key != "base"}})
 
 
-def _merged(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
+def _merge_tables(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
     """Both trees; where both have a key, tables are merged and `above` counts otherwise."""
     merged = dict(below)
     for key, value in above.items():
         both = isinstance(value, dict) and isinstance(merged.get(key), dict)
-        merged[key] = _merged(merged[key], value) if both else value
+        merged[key] = _merge_tables(merged[key], value) if both else value
     return merged
 
 
@@ -212,7 +212,7 @@ def _parse_rewire(where: str, table: Any) -> Rewire:
     """Correction of one family."""
     if not isinstance(table, dict) or not table:
         raise FFGymError(f"{where} must be a table with {', '.join(KEYS['rewire'])}.")
-    for key, entry in checked_table(table, "rewire", where).items():
+    for key, entry in check_table(table, "rewire", where).items():
         if not isinstance(entry, list) or not entry:
             raise FFGymError(f"{where} {key} = {entry!r} must be a list with a number for each joint or axis.")
     (n, *others) = {len(entry) for entry in table.values()}

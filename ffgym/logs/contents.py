@@ -1,4 +1,4 @@
-"""What a file of another tool holds: named arrays, as they are, before anything is said about their meaning."""
+"""Contents of a file of another tool: named arrays, as they are, before anything is said about their meaning."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -82,7 +82,7 @@ def readable(name: str) -> str:
 
 
 def _first_text(array: NDArray[Any]) -> str:
-    """Where the first entry is that is no number, and what it is."""
+    """Find the first entry that is no number, and say its place and its text."""
     for index, cell in np.ndenumerate(array):
         try:
             number = float(cell) if "_" not in str(cell) else None  # which float skips

@@ -1,4 +1,4 @@
-"""From the arrays of a file to recordings, as a column map says."""
+"""Recordings from the arrays of a file, as a column map says."""
 
 from bisect import bisect_left
 from dataclasses import dataclass, replace
@@ -127,7 +127,7 @@ def _increasing(t: Array) -> BoolArray:
 
 
 def _order_note(t: Array, kept: BoolArray) -> str:
-    """What was left out, in a sentence."""
+    """Say in a sentence which rows were left out."""
     back = _back(t, kept)
     twice = int((~kept).sum()) - back
     texts = [

@@ -20,7 +20,7 @@ _CLOCK = re.compile(r"time|stamp|clock|\bt\b|^t_|_t$", re.IGNORECASE)
 
 def listing(contents: Contents) -> list[str]:
     """One line for each array: name, shape, type, range; and for what cannot be read."""
-    described = {name: _described(array) for name, array in contents.arrays.items()}
+    described = {name: _describe_column(array) for name, array in contents.arrays.items()}
     described |= {name: f"cannot be read: {why}" for name, why in contents.skipped.items()}
     width = max((len(readable(name)) for name in described), default=0)
     return [f"{readable(name):{width}}  {text}" for name, text in described.items()]
@@ -32,7 +32,7 @@ def draft(contents: Contents, layout: TextLayout | None = None) -> str:
     layout, default = layout or TextLayout(), TextLayout()
     said = {name: value for name, value in vars(layout).items() if value != getattr(default, name)}
     sources = _by_number(contents)
-    proposed = f"  # one of {', '.join(map(_quoted, sources[:8]))}" if sources else "  # or a list, one name per joint"
+    proposed = f"  # one of {', '.join(map(_quote, sources[:8]))}" if sources else "  # or a list, one name per joint"
     lines = [
         f"# Column map for {contents.where}: a draft.",
         f'# Fill in every "{TO_FILL_IN}", take away tables of what the file does not have, and add others like them;',
@@ -49,11 +49,11 @@ def draft(contents: Contents, layout: TextLayout | None = None) -> str:
         'torque_semantics = "?"  # motor_side, link_side, current, command or unspecified',
         'hold = "?"              # sampled, zoh, linear or unspecified',
         *(["", "[file]"] if said else []),
-        *(f"{name} = {_quoted(value) if isinstance(value, str) else value}" for name, value in said.items()),
+        *(f"{name} = {_quote(value) if isinstance(value, str) else value}" for name, value in said.items()),
         *_timestamp(contents),
     ]
     for family in _WANTED:
-        lines += ["", f'[columns."{family}"]', f"source = {_quoted(TO_FILL_IN)}{proposed}", 'unit = "?"']
+        lines += ["", f'[columns."{family}"]', f"source = {_quote(TO_FILL_IN)}{proposed}", 'unit = "?"']
     return "\n".join(lines) + "\n"
 
 
@@ -74,7 +74,7 @@ def _timestamp(contents: Contents) -> list[str]:
             "rate_hz = 0.0  # samples per second",
         ]
     others = f"  # or {', '.join(found[1:6])}" if len(found) > 1 else ""
-    lines = ["", "[columns.timestamp]", f"source = {_quoted(found[0])}{others}"]
+    lines = ["", "[columns.timestamp]", f"source = {_quote(found[0])}{others}"]
     if any(found[0] in kinds.values() for kinds in contents.clocks.values()):
         return [*lines, 'unit = "ns"', "from_first = true"]
     return [*lines, 'unit = "?"']
@@ -100,7 +100,7 @@ def _by_number(contents: Contents) -> list[str]:
     return [*tables, *counted, *named]
 
 
-def _described(array: NDArray[Any]) -> str:
+def _describe_column(array: NDArray[Any]) -> str:
     text = f"{array.shape} {array.dtype}"
     if array.dtype.kind not in NUMBERS or not array.size:
         return f"{text} {str(array.reshape(-1)[0])[:40]!r}" if array.size else text
@@ -117,7 +117,7 @@ def _rises(array: NDArray[Any]) -> bool:
     return array.ndim == 1 and array.dtype.kind in "iuf" and len(array) > 2 and bool(np.all(array[1:] > array[:-1]))
 
 
-def _quoted(text: str) -> str:
+def _quote(text: str) -> str:
     """TOML text."""
     escaped = "".join(_ESCAPES.get(c, c if c.isprintable() else f"\\U{ord(c):08x}") for c in text)
     return f'"{escaped}"'

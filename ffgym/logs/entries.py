@@ -131,7 +131,7 @@ def _source_names(column: Column, target: Target, joints: Sequence[str]) -> tupl
 
 
 def _is_there(names: tuple[str, ...] | str, contents: Contents) -> bool:
-    """Whether the file has the arrays of an entry."""
+    """Tell whether the file has the arrays of an entry."""
     return ({names} if isinstance(names, str) else set(names)) <= set(contents.arrays)
 
 
@@ -254,7 +254,7 @@ def fitting_maps(contents: Contents) -> list[str]:
 
 
 def _may_be_there(column: Column, contents: Contents) -> bool:
-    """Whether the file has arrays for an entry, of one joint at least."""
+    """Tell whether the file has arrays for an entry, of one joint at least."""
     if isinstance(column.rate_hz, str):
         return column.rate_hz in contents.arrays
     if isinstance(column.source, tuple):

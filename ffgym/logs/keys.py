@@ -15,7 +15,7 @@ KEYS: Mapping[str, Mapping[str, str]] = tomllib.loads(
 fields of the header (docs/recordings.md)."""
 
 
-def checked_table(table: Any, name: str, where: str = "") -> dict[str, Any]:
+def check_table(table: Any, name: str, where: str = "") -> dict[str, Any]:
     """The table [name], all of whose keys are known; messages call it `where` if it is one of several."""
     where = where or f"[{name}]"
     if not isinstance(table, dict):

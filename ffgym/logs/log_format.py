@@ -42,7 +42,7 @@ class LogFormat(ABC):
         _KINDS.append(cls)
 
     def recognises(self, path: Path) -> bool:
-        """Whether a file or folder is of this kind."""
+        """Tell whether a file or folder is of this kind."""
         if path.is_dir():
             return bool(self.folder) and (path / self.folder).is_file()
         return path.suffix.lower() in self.suffixes

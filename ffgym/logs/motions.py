@@ -16,7 +16,7 @@ from ffgym.logs.entries import Gathered
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Motion:
-    """Where one motion is in the arrays of a file."""
+    """Place of one motion in the arrays of a file."""
 
     segment: str
     """Its name."""

@@ -134,7 +134,7 @@ def read_joint_position(robot: RobotDescription, recording: Recording, low_pass:
     if not is_even(recording.t):
         raise FFGymError(
             f"Recording {recording.header.segment!r} is sampled unevenly, every {np.diff(recording.t).min():g} to "
-            f"{np.diff(recording.t).max():g} s; ffgym.logs.conditioned brings it to even times."
+            f"{np.diff(recording.t).max():g} s; ffgym.logs.condition brings it to even times."
         )
     return low_pass(read_joint_side(robot, recording), recording.dt)
 

@@ -61,7 +61,7 @@ def read_logs(
         raise FFGymError("header belongs to a recording without one; with a column map, [log] says what it says.")
     columns = load_columns(columns)
     if columns.is_for_recordings:
-        return [corrected(read_recording(path), columns)]
+        return [correct_offsets(read_recording(path), columns)]
     described = _robot_of(columns, robot)
     with errors_at(columns.where):
         columns, made = with_drive_units(columns, header_of(columns, described), described)
@@ -72,7 +72,7 @@ def read_logs(
         return [columns.rewiring.apply(recording) for recording in recordings_of(contents, columns, made)]
 
 
-def corrected(recording: Recording, columns: ColumnMap) -> Recording:
+def correct_offsets(recording: Recording, columns: ColumnMap) -> Recording:
     """A recording with the corrections of a map, which its provenance names."""
     provenance = recording.header.provenance | {"columns": Path(columns.where).name}
     made = columns.rewiring.apply(recording)

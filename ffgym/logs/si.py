@@ -33,7 +33,7 @@ class Target:
 
     @property
     def may_miss(self) -> bool:
-        """Whether NaN may stand for a missing sample."""
+        """Tell whether NaN may stand for a missing sample."""
         return self.family is not None and self.family.may_miss
 
     def kept_side(self, header: Header) -> str | None:
@@ -82,7 +82,7 @@ def target_of(key: str, column: Column, joints: Sequence[str]) -> Target:
 
 
 def each(name: str, given: Any, n_parts: int) -> tuple[Any, ...]:
-    """What is given for each part: one for all, or a list."""
+    """Give each part its value: one for all, or a list."""
     if not isinstance(given, tuple):
         return (given,) * n_parts
     if len(given) not in (1, n_parts):

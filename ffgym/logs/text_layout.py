@@ -1,10 +1,10 @@
-"""How a text file is laid out, as far as it cannot be seen."""
+"""Layout of a text file, as far as it cannot be seen in the file."""
 
 from dataclasses import dataclass
 from typing import Any, Self
 
 from ffgym.core.errors import FFGymError, check_whole
-from ffgym.logs.keys import checked_table
+from ffgym.logs.keys import check_table
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,4 +45,4 @@ class TextLayout:
         Raises:
             FFGymError: if a key is unknown, or a value invalid.
         """
-        return cls(**checked_table(table, "file"))
+        return cls(**check_table(table, "file"))

@@ -11,7 +11,7 @@ from ffgym.cli.main import main
 from ffgym.diagnosis.diagnosis_file import read_diagnosis
 from ffgym.diagnosis.held_out import compare_replays
 from ffgym.logs import read_log
-from ffgym.logs.quality import conditioned
+from ffgym.logs.quality import condition
 from ffgym.robot import load_draft
 from ffgym.simulation.plant import load_machine
 from tests.ur10e_samples import COLUMNS, DRIVES, FOLDER, needs_data
@@ -64,7 +64,7 @@ def test_losses_that_grow_with_load_and_friction_that_bends_are_named_and_no_fle
 def test_the_extended_model_as_it_is_written_foretells_recordings_that_were_left_out(found):
     """Read from its file again, at 5 Hz: 3.14 N m of joint 2 and 1.35 N m of joint 3 before, by plain least squares."""
     robot = load_draft(found / "ur10e.toml").description_for("identification")
-    read = [conditioned(read_log(file, found / "columns.toml", robot=robot)) for file in files(*HELD_OUT)]
+    read = [condition(read_log(file, found / "columns.toml", robot=robot)) for file in files(*HELD_OUT)]
     models = [load_machine(found / "found" / name, partial=True) for name in ("nominal.toml", "extended.toml")]
     levels = {level.component: level for level in compare_replays(*models, read, cutoff=5.0)}
     assert levels["shoulder_pan_joint"].after < 0.8 * levels["shoulder_pan_joint"].before

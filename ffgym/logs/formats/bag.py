@@ -44,7 +44,7 @@ class Bag(LogFormat):
     extra = "ffgym[logs]"
 
     def read(self, path: Path, layout: TextLayout) -> Contents:
-        """See base class."""
+        """Read the messages of a bag, one array per field of a topic."""
         if (path.is_file() and not path.stat().st_size) or not path.exists():
             read_bytes(path)  # which says what is wrong
         streams, skipped = _messages(path)

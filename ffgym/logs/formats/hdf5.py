@@ -19,7 +19,7 @@ OBJECT = "a MATLAB object (table, timeseries, string ...); in MATLAB, save its n
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Found:
-    """What was found on the way through a file."""
+    """Arrays and notes that a walk through a file collects."""
 
     arrays: dict[str, Any] = field(default_factory=dict)
     skipped: dict[str, str] = field(default_factory=dict)
@@ -43,7 +43,7 @@ class Hdf5(LogFormat):
     extra = "ffgym[logs]"
 
     def decode(self, data: bytes, where: str) -> Contents:
-        """See base class."""
+        """Read all numeric data sets of an HDF5 file, named by their paths."""
         found = _Found()
         with h5py.File(io.BytesIO(data), "r") as file:
             _collect_hdf5(file, "", found)

@@ -20,7 +20,7 @@ class Json(LogFormat):
     suffixes = (".json", ".jsonl")
 
     def decode(self, data: bytes, where: str) -> Contents:
-        """See base class."""
+        """Read a JSON table: columns, or rows with the same keys."""
         arrays: dict[str, NDArray[Any]] = {}
         skipped: dict[str, str] = {}
         for name, value in _leaves("", _tree(data)):

@@ -30,7 +30,7 @@ class LeRobot(LogFormat):
     extra = "ffgym[logs]"
 
     def read(self, path: Path, layout: TextLayout) -> Contents:
-        """See base class."""
+        """Read the episodes of a LeRobot data set, a folder of Parquet files."""
         text = read_text(path / self.folder)
         try:
             info = json.loads(text)
@@ -50,7 +50,7 @@ class LeRobot(LogFormat):
         with one_error("a LeRobot data set of files with the same columns"):
             contents = contents_of(pa.concat_tables(tables), str(path))
         arrays = dict(contents.arrays)
-        for feature, names in _named(info).items():
+        for feature, names in _name_columns(info).items():
             if feature in arrays and arrays[feature].shape[1:] == (len(names),):
                 arrays |= {f"{feature}.{name}": arrays[feature][:, i] for i, name in enumerate(names)}
         rate = np.asarray(info.get("fps"))
@@ -59,7 +59,7 @@ class LeRobot(LogFormat):
         return Contents(where=str(path), arrays=arrays, skipped=contents.skipped)
 
 
-def _named(info: dict[str, Any]) -> dict[str, list[str]]:
+def _name_columns(info: dict[str, Any]) -> dict[str, list[str]]:
     """Names of the entries of each feature: a list, or lists by kind, e.g. of motors."""
     features = info.get("features")
     named: dict[str, list[str]] = {}

@@ -57,7 +57,7 @@ class Matlab(LogFormat):
     suffixes = (".mat",)
 
     def decode(self, data: bytes, where: str) -> Contents:
-        """See base class."""
+        """Read the numeric variables of a MAT file."""
         if data.startswith(HDF5_MAGIC) or data[_USER_BLOCK:].startswith(HDF5_MAGIC):
             if util.find_spec("h5py") is None:
                 raise FFGymError("Reading MATLAB files of version 7.3 needs h5py; pip install 'ffgym[logs]'.")

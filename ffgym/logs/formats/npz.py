@@ -18,7 +18,7 @@ class Npz(LogFormat):
     suffixes = (".npz",)
 
     def decode(self, data: bytes, where: str) -> Contents:
-        """See base class."""
+        """Read the arrays of an NPZ archive."""
         arrays = decode_arrays(data)
         if set(arrays) != TIME_SERIES:
             return Contents(where=where, arrays=arrays)

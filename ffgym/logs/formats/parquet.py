@@ -21,7 +21,7 @@ class Parquet(LogFormat):
     extra = "ffgym[logs]"
 
     def decode(self, data: bytes, where: str) -> Contents:
-        """See base class."""
+        """Read the columns of a Parquet file."""
         return contents_of(read_table(data), where)
 
 

@@ -36,12 +36,12 @@ class Text(LogFormat):
     is_text = True
 
     def recognises(self, path: Path) -> bool:
-        """See base class; gzip may have packed the file."""
+        """Tell whether a file is text by its ending; gzip may have packed it."""
         packed = path.suffix.lower() == PACKED
         return super().recognises(Path(path.stem) if packed and path.is_file() else path)
 
     def read(self, path: Path, layout: TextLayout) -> Contents:
-        """See base class."""
+        """Read a text file, unpacked if need be."""
         data = read_bytes(path)
         if path.suffix.lower() == PACKED:
             try:
@@ -51,7 +51,7 @@ class Text(LogFormat):
         return self.decode(data, str(path), layout)
 
     def decode(self, data: bytes, where: str, layout: TextLayout | None = None) -> Contents:
-        """See base class; `layout` says what cannot be seen."""
+        """Read the columns of a text; `layout` says what cannot be seen."""
         layout = layout or TextLayout()
         try:
             text = data.decode(layout.encoding)

@@ -65,7 +65,7 @@ def _largest_beside(x: Array, width: int, resolution: float) -> Array:
 
 
 def outlier_ratio(x: Array, resolution: float) -> Array:
-    """How far each row of `x` (T,) sticks out of both neighbours, over what is usual there; shape (T,)."""
+    """Compute how far each row of `x` (T,) sticks out of both neighbours, over the usual value there; shape (T,)."""
     steps = np.diff(x)
     out = np.zeros(len(x))
     into, away = steps[:-1], -steps[1:]

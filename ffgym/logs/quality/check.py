@@ -74,7 +74,7 @@ class QualityReport:
 
     @property
     def verdict(self) -> Overall:
-        """What the recording is good for."""
+        """Overall verdict: insufficient, usable or good."""
         verdicts = {finding.verdict for finding in self.findings}
         if "refused" in verdicts:
             return "insufficient"
@@ -128,7 +128,7 @@ class Check:
     """Keep figures that are in order, all of them; else only the worst is kept."""
 
     def findings(self, log: Log) -> tuple[Finding, ...]:
-        """What the check says about a recording."""
+        """Check a recording."""
         try:
             found = tuple(self._finding(log, entry) for entry in self.judge(log))
         except NotJudgedError as reason:

@@ -19,7 +19,7 @@ from ffgym.logs.quality.cells import (
     columns_of,
     outlier_ratio,
 )
-from ffgym.logs.quality.even import bridged, count, is_smooth, mask_columns, noted, on_even_clock
+from ffgym.logs.quality.even import add_note, bridge_gaps, count, is_smooth, mask_columns, on_even_clock
 from ffgym.logs.quality.log import RESTING, Log, NotJudgedError
 from ffgym.logs.quality.rows import copies
 from ffgym.logs.quality.signals import stretches
@@ -62,7 +62,7 @@ _SHORTEST = 30
 
 @dataclass(frozen=True)
 class _Repair:
-    """What a step changes in a recording."""
+    """Change that a step of conditioning makes to a recording."""
 
     recording: Recording
     columns: dict[str, Array] = field(default_factory=dict)
@@ -78,7 +78,7 @@ class _Repair:
     def bridge(self, name: str, bad: BoolArray) -> None:
         """Replace rows `bad` (T,) of a column by what lies between the others."""
         values = self.columns.get(name, self.recording[name])
-        self.columns[name] = bridged(self.recording.t, values, bad, smooth=is_smooth(name))
+        self.columns[name] = bridge_gaps(self.recording.t, values, bad, smooth=is_smooth(name))
 
     def made(self, *notes: str) -> Recording:
         """The recording with the changes and notes, or as it is if nothing was found."""
@@ -87,7 +87,7 @@ class _Repair:
         found, recording = {**self.recording.columns, **self.columns}, self.recording
         if self.masked.any():
             found |= mask_columns(recording.header, recording.valid & ~self.masked)
-        return Recording(found, noted(recording.header, *notes))
+        return Recording(found, add_note(recording.header, *notes))
 
 
 def without_copies(recording: Recording) -> Recording:
@@ -109,7 +109,7 @@ def without_copies(recording: Recording) -> Recording:
         f"first at {recording.t[found[0].start]:.4g} s."
     )
     columns = {name: values[kept] for name, values in recording.columns.items()}
-    return Recording(columns, noted(recording.header, note))
+    return Recording(columns, add_note(recording.header, note))
 
 
 def without_spikes(recording: Recording) -> Recording:
@@ -215,7 +215,7 @@ def without_bursts(recording: Recording) -> Recording:
     return repair.made(f"Bursts of noise were left out: {', '.join(repair.texts)}.")
 
 
-def trimmed(recording: Recording) -> Recording:
+def trim(recording: Recording) -> Recording:
     """The log without long ends that count for no joint, but for a moment that filters have to settle in."""
     counting = np.flatnonzero(recording.valid.any(axis=1))
     if not counting.size:
@@ -230,21 +230,21 @@ def trimmed(recording: Recording) -> Recording:
     before, after = float(t[rows[0]] - t[0]), float(t[-1] - t[rows[-1]])
     texts = [f"{x:.3g} s at the {end}" for x, end in ((before, "beginning"), (after, "end")) if x > 0]
     note = f"Rows that count for no joint were dropped: {', '.join(texts)}."
-    return Recording(part.columns, noted(part.header, note))
+    return Recording(part.columns, add_note(part.header, note))
 
 
 _BEFORE: tuple[Callable[[Recording], Recording], ...] = (without_copies, without_spikes)
 """Steps on the rows as they came, in an order in which none sees what an earlier one repairs. Each step returns the
 recording itself where there is nothing to do."""
 
-_AFTER: tuple[Callable[[Recording], Recording], ...] = (without_stops, without_stuck, without_bursts, trimmed)
+_AFTER: tuple[Callable[[Recording], Recording], ...] = (without_stops, without_stuck, without_bursts, trim)
 """Steps on rows of an even clock."""
 
 _IN_ORDER: "WeakSet[Recording]" = WeakSet()
 """Logs that need nothing; a recording does not change."""
 
 
-def conditioned(recording: Recording, *, period: float | None = None) -> Recording:
+def condition(recording: Recording, *, period: float | None = None) -> Recording:
     """The log at an even clock, without copies and single bad rows, and with a mask over what does not count.
 
     Repeated rows are dropped; rows of an uneven clock are brought to an even one; missing rows are bridged; values that

@@ -1,4 +1,4 @@
-"""What a log excites, joint by joint: figures, not faults; and what it must have for the uses of needs.toml."""
+"""Excitation of a log, joint by joint: figures, not faults; and what its uses need (needs.toml)."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -107,7 +107,7 @@ NEEDS: Mapping[str, Need] = MappingProxyType({name: Need(**row) for name, row in
 
 
 def need_findings(log: Log, needs: Iterable[str], others: Sequence[Finding]) -> tuple[Finding, ...]:
-    """What a log lacks for its uses: refused if no joint serves, flagged for joints that do not.
+    """List the needs that a log does not meet: refused if no joint serves, flagged for joints that do not.
 
     Of what checks found, the `others`, some uses bear less.
     """
@@ -116,7 +116,7 @@ def need_findings(log: Log, needs: Iterable[str], others: Sequence[Finding]) -> 
         need = NEEDS[check_choice("need", name, list(NEEDS))]
         # what the use does not bear, although others do
         flagged = [finding for finding in others if finding.verdict == "flagged" and finding.check in need.sound]
-        flaws = [_refused(name, f"For {name}: {finding.message}", finding.columns) for finding in flagged]
+        flaws = [_refuse(name, f"For {name}: {finding.message}", finding.columns) for finding in flagged]
         met = Finding(check=f"need_{name}", verdict="ok", message=f"The log has what {name} needs.")
         found += _columns(log, name, need) or flaws or _coverage(log, name, need) or [met]
     return tuple(found)
@@ -125,16 +125,16 @@ def need_findings(log: Log, needs: Iterable[str], others: Sequence[Finding]) -> 
 def _columns(log: Log, name: str, need: Need) -> list[Finding]:
     absent = [family for family in need.columns if not log.recording.has(family)]
     if absent:
-        return [_refused(name, f"{', '.join(absent)} is missing, {name} needs it ({need.why}). Log it.", tuple(absent))]
+        return [_refuse(name, f"{', '.join(absent)} is missing, {name} needs it ({need.why}). Log it.", tuple(absent))]
     if need.torque and log.recording.header.torque_semantics == "unspecified":
         text = (
             f"header torque_semantics is 'unspecified', {name} needs to know it ({need.why}). Say what the torque is."
         )
-        return [_refused(name, text, ("motor.effort",))]
+        return [_refuse(name, text, ("motor.effort",))]
     return []
 
 
-def _refused(name: str, message: str, columns: tuple[str, ...] = ()) -> Finding:
+def _refuse(name: str, message: str, columns: tuple[str, ...] = ()) -> Finding:
     return Finding(check=f"need_{name}", verdict="refused", message=message, columns=columns)
 
 
@@ -145,7 +145,7 @@ def _coverage(log: Log, name: str, need: Need) -> list[Finding]:
         try:
             values = figures(log, figure)
         except NotJudgedError as reason:
-            return [_refused(name, f"{figure} is not known: {reason}; {name} needs it ({need.why}).")]
+            return [_refuse(name, f"{figure} is not known: {reason}; {name} needs it ({need.why}).")]
         short |= values < least
         shown = ", ".join(f"{joint} {value:.3g}" for joint, value in zip(log.joints, values, strict=True))
         texts.append(f"{figure} is {shown}, must be {least:g} at least")
@@ -156,5 +156,5 @@ def _coverage(log: Log, name: str, need: Need) -> list[Finding]:
         f"{'; '.join(texts)}: joints {', '.join(joints)} do not serve for {name} ({need.why}). Record another motion."
     )
     if short.all():
-        return [_refused(name, message)]
+        return [_refuse(name, message)]
     return [Finding(check=f"need_{name}", verdict="flagged", message=message, joint=joint) for joint in joints]

@@ -41,7 +41,7 @@ _BATCHES = 1.5
 
 
 def is_smooth(name: str) -> bool:
-    """Whether a column is of a quantity that cannot jump: positions, speeds, set-points; not torques."""
+    """Tell whether a column is of a quantity that cannot jump: positions, speeds, set-points; not torques."""
     family = family_of(name)
     return family is not None and family.name.endswith(("position", "velocity", "acceleration"))
 
@@ -63,7 +63,7 @@ def between(s: Array, values: Array, t: Array, *, smooth: bool) -> Array:
     return np.where(s[after] - s[after - 1] > LONG, monotone, scipy.interpolate.CubicSpline(s, values)(t))
 
 
-def bridged(t: Array, values: Array, bad: BoolArray, *, smooth: bool) -> Array:
+def bridge_gaps(t: Array, values: Array, bad: BoolArray, *, smooth: bool) -> Array:
     """Values (T,) with those in rows `bad` (T,) replaced by what lies between the others; held beyond the last.
 
     Values on the grid of an encoder are replaced by such.
@@ -118,7 +118,7 @@ def times_of(log: Log) -> Times:
     missing = np.where(steps > longest, np.maximum(np.round(steps / usual) - 1, 0), 0)
     numbers = np.concatenate([[0.0], np.cumsum(1 + missing)])
     slope, first = (float(x) for x in np.polyfit(numbers, t - t[0], 1))
-    period = _rounded(slope)
+    period = _round_times(slope)
     even = Times(s=t[0] + first + period * numbers, period=period, kept=False, stepped=stepped)
     if not log.excited.any():
         return even
@@ -127,10 +127,10 @@ def times_of(log: Log) -> Times:
     if rough <= _NO_WORSE:
         return even
     median, mean = float(np.median(steps)), float(t[-1] - t[0]) / len(steps)
-    return Times(s=t, period=_rounded(mean if mean > _BATCHES * median else median), kept=True, stepped=stepped)
+    return Times(s=t, period=_round_times(mean if mean > _BATCHES * median else median), kept=True, stepped=stepped)
 
 
-def _rounded(period: float) -> float:
+def _round_times(period: float) -> float:
     """Period [s] without the digits that rounding of large times leaves."""
     return float(f"{period:.9g}")
 
@@ -177,7 +177,7 @@ def on_even_clock(recording: Recording, period: float | None = None) -> Recordin
     notes = _notes(recording, times, gaps)
     if header.hold != recording.header.hold:
         notes.append("Held torques act in the middle of their intervals; they are now samples at the rows (hold).")
-    header = noted(replace(header, phases=phases), *notes)
+    header = add_note(replace(header, phases=phases), *notes)
     return Recording({"timestamp": t, **columns}, header)
 
 
@@ -195,7 +195,7 @@ def _longest_part(recording: Recording) -> Recording:
         f"{t[start]:.4g} to {t[stop - 1]:.4g} s, is used. Give the other parts as logs of their own."
     )
     part = recording.slice(float(t[start]), float(t[stop]) if stop < len(t) else None)
-    return Recording(part.columns, noted(part.header, note))
+    return Recording(part.columns, add_note(part.header, note))
 
 
 def _at(recording: Recording, s: Array, t: Array) -> tuple[dict[str, Array], Header]:
@@ -206,15 +206,15 @@ def _at(recording: Recording, s: Array, t: Array) -> tuple[dict[str, Array], Hea
     if inside and np.all(np.abs(t[rows] - s) <= 1e-9 + 1e-6 * (t[1] - t[0])):  # every row lies at one of `t`
         holes = np.ones(len(t), dtype=np.bool_)
         holes[rows] = False
-        for name, values in _sampled(recording):
+        for name, values in _resample(recording):
             columns[name] = np.full(len(t), np.nan)
             columns[name][rows] = values
             if np.isfinite(values).all():
-                columns[name] = bridged(t, columns[name], holes, smooth=is_smooth(name))
+                columns[name] = bridge_gaps(t, columns[name], holes, smooth=is_smooth(name))
         return columns, header
     middles = s + 0.5 * np.append(np.diff(s), s[-1] - s[-2])  # when held torques have acted for half their time
     header = replace(header, encoder_bits=None)  # what is between two readings is on no grid
-    for name, values in _sampled(recording):
+    for name, values in _resample(recording):
         known = np.isfinite(values)
         if not known.all():
             columns[name] = _seldom(s[known], values[known], t, is_smooth(name))
@@ -226,7 +226,7 @@ def _at(recording: Recording, s: Array, t: Array) -> tuple[dict[str, Array], Hea
     return columns, header
 
 
-def _sampled(recording: Recording) -> list[tuple[str, Array]]:
+def _resample(recording: Recording) -> list[tuple[str, Array]]:
     """Columns without clock and mask."""
     return [(n, x) for n, x in recording.columns.items() if n != "timestamp" and not n.startswith(f"{VALID}.")]
 
@@ -274,7 +274,7 @@ def notes_of(recording: Recording) -> tuple[str, ...]:
     return tuple(map(str, notes)) if isinstance(notes, list) else (str(notes),)
 
 
-def noted(header: Header, *notes: str) -> Header:
+def add_note(header: Header, *notes: str) -> Header:
     """The header with more notes."""
     before = header.meta.get(KEY, [])
     return replace(header, meta={**header.meta, KEY: [*(before if isinstance(before, list) else [before]), *notes]})

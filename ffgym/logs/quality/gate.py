@@ -9,7 +9,7 @@ import numpy as np
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.logs.quality import agreement, cells, coverage, plausible, rows, tool, torque, torque_timing, values
 from ffgym.logs.quality.check import SEVERITY, STAGE_ROWS, Check, Finding, QualityReport
-from ffgym.logs.quality.conditioning import conditioned
+from ffgym.logs.quality.conditioning import condition
 from ffgym.logs.quality.coverage import need_findings
 from ffgym.logs.quality.even import notes_of
 from ffgym.logs.quality.log import Log
@@ -59,12 +59,12 @@ def check_quality(
     """
     if not isinstance(recording, Recording):
         raise FFGymError(f"recording must be a Recording, got {type(recording).__name__}; read_recording makes one.")
-    made = conditioned(recording)
+    made = condition(recording)
     log = Log(made, robot)
     findings = _found(log, accept)
     findings += need_findings(log, needs, [finding for finding in findings if finding.check not in accept])
     if made is not recording:
-        mended = _mended(Log(recording, robot), findings)
+        mended = _list_repairs(Log(recording, robot), findings)
         findings = [*mended, *(f for f in findings if f.check not in {finding.check for finding in mended})]
     return QualityReport(
         robot=recording.header.robot,
@@ -94,8 +94,8 @@ def _found(log: Log, accept: Collection[str]) -> list[Finding]:
     return findings
 
 
-def _mended(log: Log, others: Sequence[Finding]) -> list[Finding]:
-    """What conditioning mended, flagged: findings on the log as it came that are none any more.
+def _list_repairs(log: Log, others: Sequence[Finding]) -> list[Finding]:
+    """Flag what conditioning repaired: findings on the log as it came that are none any more.
 
     Those of the first stage that has any: rows of an uneven clock, for one, seem to stick out.
     """
@@ -120,7 +120,7 @@ class Judged:
     """What was left out, what conditioning did, what was accepted, and what else was flagged."""
 
 
-def judged(
+def judge_logs(
     recordings: Sequence[Recording],
     robot: RobotDescription | None = None,
     needs: Iterable[str] = (),
@@ -137,11 +137,11 @@ def judged(
     Raises:
         FFGymError: if a use or a check is unknown.
     """
-    overruled, uses = accepted(accept), tuple(needs)
+    overruled, uses = accept_findings(accept), tuple(needs)
     kept: list[Recording] = []
     left_out: list[str] = []
     told: list[str] = []
-    for recording in conditioned_alike(recordings):
+    for recording in condition_alike(recordings):
         segment = recording.header.segment or "A log"
         report = check_quality(recording, robot, uses, accept=overruled)
         if report.verdict == "insufficient":
@@ -153,7 +153,7 @@ def judged(
     return Judged(recordings=tuple(kept), left_out=tuple(left_out), flagged=(*left_out, *told))
 
 
-def accepted(names: Iterable[str]) -> tuple[str, ...]:
+def accept_findings(names: Iterable[str]) -> tuple[str, ...]:
     """Names of checks to overrule.
 
     Raises:
@@ -163,9 +163,9 @@ def accepted(names: Iterable[str]) -> tuple[str, ...]:
     return tuple(check_choice("check", name, known) for name in names)
 
 
-def conditioned_alike(recordings: Sequence[Recording]) -> list[Recording]:
+def condition_alike(recordings: Sequence[Recording]) -> list[Recording]:
     """Conditioned logs; those with uneven clocks of nearly one period are brought to the same."""
-    found = [conditioned(recording) for recording in recordings]
+    found = [condition(recording) for recording in recordings]
     uneven = [i for i, recording in enumerate(recordings) if not is_even(recording.t)]
     if not uneven:
         return found
@@ -175,5 +175,5 @@ def conditioned_alike(recordings: Sequence[Recording]) -> list[Recording]:
     period = min(period for period, count in zip(periods, counts, strict=True) if count == max(counts))
     for i in uneven:
         if abs(found[i].dt / period - 1.0) > EVEN and 1 / _ALIKE < found[i].dt / period < _ALIKE:
-            found[i] = conditioned(recordings[i], period=period)
+            found[i] = condition(recordings[i], period=period)
     return found

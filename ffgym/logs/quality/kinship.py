@@ -108,7 +108,7 @@ class Signals:
                     groups |= dict.fromkeys(merged, merged)
             trusted = max(groups.values(), key=len)
             first = next(family for family in self.values if family in trusted)
-            found += [self._explained(family, first, j) for family in self.values if family not in trusted]
+            found += [self._explain(family, first, j) for family in self.values if family not in trusted]
         return tuple(misfit for misfit in found if misfit is not None)
 
     def lag(self, family: str, other: str, j: int, alike: float = _SAME_MOTION) -> float | None:
@@ -119,7 +119,7 @@ class Signals:
         return seen.lag if seen.correlation > alike and abs(seen.slope - 1) < CLOSE else None
 
     def _within_slack(self, one: str, other: str, j: int) -> bool:
-        """Whether two signals of different channels differ by no more than they may."""
+        """Tell whether two signals of different channels differ by no more than they may."""
         if channel_of(one) == channel_of(other):
             return False
         return bool(np.ptp(self.values[one][:, j] - self.values[other][:, j]) < self.slack)
@@ -142,8 +142,8 @@ class Signals:
         white = float(np.var(np.diff(rest))) > _WHITE * float(np.var(rest))
         return white and offset < 0.5 * max(abs(float(a.mean())), abs(float(b.mean())), 2 * float(rest.std()))
 
-    def _explained(self, family: str, other: str, j: int) -> tuple[Kind, Seen] | None:
-        """How a signal of joint `j` differs from another; None if it is late only."""
+    def _explain(self, family: str, other: str, j: int) -> tuple[Kind, Seen] | None:
+        """Explain the difference of a signal of joint `j` from another; None if it is late only."""
         a, b = self.increments[family][:, j], self.increments[other]
         seen = compare(a, b[:, j], self.lags)
         if seen.correlation > _SAME_MOTION and abs(seen.slope - 1) < CLOSE:
@@ -187,7 +187,7 @@ def _twin(values: Array, others: Array, j: int, judged: BoolArray, ratio: Array)
 
 
 def explain(slope: float, ratio: float, tolerance: float) -> tuple[Kind, str]:
-    """What makes a signal `slope` times as large as it should be, within a share `tolerance` of the factor."""
+    """Explain a signal that is `slope` times as large as it should be, within a share `tolerance` of the factor."""
     factors: dict[str, tuple[Kind, float]] = {text: ("units", factor) for text, factor in UNIT_FACTORS.items()}
     if abs(abs(ratio) - 1) > 1:
         factors["motor side for link side"] = ("side", ratio)
@@ -209,7 +209,7 @@ def motion_signals(log: Log) -> Signals:
 
 @lru_cache(maxsize=4)
 def torque_signals(log: Log) -> Signals:
-    """What says how large the motor torque is: measured, commanded, and the sum of the parts of the command."""
+    """Collect the signals of the motor torque: measured, commanded, sum of the parts of the command."""
     there = {f: log.recording.joint_array(f) for f in (*_WHOLE, *_PARTS) if log.recording.has(f)}
     values = {family: x for family, x in there.items() if family in _WHOLE}
     parts = {family: x for family, x in there.items() if family in _PARTS}

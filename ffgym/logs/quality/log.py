@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 
 from ffgym.core.types import Array, BoolArray
-from ffgym.logs.quality.signals import TINY, averaged, white_noise
+from ffgym.logs.quality.signals import TINY, average, white_noise
 from ffgym.recordings import FAMILIES, Recording
 from ffgym.recordings.schema import VALID
 from ffgym.robot import RigidArm, RobotDescription
@@ -70,7 +70,7 @@ class Log:
 
     @property
     def is_described(self) -> bool:
-        """Whether the robot is given, and has as many joints as the recording."""
+        """Tell whether the robot is given, and has as many joints as the recording."""
         return self.robot is not None and self.robot.n_joints == len(self.joints)
 
     @property
@@ -122,7 +122,7 @@ class Log:
 
     @cached_property
     def motion_families(self) -> tuple[str, ...]:
-        """Those of `MOTION_FAMILIES` that are present for all joints."""
+        """List the families of `MOTION_FAMILIES` that are present for all joints."""
         return tuple(name for name in MOTION_FAMILIES if len(self.columns(name)) == len(self.joints))
 
     @cached_property
@@ -139,7 +139,7 @@ class Log:
 
     @property
     def has_positions(self) -> bool:
-        """Whether the recording says where the joints are; if not, they count as at rest in 0."""
+        """Tell whether the recording has positions of the joints; if not, they count as at rest in 0."""
         return bool(self._position_family)
 
     @cached_property
@@ -159,8 +159,8 @@ class Log:
         for times in _LONGER:
             span = times * SMOOTHING
             moved = np.ptp(self.q, axis=0) > EXCITED
-            dq = np.gradient(averaged(self.q, self.rows(span)), self.t, axis=0)
-            ddq = np.gradient(averaged(dq, self.rows(span)), self.t, axis=0)
+            dq = np.gradient(average(self.q, self.rows(span)), self.t, axis=0)
+            ddq = np.gradient(average(dq, self.rows(span)), self.t, axis=0)
             size = np.std(ddq, axis=0)[moved]
             # two averages make a triangle, whose second derivative is three samples of noise over its width squared
             noise = np.sqrt(6) * self.angle_noise[moved] / max(span, self.dt) ** 2
@@ -171,7 +171,7 @@ class Log:
     @cached_property
     def smooth_q(self) -> Array:
         """`q`, averaged over `smoothing`."""
-        return averaged(self.q, self.rows(self.smoothing))
+        return average(self.q, self.rows(self.smoothing))
 
     @cached_property
     def dq(self) -> Array:
@@ -181,7 +181,7 @@ class Log:
     @cached_property
     def ddq(self) -> Array:
         """Joint accelerations from `dq`, averaged again, link side, shape (T, N)."""
-        return np.gradient(averaged(self.dq, self.rows(self.smoothing)), self.t, axis=0)
+        return np.gradient(average(self.dq, self.rows(self.smoothing)), self.t, axis=0)
 
     @cached_property
     def excited(self) -> BoolArray:
@@ -190,7 +190,7 @@ class Log:
 
     @cached_property
     def moving(self) -> BoolArray:
-        """Where each joint moves, shape (T, N); joints that are not excited never do."""
+        """Mark the rows in which each joint moves, shape (T, N); joints that are not excited never do."""
         speed = np.abs(self.dq)
         return self.excited & (speed > RESTING * speed.max(axis=0))
 

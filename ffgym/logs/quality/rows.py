@@ -104,7 +104,7 @@ def _table(log: Log) -> Array:
 
 
 def _passing(log: Log, before: int, after: int) -> bool:
-    """Whether a position goes on alike, by more than `_ALIVE` steps, into row `before` and out to row `after`.
+    """Tell whether a position goes on alike, by more than `_ALIVE` steps, into row `before` and out to row `after`.
 
     Noise in coarse columns repeats by chance where a joint turns round or rests; a joint on its way never does.
     """

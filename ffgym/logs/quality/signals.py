@@ -62,13 +62,13 @@ def grid_step(x: Array) -> float:
 
 
 def is_even(t: Array) -> bool:
-    """Whether times [s] are of an even clock."""
+    """Tell whether times [s] are of an even clock."""
     steps = np.diff(t)
     return bool(np.ptp(steps) <= EVEN * np.median(steps))
 
 
 def has_two_rates(t: Array) -> bool:
-    """Whether times [s] are of one even clock up to some row, and of another one from there on."""
+    """Tell whether times [s] are of one even clock up to some row, and of another one from there on."""
     steps = np.diff(t)
     slow, fast = (float(np.quantile(steps, share)) for share in (0.75, 0.25))
     if slow <= (1 + EVEN) * fast:
@@ -87,7 +87,7 @@ def longest_interval(t: Array) -> float:
     return max(_GAP * period, period + 5 * scatter)
 
 
-def averaged(values: Array, rows: int) -> Array:
+def average(values: Array, rows: int) -> Array:
     """Moving average along the first axis, without delay."""
     return scipy.ndimage.uniform_filter1d(values, rows | 1, axis=0, mode="nearest")
 

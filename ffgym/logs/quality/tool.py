@@ -68,7 +68,7 @@ def _fit(log: Log) -> Fit:
     lag = int(np.argmax(curve[middle - reach : middle + reach + 1])) - reach
     # the copy, of rows at once and of those that belong together if the measured path is later
     later, earlier = (slice(max(x, 0), len(rows) + min(x, 0)) for x in (lag, -lag))
-    at_once, moved = _registered(measured, planned), _registered(measured[later], planned[earlier])
+    at_once, moved = _register(measured, planned), _register(measured[later], planned[earlier])
     scale, angle, left, straight = moved if moved[2] < 0.7 * at_once[2] else at_once
     return Fit(
         scale=scale,
@@ -80,7 +80,7 @@ def _fit(log: Log) -> Fit:
     )
 
 
-def _registered(measured: Array, planned: Array) -> tuple[float, float, float, bool]:
+def _register(measured: Array, planned: Array) -> tuple[float, float, float, bool]:
     """Scale, angle [deg] and left share of the best copy of one path (R, 3) in another; whether it is straight.
 
     Reference:

@@ -12,7 +12,7 @@ from ffgym.core.types import Array, BoolArray
 from ffgym.logs.preparation import convert_to_motor_side
 from ffgym.logs.quality.check import Seen, check
 from ffgym.logs.quality.log import Log, NotJudgedError
-from ffgym.logs.quality.signals import TINY, averaged
+from ffgym.logs.quality.signals import TINY, average
 from ffgym.robot import RigidArm, RobotDescription
 
 _MODEL_ROWS = 2500
@@ -79,12 +79,12 @@ def model_of(log: Log) -> Model:
         gravity=everywhere(drive.motor_torque(arm.holding_torque(q[few]))),
         motion=everywhere(links + drive.rotor_inertia * drive.motor_angle(ddq[few])),
         friction=robot.friction.steady_torque(drive.motor_angle(dq)),
-        measured=averaged(averaged(_measured(log, robot), log.rows(log.smoothing)), log.rows(log.smoothing)),
+        measured=average(average(_measure(log, robot), log.rows(log.smoothing)), log.rows(log.smoothing)),
         counted=log.moving,
     )
 
 
-def _measured(log: Log, robot: RobotDescription) -> Array:
+def _measure(log: Log, robot: RobotDescription) -> Array:
     """Recorded motor torque [N m], (T, N)."""
     header = log.recording.header
     if not log.recording.has("motor.effort") or header.torque_semantics == "unspecified":
@@ -159,7 +159,7 @@ def _saturation(log: Log) -> Iterator[Seen]:
         raise NotJudgedError("torque_semantics of the header is unspecified")
     if log.robot.quantities and "drive.peak_torque" not in log.robot.quantities:
         raise NotJudgedError("the description does not say drive.peak_torque")
-    torque = _measured(log, log.robot)
+    torque = _measure(log, log.robot)
     for j, peak in enumerate(log.robot.drive.peak_torque):
         value = float(np.mean(np.abs(torque[:, j]) > 0.98 * peak))
         yield Seen(value, (f"motor.effort.{log.joints[j]}",), log.joints[j], {"peak": peak})

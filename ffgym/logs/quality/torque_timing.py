@@ -14,7 +14,7 @@ from ffgym.core.types import Array, BoolArray
 from ffgym.logs.quality.check import ROWS, Seen, check, late
 from ffgym.logs.quality.kinship import LAG_SPAN
 from ffgym.logs.quality.log import RESTING, SMOOTHING, Log, NotJudgedError
-from ffgym.logs.quality.signals import TINY, averaged
+from ffgym.logs.quality.signals import TINY, average
 
 _PERIOD = 0.004
 """Time [s] over which rows are averaged first; delays are judged from some of them on."""
@@ -68,7 +68,7 @@ class TorqueParts:
 
     def as_torque(self, values: Array) -> Array:
         """Columns (R, ...), averaged as the torque is."""
-        return values if self.blur == 1 else averaged(averaged(values, self.blur), self.blur)
+        return values if self.blur == 1 else average(average(values, self.blur), self.blur)
 
     @property
     def clear(self) -> BoolArray:
@@ -127,7 +127,7 @@ def torque_parts(log: Log) -> TorqueParts:
     torque = log.recording.joint_array("motor.effort")
     blur = 1
     if log.smoothing > SMOOTHING:  # as the motion is, so that it is no sharper
-        torque = averaged(averaged(torque, log.rows(log.smoothing)), log.rows(log.smoothing))
+        torque = average(average(torque, log.rows(log.smoothing)), log.rows(log.smoothing))
         blur = max(1, round(log.rows(log.smoothing) / every))
     ratio = np.asarray(log.recording.header.gear_ratio)
     # an average over w rows differs by those at its ends: two samples of noise over its width

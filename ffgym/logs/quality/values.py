@@ -91,7 +91,7 @@ def stuck_stretches(log: Log) -> list[Stretch]:
 
 
 def _is_stuck(log: Log, family: str, j: int, x: Array, step: float, rows: slice) -> bool:
-    """Whether a stretch of one value in `x` (T,) is no rest. `step` is the resolution of `x`.
+    """Tell whether a stretch of one value in `x` (T,) is no rest. `step` is the resolution of `x`.
 
     A joint that comes to rest, or sticks by friction, goes on from where it stood; a position that is stuck jumps to
     where the joint is by then. Speeds and torques of a joint that moves change.
@@ -108,7 +108,7 @@ def _is_stuck(log: Log, family: str, j: int, x: Array, step: float, rows: slice)
 
 
 def _abrupt(log: Log, x: Array, step: float, row: int) -> bool:
-    """Whether `x` (T,) comes to a row faster than a joint that comes to rest: by steps of the resolution, in a time."""
+    """Tell whether `x` (T,) comes to a row faster than a joint that comes to rest: by steps of the resolution."""
     width = max(3, log.rows(_BEFORE))
     if row < width:
         return False
@@ -117,7 +117,7 @@ def _abrupt(log: Log, x: Array, step: float, row: int) -> bool:
 
 
 def _others_move(log: Log, family: str, j: int, rows: slice) -> bool:
-    """Whether another column that otherwise goes like this one moves during a stretch of one value."""
+    """Tell whether another column that otherwise goes like this one moves during a stretch of one value."""
     if not family.endswith("position") or family not in log.motions:
         return False
     own = log.motions[family][:, j]
@@ -136,7 +136,7 @@ def _others_move(log: Log, family: str, j: int, rows: slice) -> bool:
 
 
 def _jumps(x: Array, row: int, least: float) -> bool:
-    """Whether `x` (T,) comes to a row, if there is one, by a jump."""
+    """Tell whether `x` (T,) comes to a row, if there is one, by a jump."""
     return row >= len(x) or abs(float(x[row] - x[row - 1])) > least
 
 

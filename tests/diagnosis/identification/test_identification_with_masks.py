@@ -60,5 +60,5 @@ def test_friction_torque_counts_without_the_masked_rows_of_a_joint(robot):
 def test_an_uneven_log_says_what_brings_it_to_even_times(robot):
     recording = clean_log("two_link", "multisine")
     uneven = recording.with_columns({"timestamp": recording.t + 1e-4 * (np.arange(len(recording)) % 2)})
-    with pytest.raises(FFGymError, match=r"sampled unevenly.*conditioned brings it to even times"):
+    with pytest.raises(FFGymError, match=r"sampled unevenly.*condition brings it to even times"):
         signals_of(robot, uneven)

@@ -73,7 +73,7 @@ class Hypothesis:
         """Gain that a simpler mistake may lack, so that of two that explain the same the simpler one is named."""
         return 0.02 * len(self.families) + _COSTS.get(self.kind, 0.0)
 
-    def mended(self, wiring: Rewiring, n_joints: int) -> Rewiring:
+    def correct(self, wiring: Rewiring, n_joints: int) -> Rewiring:
         """The reading without this mistake."""
         if self.kind == "clock":
             return Rewiring(families=wiring.families, clock=wiring.clock * self.factors[0])
@@ -210,7 +210,7 @@ class Mistake:
 
 
 def mistake_of(found: Found, samples: Samples, ratio: tuple[float, ...]) -> Mistake:
-    """What was found, for people and programs."""
+    """Describe a mistake for people and programs."""
     one = found.hypothesis
     of_tool = bool(one.families) and one.families[0].startswith("tcp")
     joints = tuple("xyz"[part] if of_tool else samples.joints[part] for part in one.parts)
@@ -239,7 +239,7 @@ def mistake_of(found: Found, samples: Samples, ratio: tuple[float, ...]) -> Mist
 
 
 def _fault(one: Hypothesis, joints: tuple[str, ...], samples: Samples, ratio: tuple[float, ...]) -> str:
-    """What is wrong: families and joints in a word, where there is one, and what was done to them."""
+    """Say what is wrong: families and joints in a word, where there is one, and what was done to them."""
     groups = {"all channels": (*MOTIONS, *EFFORTS), "all positions and speeds": MOTIONS, "all torques": EFFORTS}
     there = {name: tuple(f for f in families if f in samples.present) for name, families in groups.items()}
     named = (name for name, families in there.items() if one.families == families and len(families) > 1)

@@ -136,7 +136,7 @@ def regressor_of(robot: RobotDescription) -> Regressor:
     return Regressor(robot)
 
 
-def bounded_fit(gram: Array, moment: Array, low: Array, high: Array, expected: Array) -> Array:
+def fit_bounded(gram: Array, moment: Array, low: Array, high: Array, expected: Array) -> Array:
     """Coefficients (B, K) that minimise the squares left by K columns, by coordinate descent.
 
     Args:

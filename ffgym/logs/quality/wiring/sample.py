@@ -83,7 +83,7 @@ class Samples:
             ((m.t[m.at] - m.t[0]) // (_BLOCK * max(1.0, 5.0 / self.band))).astype(np.int64) for m in self._motions
         ]
         self.held_out: BoolArray = np.concatenate([(block + i) % 2 == 0 for i, block in enumerate(blocks)])
-        self._column = lru_cache(maxsize=4096)(self._computed)
+        self._column = lru_cache(maxsize=4096)(self._compute)
 
     @property
     def n_rows(self) -> int:
@@ -91,14 +91,14 @@ class Samples:
         return len(self.recording)
 
     def has(self, family: str) -> bool:
-        """Whether all recordings have the family."""
+        """Tell whether all recordings have the family."""
         return family in self.families
 
     def column(self, family: str, part: int, order: int = 0, delay: float = 0.0) -> Array:
         """One column, its derivative of an `order`, or the `SIGN` of its rate, as it is `delay` [s] later, (R,)."""
         return self._column(family, part, order, round(delay, 9))
 
-    def _computed(self, family: str, part: int, order: int, delay: float) -> Array:
+    def _compute(self, family: str, part: int, order: int, delay: float) -> Array:
         pieces = [motion.values[family][:, part] for motion in self._motions]
         for _ in range(1 if order == SIGN else order):
             pieces = [np.gradient(values, motion.t) for values, motion in zip(pieces, self._motions, strict=True)]

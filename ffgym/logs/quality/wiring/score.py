@@ -1,4 +1,4 @@
-"""How much of each signal a reading of the columns leaves unexplained: torques by the arm, others by the motion."""
+"""Share of each signal that a reading of the columns leaves unexplained: torques by the arm, others by the motion."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ import numpy as np
 
 from ffgym.core.types import Array, BoolArray
 from ffgym.logs.preparation import convert_to_joint_side, convert_to_motor_side
-from ffgym.logs.quality.wiring.model import Columns, Regressor, bounded_fit, bounds
+from ffgym.logs.quality.wiring.model import Columns, Regressor, bounds, fit_bounded
 from ffgym.logs.quality.wiring.sample import SIGN, Samples
 from ffgym.recordings.rewiring import Rewire, Rewiring
 
@@ -54,7 +54,7 @@ class Scorer:
         """Keep what is judged, and the arm that judges it."""
         self.samples, self.regressor, self.robot = samples, regressor, regressor.robot
         self.n = self.robot.n_joints
-        self._columns = lru_cache(maxsize=24)(self._computed_columns)
+        self._columns = lru_cache(maxsize=24)(self._compute_columns)
         self._pairs = _pairs(samples)
         self._cheap = {"range", "speed", *(pair.channel for pair in self._pairs)}
         self._torques: dict[tuple[object, ...], float] = {}
@@ -74,9 +74,9 @@ class Scorer:
 
     def cheap(self, wiring: Rewiring, floor: float = FLOOR) -> Lefts:
         """Channels that need no dynamics."""
-        found = {(pair.channel, j): self._compared(wiring, pair, j) for pair in self._pairs for j in range(self.n)}
+        found = {(pair.channel, j): self._compare(wiring, pair, j) for pair in self._pairs for j in range(self.n)}
         known = {key: left for key, left in found.items() if left is not None} | self._limits(wiring)
-        return _clipped(known, floor)
+        return _clip(known, floor)
 
     def changed(self, before: Lefts, wiring: Rewiring, families: Sequence[str], parts: Sequence[int]) -> Lefts:
         """Channels that need no dynamics, if `before` holds them but for some families and joints."""
@@ -84,12 +84,12 @@ class Scorer:
         for pair in self._pairs:
             if not pair.families.isdisjoint(families):
                 for j in parts:
-                    left = self._compared(wiring, pair, j)
+                    left = self._compare(wiring, pair, j)
                     if left is not None:
                         lefts[pair.channel, j] = min(max(left, FLOOR), CAP)
-        return lefts | _clipped(self._limits(wiring), FLOOR) if POSITION in families else lefts
+        return lefts | _clip(self._limits(wiring), FLOOR) if POSITION in families else lefts
 
-    def _compared(self, wiring: Rewiring, pair: "Pair", j: int) -> float | None:
+    def _compare(self, wiring: Rewiring, pair: "Pair", j: int) -> float | None:
         """Share of a joint's column that another does not say; None if it does not move."""
         rewires = [wiring.of(family, self.n) for family, _ in (*pair.columns, *pair.others)]
         key = (pair.channel, j, wiring.clock, *((r.source[j], r.factor[j], r.offset[j], r.delay[j]) for r in rewires))
@@ -132,7 +132,7 @@ class Scorer:
         if todo:
             found = left_by(columns, todo, torque[:, todo].T, self.samples.held_out, known)
             self._torques |= {keys[j]: left for j, left in zip(todo, found.tolist(), strict=True)}
-        return _clipped({(TORQUE, j): self._torques[key] for j, key in keys.items()}, floor)
+        return _clip({(TORQUE, j): self._torques[key] for j, key in keys.items()}, floor)
 
     def tools(self, wiring: Rewiring, floor: float = TOOL_FLOOR) -> Lefts:
         """Channels that the kinematics of the arm explain."""
@@ -145,7 +145,7 @@ class Scorer:
                 path = self.regressor.arm.tcp_position(self.link_side(self.values(wiring, joints)))
                 self._shares[key] = _misfit(self.values(wiring, tool), path, free=True)
             lefts[tool, 0] = self._shares[key] or 0.0
-        return _clipped(lefts, floor)
+        return _clip(lefts, floor)
 
     def all(self, wiring: Rewiring) -> Lefts:
         """All channels."""
@@ -164,7 +164,7 @@ class Scorer:
         """Regressor of the motion in a reading."""
         return self._columns(wiring.of(POSITION, self.n), wiring.clock)
 
-    def _computed_columns(self, rewire: Rewire, clock: float) -> Columns:
+    def _compute_columns(self, rewire: Rewire, clock: float) -> Columns:
         wiring = Rewiring(families={POSITION: rewire}, clock=clock)
         q, dq, ddq = (self.link_side(self.values(wiring, POSITION, order)) for order in range(3))
         ways = None
@@ -207,7 +207,7 @@ def left_by(
             moments.append(x.T @ y[rows])
             energies.append(float(y[rows] @ y[rows]))
     gram, moment, energy = np.stack(grams), np.stack(moments), np.array(energies)
-    theta = bounded_fit(gram, moment, *bounds(known), columns.expected)
+    theta = fit_bounded(gram, moment, *bounds(known), columns.expected)
     other = np.arange(len(gram)).reshape(-1, 2)[:, ::-1].ravel()  # judged where it was not fitted
     theta = theta[other]
     left = energy - 2 * np.einsum("bk,bk->b", theta, moment) + np.einsum("bk,bkl,bl->b", theta, gram, theta)
@@ -227,7 +227,7 @@ def _misfit(measured: Array, said: Array, *, free: bool = False) -> float:
     return float(np.sum(gap**2)) / energy if energy > 0 else FLOOR
 
 
-def _clipped(lefts: Lefts, floor: float) -> Lefts:
+def _clip(lefts: Lefts, floor: float) -> Lefts:
     return {key: min(max(left, floor), CAP) for key, left in lefts.items()}
 
 
@@ -250,7 +250,7 @@ class Pair:
 
 
 def _pairs(samples: Samples) -> list[Pair]:
-    """What of the samples says the same twice."""
+    """List the pairs of samples that say the same twice."""
     ones = np.ones(len(samples.joints))
     motions = [
         ("motor.velocity", (POSITION, 1)),

@@ -79,7 +79,7 @@ def search(scorer: Scorer) -> tuple[Rewiring, list[Found]]:
         if best is None:
             return with_currents(scorer, wiring, found)
         found.append(best)
-        wiring = best.hypothesis.mended(wiring, scorer.n)
+        wiring = best.hypothesis.correct(wiring, scorer.n)
     return Rewiring(), []
 
 
@@ -91,12 +91,12 @@ def _best(scorer: Scorer, wiring: Rewiring, fixed: list[Hypothesis]) -> Found | 
     least = max(_LEAST_DELAY, _LEAST_ROWS * scorer.samples.period * wiring.clock) / wiring.clock
     considered: list[Found] = []
     for candidates in (fixed, delays(scorer.samples, scorer.n, least), zeros(scorer.samples, scorer.robot)):
-        considered += _improved(scorer, wiring, before, candidates, considered)
+        considered += _improve(scorer, wiring, before, candidates, considered)
     if not considered:
         return None
 
     def left(candidate: Hypothesis) -> float:
-        return scorer.left_at_all(candidate.mended(wiring, scorer.n))
+        return scorer.left_at_all(candidate.correct(wiring, scorer.n))
 
     # of mistakes that explain next to everything the one that leaves least, however little that is
     most = max(one.worth for one in considered)
@@ -107,13 +107,13 @@ def _best(scorer: Scorer, wiring: Rewiring, fixed: list[Hypothesis]) -> Found | 
     return replace(best, hypothesis=min(_near(best.hypothesis, scorer.samples.shortest, least), key=left))
 
 
-def _improved(
+def _improve(
     scorer: Scorer, wiring: Rewiring, before: Lefts, candidates: Iterable[Hypothesis], known: list[Found]
 ) -> list[Found]:
     """Candidates that explain enough, and about as much as the best; those that cannot are not computed."""
     possible = []
     for candidate in candidates:
-        mended = candidate.mended(wiring, scorer.n)
+        mended = candidate.correct(wiring, scorer.n)
         if candidate.kind == "clock":
             cheap = scorer.cheap(mended)
         else:
@@ -157,7 +157,7 @@ def _bound(before: Lefts, cheap: Lefts, candidate: Hypothesis) -> float:
 
 
 def _convincing(found: Found) -> bool:
-    """Whether a signal that the given reading does not explain is explained by the mended one."""
+    """Tell whether a signal that the given reading does not explain is explained by the corrected one."""
     key = found.telling
     before, after = found.before[key], found.after.get(key, found.before[key])
     if after > (_EXPLAINED_BY_RATE if found.hypothesis.kind == "clock" else _EXPLAINED):
@@ -185,9 +185,9 @@ def with_currents(scorer: Scorer, wiring: Rewiring, found: Sequence[Found]) -> t
     if not factors:
         return wiring, [*found]
     before = scorer.torques(wiring, 0.0, KNOWN_MASSES)
-    candidates = [_scaled(group, factors) for group in effort_groups(scorer.samples) if TORQUE in group]
-    best = min(candidates, key=lambda one: scorer.left_at_all(one.mended(wiring, scorer.n)) + one.cost)
-    after = scorer.torques(best.mended(wiring, scorer.n), 0.0, KNOWN_MASSES)
+    candidates = [_scale(group, factors) for group in effort_groups(scorer.samples) if TORQUE in group]
+    best = min(candidates, key=lambda one: scorer.left_at_all(one.correct(wiring, scorer.n)) + one.cost)
+    after = scorer.torques(best.correct(wiring, scorer.n), 0.0, KNOWN_MASSES)
     telling = {j for j in factors if before[TORQUE, j] > _CURRENT_SHARE and after[TORQUE, j] < _CURRENT_EXPLAINED}
     if not telling:
         return wiring, [*found]
@@ -197,12 +197,12 @@ def with_currents(scorer: Scorer, wiring: Rewiring, found: Sequence[Found]) -> t
             return wiring, [*found]
     else:  # all of them, also where friction of an unknown size explains the factor as well
         factors = {j: s for j, s in strengths.items() if s > 0 and abs(np.log(s)) > np.log(_UNCLEAN)}
-    current = _scaled(best.families, factors)
+    current = _scale(best.families, factors)
     one = Found(hypothesis=current, before=before, after=after)
-    return current.mended(wiring, scorer.n), [*found, one]
+    return current.correct(wiring, scorer.n), [*found, one]
 
 
-def _scaled(families: tuple[str, ...], factors: dict[int, float]) -> Hypothesis:
+def _scale(families: tuple[str, ...], factors: dict[int, float]) -> Hypothesis:
     return Hypothesis(kind="current", families=families, parts=tuple(factors), factors=tuple(factors.values()))
 
 

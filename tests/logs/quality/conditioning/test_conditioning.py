@@ -7,7 +7,7 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from ffgym.logs.preparation import LowPass
-from ffgym.logs.quality import check_quality, conditioned, notes_of
+from ffgym.logs.quality import check_quality, condition, notes_of
 from ffgym.recordings import Header, Recording, read_recording, write_recording
 from tests.logs.quality.conditioning.troubles import (
     bad_row,
@@ -41,7 +41,7 @@ def masked(recording: Recording) -> np.ndarray:
 @pytest.mark.parametrize("sensors", [True, False])
 def test_a_clean_log_stays_as_it_is_to_the_bit(robot, motion, sensors):
     recording = clean_log(robot, motion, sensors=sensors)
-    assert conditioned(recording) is recording
+    assert condition(recording) is recording
 
 
 def fast() -> float:
@@ -71,9 +71,9 @@ def arrival(t: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("trouble", TROUBLES)
 def test_a_conditioned_log_needs_no_more_and_serves(trouble):
     recording = TROUBLES[trouble]()
-    once = conditioned(recording)
+    once = condition(recording)
     assert once is not recording
-    assert conditioned(once) is once
+    assert condition(once) is once
     assert even(once)
     assert notes_of(once)
     report = check_quality(recording, described("two_link", "multisine"), ["diagnosis"])
@@ -112,7 +112,7 @@ def error_of_torque(got: Recording, true: Recording, cutoff: float) -> float:
 def test_rows_every_10_or_12_ms_come_to_an_even_clock_with_little_error():
     """Torque without noise; straight lines would err by a fifth more, and by 0.7 % of the acceleration."""
     true = clean_log("two_link", "multisine", sensors=False)
-    got = conditioned(jittered(true))
+    got = condition(jittered(true))
     assert got.dt == pytest.approx(0.01)
     assert masked(got).sum() == 0
     assert not got.has("valid")
@@ -129,7 +129,7 @@ def test_rows_every_10_or_12_ms_come_to_an_even_clock_with_little_error():
 
 def test_stamps_of_arrival_are_not_taken_for_the_times_of_the_rows():
     recording = TROUBLES["arrival"]()
-    got = conditioned(recording)
+    got = condition(recording)
     assert np.array_equal(got[POSITION], recording[POSITION])
     assert np.std(got.t - clean().t[: len(got)]) < 0.01 * got.dt
     assert "as smooth at even times" in notes_of(got)[0]
@@ -141,20 +141,20 @@ def test_a_coarse_clock_is_not_taken_for_the_times_of_the_rows():
     t = np.arange(0.0, 8.0, 1 / 120)
     columns = {name: CubicSpline(true.t, true[name])(t) for name in true.columns if name.startswith("motor.")}
     rounded = Recording({"timestamp": np.round(t, 3), **columns}, replace(true.header, phases=()))
-    got = conditioned(rounded)
+    got = condition(rounded)
     assert got.dt == pytest.approx(1 / 120, rel=1e-4)
     assert np.array_equal(got[POSITION], rounded[POSITION])
 
 
 def test_a_step_of_the_clock_is_taken_out():
-    got = conditioned(TROUBLES["clock step"]())
+    got = condition(TROUBLES["clock step"]())
     assert got.t[-1] - got.t[0] == pytest.approx(7.999)
     assert not masked(got).any()
     assert "clock steps" in notes_of(got)[0]
 
 
 def test_missing_rows_are_bridged_and_left_out_if_they_are_long():
-    true, got = clean(), conditioned(with_gaps(clean(), ((2000, 3), (4000, 40))))
+    true, got = clean(), condition(with_gaps(clean(), ((2000, 3), (4000, 40))))
     assert len(got) == len(true)
     assert np.flatnonzero(masked(got).all(axis=1)).tolist() == list(range(4000, 4040))
     assert np.abs(got[POSITION] - true[POSITION])[2000:2003].max() < 1e-3 * np.ptp(true[POSITION])
@@ -164,13 +164,13 @@ def test_missing_rows_are_bridged_and_left_out_if_they_are_long():
 def test_a_pause_ends_a_log():
     recording = clean()
     t = recording.t + 60.0 * (np.arange(len(recording)) >= 3000)
-    got = conditioned(of_rows(recording, np.arange(len(recording)), t))
+    got = condition(of_rows(recording, np.arange(len(recording)), t))
     assert len(got) == len(recording) - 3000
     assert "only the longest part" in notes_of(got)[0]
 
 
 def test_doubled_rows_are_dropped():
-    true, got = clean(), conditioned(TROUBLES["doubled"]())
+    true, got = clean(), condition(TROUBLES["doubled"]())
     assert len(got) == len(true)
     assert np.abs(got[POSITION] - true[POSITION]).max() < 1e-3 * np.ptp(true[POSITION])
     assert "3 rows of" in notes_of(got)[0]
@@ -178,7 +178,7 @@ def test_doubled_rows_are_dropped():
 
 @pytest.mark.parametrize("name", [EFFORT, POSITION])
 def test_one_bad_row_is_replaced_and_left_out_for_its_joint(name):
-    true, got = clean(), conditioned(bad_row(clean(), name, 4000))
+    true, got = clean(), condition(bad_row(clean(), name, 4000))
     assert np.argwhere(masked(got)).tolist() == [[4000, ELBOW]]
     assert abs(got[name][4000] - true[name][4000]) < 0.05 * np.ptp(true[name])
     others = [other for other in true.columns if other != name]
@@ -188,11 +188,11 @@ def test_one_bad_row_is_replaced_and_left_out_for_its_joint(name):
 
 def test_one_row_that_is_odd_for_several_joints_is_left_out_for_all():
     recording = bad_row(bad_row(clean(), EFFORT, 4000), "motor.effort.shoulder", 4000)
-    assert np.argwhere(masked(conditioned(recording))).tolist() == [[4000, SHOULDER], [4000, ELBOW]]
+    assert np.argwhere(masked(condition(recording))).tolist() == [[4000, SHOULDER], [4000, ELBOW]]
 
 
 def test_one_bad_row_of_another_column_leaves_torques_in():
-    got = conditioned(bad_row(clean(), "motor.velocity.elbow", 4000))
+    got = condition(bad_row(clean(), "motor.velocity.elbow", 4000))
     assert not got.has("valid")
     assert abs(got["motor.velocity.elbow"] - clean()["motor.velocity.elbow"]).max() < 5.0
 
@@ -202,7 +202,7 @@ def test_a_bad_row_of_the_tracker_is_a_missing_one():
     seen = np.flatnonzero(np.isfinite(recording["tcp.position.x"]))
     x = recording["tcp.position.x"].copy()
     x[seen[len(seen) // 2]] += 1.0
-    got = conditioned(recording.with_columns({"tcp.position.x": x}))
+    got = condition(recording.with_columns({"tcp.position.x": x}))
     assert np.isnan(got["tcp.position.x"][seen[len(seen) // 2]])
     assert not got.has("valid")
 
@@ -213,12 +213,12 @@ def test_a_column_that_sticks_out_all_the_time_is_left_to_the_gate():
     rows = rng.choice(len(torque), size=len(torque) // 50, replace=False)
     torque[rows] += 2 * np.ptp(torque)
     bad = recording.with_columns({EFFORT: torque})
-    assert conditioned(bad) is bad
+    assert condition(bad) is bad
     assert check_quality(bad).verdict == "insufficient"
 
 
 def test_an_abrupt_stop_and_the_rest_after_it_are_left_out():
-    got = conditioned(TROUBLES["stop"]())
+    got = condition(TROUBLES["stop"]())
     out = np.flatnonzero(masked(got).all(axis=1))
     assert got.t[out[0]] == pytest.approx(fast(), abs=0.04)
     assert out[-1] == len(got) - 1
@@ -238,7 +238,7 @@ def stuck(name: str, rows: slice) -> Recording:
 def test_a_stuck_column_is_left_out(name, joints):
     first = int(np.searchsorted(clean().t, fast())) - 50
     rows = slice(first, first + 100)
-    got = conditioned(stuck(name, rows))
+    got = condition(stuck(name, rows))
     assert masked(got)[rows.start + 2 : rows.stop - 1, joints].all()
     assert masked(got).sum() <= len(joints) * (rows.stop - rows.start + 2)
     assert np.diff(got[name])[rows.start + 2 : rows.stop - 1].all()
@@ -249,7 +249,7 @@ def test_a_noisy_stretch_is_left_out():
     torque = recording[EFFORT].copy()
     torque[3008:3400] += rng.normal(scale=0.3 * np.ptp(torque), size=392)
     noisy = recording.with_columns({EFFORT: torque})
-    got = conditioned(noisy)
+    got = condition(noisy)
     assert masked(got)[3008:3400, ELBOW].all()
     assert not masked(got)[:, SHOULDER].any()
     assert np.array_equal(got[EFFORT], torque)
@@ -257,7 +257,7 @@ def test_a_noisy_stretch_is_left_out():
 
 
 def test_a_clock_of_slow_rows_that_is_even_enough_is_even():
-    assert conditioned(thin(clean())).equals(thin(clean()))
+    assert condition(thin(clean())).equals(thin(clean()))
 
 
 def test_a_held_torque_acts_in_the_middle_of_its_interval():
@@ -266,7 +266,7 @@ def test_a_held_torque_acts_in_the_middle_of_its_interval():
     t = np.concatenate([[0.0], np.cumsum(steps)])
     header = Header(robot="bench", joints=("j1",), gear_ratio=(1.0,), torque_semantics="motor_side", hold="zoh")
     columns = {"timestamp": t, "motor.position.j1": np.sin(2 * t), "motor.effort.j1": t + 0.5 * np.append(steps, 0.01)}
-    got = conditioned(Recording(columns, header))
+    got = condition(Recording(columns, header))
     assert got.header.hold == "sampled"
     inner = slice(10, -10)
     np.testing.assert_allclose(got["motor.effort.j1"][inner], got.t[inner], atol=1e-4)
@@ -281,18 +281,18 @@ def test_a_mask_survives_files_slices_and_an_uneven_clock(tmp_path):
         write_recording(given, tmp_path / f"log.{suffix}")
         assert read_recording(tmp_path / f"log.{suffix}").equals(given)
     assert masked(given.slice(3.0, 4.0)).sum() == 500
-    got = conditioned(jittered(given))
+    got = condition(jittered(given))
     out = got.t[masked(got)[:, ELBOW]]
     assert not masked(got)[:, SHOULDER].any()
     assert (out.min(), out.max()) == pytest.approx((3.0, 3.5), abs=0.025)
-    assert conditioned(given) is given
+    assert condition(given) is given
 
 
 def test_a_long_end_that_counts_for_no_joint_is_dropped():
     recording = clean()
     mask = np.ones(len(recording))
     mask[6000:] = 0.0
-    got = conditioned(recording.with_columns({"valid.shoulder": mask, "valid.elbow": mask}))
+    got = condition(recording.with_columns({"valid.shoulder": mask, "valid.elbow": mask}))
     assert len(got) == 6250
     assert "Rows that count for no joint" in notes_of(got)[0]
 
@@ -330,7 +330,7 @@ def fast_sine(amplitude: float, rest: float, rate: float = 5000.0) -> Recording:
 @pytest.mark.parametrize("rest", [0.0, 2.0])
 def test_turning_points_and_a_rest_at_5_khz_are_nothing_bad(amplitude, rest):
     recording = fast_sine(amplitude, rest)
-    assert conditioned(recording) is recording
+    assert condition(recording) is recording
     assert check_quality(recording, needs=["diagnosis"]).verdict != "insufficient"
 
 
@@ -338,7 +338,7 @@ def test_a_torque_that_is_written_at_a_tenth_of_the_rate_is_not_stuck():
     recording = fast_sine(0.3, 0.0)
     torque = np.repeat(recording["motor.effort.j1"][::100], 100)[: len(recording)]
     held = recording.with_columns({"motor.effort.j1": torque})
-    assert conditioned(held) is held
+    assert condition(held) is held
     assert [f.verdict for f in check_quality(held).of("stuck")] == ["ok"]
 
 
@@ -354,5 +354,5 @@ def test_a_servo_that_sticks_by_friction_is_not_stuck(jump, bad):
     header = Header(robot="bench", joints=("j1",), gear_ratio=(100.0,), torque_semantics="motor_side", hold="sampled")
     columns = {"timestamp": t, "motor.position.j1": np.round(angle / step) * step, "motor.effort.j1": np.cos(3 * t)}
     recording = Recording(columns, header)
-    assert (conditioned(recording) is not recording) == bad
+    assert (condition(recording) is not recording) == bad
     assert ("stuck" in {f.check for f in check_quality(recording).problems}) == bad

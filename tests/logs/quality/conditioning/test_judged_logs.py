@@ -9,7 +9,7 @@ import pytest
 
 from ffgym.core.errors import FFGymError
 from ffgym.logs import read_logs
-from ffgym.logs.quality import check_quality, conditioned, judged
+from ffgym.logs.quality import check_quality, condition, judge_logs
 from tests.logs.quality.conditioning.troubles import bad_row, clean, jittered, thin
 from tests.logs.quality.quality_logs import described
 
@@ -28,7 +28,7 @@ def coarse():
 
 def test_a_refused_log_is_left_out_with_its_reason_and_the_others_are_used():
     spiky = bad_row(clean(), EFFORT, 4000).rename("spiky")
-    found = judged([clean(), coarse(), spiky], robot(), ("diagnosis",))
+    found = judge_logs([clean(), coarse(), spiky], robot(), ("diagnosis",))
     assert [recording.header.segment for recording in found.recordings] == ["multisine", "spiky"]
     assert found.recordings[0] is not None
     assert np.flatnonzero(~found.recordings[1].valid[:, 1]).tolist() == [4000]
@@ -40,7 +40,7 @@ def test_a_refused_log_is_left_out_with_its_reason_and_the_others_are_used():
 
 
 def test_an_overruled_check_leaves_the_log_in_and_is_told():
-    found = judged([coarse()], robot(), ("diagnosis",), accept=("coarse",))
+    found = judge_logs([coarse()], robot(), ("diagnosis",), accept=("coarse",))
     assert [recording.header.segment for recording in found.recordings] == ["coarse"]
     assert not found.left_out
     assert any("motor.effort.elbow has" in text for text in found.flagged)
@@ -61,14 +61,14 @@ def test_what_a_check_refuses_is_flagged_where_it_is_overruled_and_stops_no_othe
 
 def test_an_unknown_check_is_one_error():
     with pytest.raises(FFGymError, match="Unknown check 'cores'"):
-        judged([clean()], robot(), accept=("cores",))
+        judge_logs([clean()], robot(), accept=("cores",))
 
 
 def test_uneven_logs_come_to_the_period_of_the_others():
     """Two of them have median intervals of 10 and 12 ms; the third is even."""
     logs = [jittered(clean(), (10, 10, 12)), jittered(clean(), (12, 12, 10)).rename("b"), thin(clean()).rename("c")]
-    assert [round(conditioned(log).dt, 4) for log in logs] == [0.01, 0.012, 0.01]
-    assert {round(log.dt, 6) for log in judged(logs, robot()).recordings} == {0.01}
+    assert [round(condition(log).dt, 4) for log in logs] == [0.01, 0.012, 0.01]
+    assert {round(log.dt, 6) for log in judge_logs(logs, robot()).recordings} == {0.01}
 
 
 MAP = """
@@ -112,11 +112,11 @@ def test_logs_of_a_real_robot_pass_as_they_were_recorded(tmp_path):
     raw = [recording for file in files for recording in read_logs(file, tmp_path / "map.toml")]
     assert [one.header.segment for one in raw] == [file.name.removesuffix(".csv.gz") for file in files]
     assert all(np.ptp(np.diff(one.t)) > 0.1 * one.dt for one in raw)
-    found = judged(raw, None, ("diagnosis",))
+    found = judge_logs(raw, None, ("diagnosis",))
     assert not found.left_out
     assert len(found.recordings) == 12
     for one in found.recordings:
         assert one.dt == pytest.approx(0.01)
         assert np.ptp(np.diff(one.t)) < 1e-6
         assert one.valid.mean() > 0.99
-        assert conditioned(one) is one
+        assert condition(one) is one
