@@ -329,6 +329,51 @@ class ScreeningSettings:
 
 
 @dataclass(frozen=True, kw_only=True)
+class EstimatorSettings:
+    """Fits by Gauss-Newton in a trust region: steps, reaches and when they end."""
+
+    reach: float = 3.0
+    """Longest change of a free number in one step, in practical steps; chosen: an effect grows from nothing to what is
+    plausible in one."""
+    least_reach: float = 0.1
+    """Reach below which a fit of free numbers has come to rest, in practical steps; a thirtieth of the first."""
+    steps: int = 4
+    """Gauss-Newton steps of causes at most; chosen: slopes about a linear fit lead near in two."""
+    gain: float = 0.01
+    """Relative gain of energy below which another step is not worth a replay."""
+    rest: float = 0.02
+    """Change of free numbers, in practical steps, below which such a step of causes is the last."""
+    number_steps: int = 25
+    """Steps of the numbers of a machine at most; a six-axis arm whose numbers are off by 5 % takes about ten."""
+    number_reach: float = 0.5
+    """Standard deviations by which a number of a machine moves in one step at most; chosen: at 1.5 an arm of six axes
+    that swings came to rest beside its numbers."""
+    number_least_reach: float = 0.05
+    """Reach below which a fit of numbers has come to rest [standard deviations]; chosen: a tenth of the first."""
+    number_gain: float = 0.005
+    """Relative gain of a step of numbers below which further ones bring nothing, unless they go as far as they may."""
+    promises: float = 0.7
+    """Share of what slopes about the described numbers promise to leave that slopes about others must promise at most,
+    if all that is left is to be due to numbers; chosen: a cause that is none of them changes it by some per cent."""
+    bent: float = 0.1
+    """Energy in units of the noise's, of the component that has most, by which the first replay of fitted numbers
+    differs from what slopes say of it, from which on slopes do not do; chosen: chance comes to half."""
+    model_steps: int = 2
+    """Steps of causes and numbers of the extended model; the second changes what is left by less than a per cent."""
+    passes: int = 2
+    """Times that all numbers of a description are fitted and residuals then weighed anew, at each low-pass."""
+    tuning_steps: int = 5
+    """Gauss-Newton steps of all numbers of a description at most, in each pass."""
+    spread: float = 2.0
+    """Standard deviation of such a number, in plausible ranges of its effect, which are those of identified robots."""
+    tuned_offset: float = 0.5
+    """Standard deviation of a torque offset beside them, in Coulomb torques; chosen: as good as free."""
+    tuned_place: float = 1e-3
+    """Standard deviation of the tool's place in a motion beside them, each axis [m]; chosen: that of robots that nobody
+    calibrated."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class SearchSettings:
     """Search for causes: what is tried, kept and dropped."""
 
@@ -590,6 +635,7 @@ class Settings:
     replay: ReplaySettings = field(default_factory=ReplaySettings)
     blocks: BlocksOfTimeSettings = field(default_factory=BlocksOfTimeSettings)
     screening: ScreeningSettings = field(default_factory=ScreeningSettings)
+    estimator: EstimatorSettings = field(default_factory=EstimatorSettings)
     search: SearchSettings = field(default_factory=SearchSettings)
     significance: SignificanceSettings = field(default_factory=SignificanceSettings)
     rivals: RivalsSettings = field(default_factory=RivalsSettings)

@@ -20,7 +20,8 @@ from typing import ClassVar, final
 import numpy as np
 
 from ffgym.core.types import Array
-from ffgym.diagnosis.fit.fit import compute_rss, evaluate
+from ffgym.diagnosis.fit.descent import Slope, Steps, descend
+from ffgym.diagnosis.fit.fit import Fit, Trial, add_tangents, evaluate, replay_hypotheses
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, move_hypotheses
 from ffgym.diagnosis.fit.problem import FitProblem
 from ffgym.diagnosis.log import Log, assemble_log
@@ -44,9 +45,6 @@ from ffgym.effects.transmission.stiffness import JointStiffness
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
 from ffgym.simulation.plant import Machine
-
-SPREAD = 2.0
-"""Standard deviation of a number, in plausible ranges of its effect, which are those of identified robots; chosen."""
 
 
 @final
@@ -88,8 +86,9 @@ NUMBERS: tuple[type[Effect], ...] = (
 recordings tell it only at resonance."""
 
 
-PRECISION = (settings().screening.step / SPREAD) ** 2
-"""Of the distance of all numbers from the description, in practical steps, before any recording."""
+def _precision() -> float:
+    """Precision of the distance of each number from the description, in practical steps, before any recording."""
+    return (settings().screening.step / settings().estimator.spread) ** 2
 
 
 def _distance(numbers: Iterable[Hypothesis]) -> Array:
@@ -114,24 +113,6 @@ CUTOFFS = (5.0, settings().sampling.cutoff)
 """Low-passes of what is compared, one after the other [Hz]: below the resonances of industrial robots, as for rigid
 bodies (`ffgym.diagnosis.identification.rigid_body`), then as in a diagnosis."""
 
-PASSES = 2
-"""Times that all is fitted and then weighed anew, at each of them."""
-
-_OFFSET = 0.5
-"""Standard deviation of a torque offset, in Coulomb torques; chosen: as good as free."""
-
-_PLACE = 1e-3
-"""Standard deviation of the tool's place in a motion, each axis [m]; chosen: that of robots that nobody calibrated."""
-
-_ROUNDS = 5
-"""Gauss-Newton steps at most, in each pass."""
-
-_HALVINGS = 4
-"""Times that a step is halved if it makes things worse."""
-
-_ENOUGH = 0.01
-"""Relative gain below which another step is not worth its replays."""
-
 
 def tune(machine: Machine, recordings: Sequence[Recording]) -> Machine:
     """The machine with numbers that predict recordings best.
@@ -155,36 +136,43 @@ def tune(machine: Machine, recordings: Sequence[Recording]) -> Machine:
     for cutoff in CUTOFFS:
         sampling = replace(log.sampling, cutoff=min(cutoff, log.sampling.cutoff))
         problem = _pose_problem(replace(log, sampling=sampling), machine)
-        for _ in range(PASSES):
-            numbers = _fitted(_weighed(problem, numbers), numbers)
+        for _ in range(settings().estimator.passes):
+            numbers = _fit_numbers(_weighed(problem, numbers), numbers)
     return replace(machine, robot=_with_numbers(machine.robot, numbers))
 
 
-def _fitted(problem: FitProblem, numbers: Sequence[Hypothesis]) -> tuple[Hypothesis, ...]:
-    """Numbers that leave least, by Gauss-Newton steps from the given ones."""
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Numbers(Slope[Trial]):
+    """Numbers of the description in practical steps, held near it where recordings do not say."""
 
-    def cost_of(tried: Sequence[Hypothesis]) -> float:
-        """What numbers leave, and how far they are from the description."""
-        return compute_rss(problem, tried) + PRECISION * float(np.sum(_distance(tried) ** 2))
+    problem: FitProblem
 
-    now, cost = evaluate(problem, numbers), cost_of(numbers)
-    for _ in range(_ROUNDS):
-        # change of all numbers, in practical steps
-        off, n, priors = _distance(now.hypotheses), now.n_nuisances, now.priors
-        precision = np.concatenate([priors.precision[:n], np.full(len(off), PRECISION)])
-        pull = now.equations.moment.sum(axis=0)[:, 0] - np.concatenate([np.zeros(n), PRECISION * off])
-        step = solve_bounded(now.equations.gram.sum(axis=0), pull, precision, priors.low, priors.high)[n:]
-        better = np.inf
-        for _ in range(_HALVINGS):
-            tried = move_hypotheses(now.hypotheses, step)
-            better = cost_of(tried)
-            if better < cost:
-                break
-            step = 0.5 * step
-        if better > (1 - _ENOUGH) * cost:
-            break
-        now, cost = evaluate(problem, tried), better
-    return now.hypotheses
+    def cost(self, point: Trial) -> float:
+        return point.left + _precision() * float(np.sum(_distance(point.hypotheses) ** 2))
+
+    def step(self, point: Trial, reach: float) -> Array:
+        assert isinstance(point, Fit)
+        off, n, priors = _distance(point.hypotheses), point.n_nuisances, point.priors
+        precision = np.concatenate([priors.precision[:n], np.full(len(off), _precision())])
+        pull = point.equations.moment.sum(axis=0)[:, 0] - np.concatenate([np.zeros(n), _precision() * off])
+        low = np.concatenate([priors.low[:n], np.maximum(priors.low[n:], -reach)])
+        high = np.concatenate([priors.high[:n], np.minimum(priors.high[n:], reach)])
+        return solve_bounded(point.equations.gram.sum(axis=0), pull, precision, low, high)[n:]
+
+    def move(self, point: Trial, step: Array) -> Trial | None:
+        return replay_hypotheses(self.problem, move_hypotheses(point.hypotheses, step))
+
+    def renew(self, point: Trial, *, is_last: bool) -> Trial:
+        return point if is_last else add_tangents(self.problem, point, None)
+
+
+def _fit_numbers(problem: FitProblem, numbers: Sequence[Hypothesis]) -> tuple[Hypothesis, ...]:
+    """Fit numbers by Gauss-Newton steps from the given ones."""
+    limits = settings().estimator
+    steps = Steps(most=limits.tuning_steps, reach=limits.reach, least_reach=limits.least_reach, gain=limits.gain)
+    found = descend(_Numbers(problem=problem), evaluate(problem, numbers), steps)
+    assert found is not None
+    return found.hypotheses
 
 
 def _pose_problem(log: Log, machine: Machine) -> FitProblem:
@@ -193,9 +181,17 @@ def _pose_problem(log: Log, machine: Machine) -> FitProblem:
     # free beside the numbers, per standard deviation: torque offsets, and places of the tool
     coulomb, beside = dict(zip(run.robot.joints, run.robot.friction.coulomb, strict=True)), list[Parts]()
     for column in compute_sensitivities(run, [TorqueOffset], {}):
-        beside.append({key: rows * _OFFSET * coulomb[column.joint] for key, rows in column.parts.items()})
+        beside.append(
+            {
+                key: rows * settings().estimator.tuned_offset * coulomb[column.joint]
+                for key, rows in column.parts.items()
+            }
+        )
     for motion in np.eye(valid.shape[1]) if log.tool is not None else ():
-        beside += [{("tool", axis): np.broadcast_to(_PLACE * motion, valid.shape)} for axis in range(3)]
+        beside += [
+            {("tool", axis): np.broadcast_to(settings().estimator.tuned_place * motion, valid.shape)}
+            for axis in range(3)
+        ]
     return FitProblem(
         log=log,
         nominal=machine,

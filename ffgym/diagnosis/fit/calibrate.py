@@ -7,42 +7,23 @@ stay do not lead to the numbers of an arm that swings, and long steps leave the 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.computing import FAILED
+from ffgym.diagnosis.fit.descent import Slope, Steps, descend
 from ffgym.diagnosis.fit.fit import Trial, build_priors, compute_row_energy, replay_hypotheses
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, move_hypotheses
 from ffgym.diagnosis.fit.problem import HELD, FitProblem, compute_tangents, split_components
 from ffgym.diagnosis.fit.written import possible_numbers
 from ffgym.diagnosis.normal_equations import DesignMatrix, NormalEquations, build_design_matrix
 from ffgym.diagnosis.nuisance import ParameterPrior, list_nuisance_parameters
+from ffgym.diagnosis.settings import settings
 from ffgym.diagnosis.solving import solve_bounded
 from ffgym.effects import NativeEffect
-
-_STEPS = 25
-"""Steps at most; chosen: a six-axis arm whose numbers are off by 5 % takes about ten."""
-
-_REACH = 0.5
-"""Standard deviations by which a number moves in one step at most; chosen: at 1.5 an arm of six axes that swings came
-to rest beside its numbers."""
-
-_LEAST_REACH = 0.05
-"""Reach below which a search has come to rest [standard deviations]."""
-
-_STAYS = 0.005
-"""Relative gain of a step below which further ones bring nothing, unless they go as far as they may."""
-
-_PROMISES = 0.7
-"""Share of what slopes about the described numbers promise to leave that slopes about others must promise at most, if
-all that is left is to be due to numbers; chosen: a cause that is none of them changes it by some per cent."""
-
-_BENT = 0.1
-"""Energy in units of the noise's, of the component that has most, by which the first replay of fitted numbers differs
-from what slopes say of it, from which on slopes do not do; chosen: chance comes to half."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -70,43 +51,32 @@ def calibrate(
     described = replay_hypotheses(setting, causes)
     if not setting.nuisances or described is None:
         return None
-    problem = _Problem(setting=setting, prior=prior)
+    problem = _Numbers(setting=setting, prior=prior)
     slopes = problem.slopes(described) if causes else setting.design
     at_rest = np.zeros(len(setting.nuisances))
     now = None if slopes is None else problem.place(at_rest, described, slopes)
     if now is None or not (causes or problem.is_bent(now)):
         return None
-    reach, first = _REACH, problem.predict_energy(now)
-    for _ in range(_STEPS):
-        step = problem.step(now, reach)
-        there = problem.move(now, step)
-        length = float(np.max(np.abs(step[: len(at_rest)])))
-        # a step that makes things worse was too long
-        if there is None or there.cost >= now.cost:
-            reach = min(reach, length) / 3
-            if reach < _LEAST_REACH:
-                break
-            continue
-        # slopes anew where the step led, unless the search has come to rest
-        is_short = length < 0.99 * reach
-        is_last = there.cost > (1 - _STAYS) * now.cost and is_short
-        slopes = None if is_last else problem.slopes(there.trial)
-        again = None if slopes is None else problem.place(there.sizes, there.trial, slopes)
-        now, reach = again or there, min(2 * reach, _REACH)
-        if again is None:
-            break
-        # what is due to something else than numbers stays, whatever slopes there are
-        if not thoroughly and problem.predict_energy(now) > _PROMISES * first:
-            return None
-    return now if now.sizes.any() else None
+    limits = settings().estimator
+    most = np.inf if thoroughly else limits.promises * problem.predict_energy(now)
+    steps = Steps(
+        most=limits.number_steps,
+        reach=limits.number_reach,
+        least_reach=limits.number_least_reach,
+        gain=limits.number_gain,
+    )
+    found = descend(replace(problem, most=most), now, steps)
+    return found if found is not None and found.sizes.any() else None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class _Problem:
-    """Numbers that are looked for, and what is known of them."""
+class _Numbers(Slope[Calibrated]):
+    """Numbers of the robot in standard deviations, beside causes and errors that are no numbers."""
 
     setting: FitProblem
     prior: ParameterPrior
+    most: float = np.inf
+    """Energy that slopes may promise to leave at most, if all of it is to be due to numbers."""
 
     @cached_property
     def of_robot(self) -> BoolArray:
@@ -148,15 +118,29 @@ class _Problem:
         cost = left + float(errors @ errors)
         return Calibrated(sizes=sizes, trial=trial, equations=evidence, cost=cost) if np.isfinite(cost) else None
 
-    def step(self, now: Calibrated, reach: float) -> Array:
-        """Step of the numbers of the robot, each within a reach, and of the causes, beside all other errors."""
-        priors, n = build_priors(self.setting, now.trial.hypotheses), len(self.of_robot)
+    def cost(self, point: Calibrated) -> float:
+        return point.cost
+
+    def renew(self, point: Calibrated, *, is_last: bool) -> Calibrated:
+        slopes = None if is_last else self.slopes(point.trial)
+        again = None if slopes is None else self.place(point.sizes, point.trial, slopes)
+        return again or point
+
+    def length(self, step: Array) -> float:
+        return super().length(step[: len(self.of_robot)])
+
+    def is_hopeless(self, point: Calibrated) -> bool:
+        # energy that is due to something else than numbers stays, whatever slopes there are
+        return np.isfinite(self.most) and self.predict_energy(point) > self.most
+
+    def step(self, point: Calibrated, reach: float) -> Array:
+        priors, n = build_priors(self.setting, point.trial.hypotheses), len(self.of_robot)
         there, low, high = np.zeros(len(priors.low)), priors.low.copy(), priors.high.copy()
-        there[:n] = self.at + now.sizes
-        low[:n], high[:n] = low[:n] - now.sizes, high[:n] - now.sizes
+        there[:n] = self.at + point.sizes
+        low[:n], high[:n] = low[:n] - point.sizes, high[:n] - point.sizes
         low[:n] = np.where(self.of_robot, np.maximum(low[:n], -reach), low[:n])
         high[:n] = np.where(self.of_robot, np.minimum(high[:n], reach), high[:n])
-        gram, pull = now.equations.gram.sum(axis=0), now.equations.moment.sum(axis=0)[:, 0]
+        gram, pull = point.equations.gram.sum(axis=0), point.equations.moment.sum(axis=0)[:, 0]
         ends = np.minimum(low, -HELD), np.maximum(high, HELD)
         step: Array = solve_bounded(gram, pull - there, priors.precision, *ends)
         step[:n] *= self.of_robot
@@ -168,15 +152,14 @@ class _Problem:
         gram, pull = now.equations.gram.sum(axis=0), now.equations.moment.sum(axis=0)[:, 0]
         return float(now.equations.energy.sum() - 2 * step @ pull + step @ gram @ step)
 
-    def move(self, now: Calibrated, step: Array) -> Calibrated | None:
-        """Move to the place after a step, with the slopes of the place before; None if no machine can be so."""
-        n, causes = len(self.of_robot), now.trial.hypotheses
+    def move(self, point: Calibrated, step: Array) -> Calibrated | None:
+        n, causes = len(self.of_robot), point.trial.hypotheses
         priors = self.setting.nuisance_priors(causes)
-        sizes = np.clip(now.sizes + step[:n], priors.low, priors.high)
+        sizes = np.clip(point.sizes + step[:n], priors.low, priors.high)
         sizes[np.abs(sizes) <= HELD] = 0.0
         machine = possible_numbers(self.setting, sizes)
         trial = None if machine is None else replay_hypotheses(self.setting, move_hypotheses(causes, step[n:]), machine)
-        return None if trial is None else self.place(sizes, trial, now.equations.design)
+        return None if trial is None else self.place(sizes, trial, point.equations.design)
 
     def is_bent(self, now: Calibrated) -> bool:
         """Tell whether a replay with the numbers that slopes give differs from what slopes say of it."""
@@ -192,4 +175,4 @@ class _Problem:
                     beyond[channel][:, :, c] -= size * rows
         is_used, weights = self.setting.blocks.of_row >= 0, self.setting.weights
         bent = [compute_row_energy(beyond[c][:, :, k], w * is_used) for (c, k), w in weights.items() if c in beyond]
-        return max(bent, default=0.0) > _BENT
+        return max(bent, default=0.0) > settings().estimator.bent

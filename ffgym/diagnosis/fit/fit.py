@@ -19,9 +19,6 @@ from ffgym.diagnosis.settings import settings
 from ffgym.diagnosis.solving import Priors, solve
 from ffgym.simulation.plant import Machine
 
-_FAR = 3.0
-"""Practical steps that a number may move in one round."""
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Trial:
@@ -144,8 +141,9 @@ def build_priors(problem: FitProblem, hypotheses: Sequence[Hypothesis]) -> Prior
     """Build priors of nuisance parameters (standard deviations) and of free numbers (practical steps)."""
     known = problem.nuisance_priors(hypotheses)
     free = [number for hypothesis in hypotheses for number in hypothesis.list_free()]
-    low = [max(-_FAR, (number.low - number.value) / number.step) for number in free]
-    high = [min(_FAR, (number.high - number.value) / number.step) for number in free]
+    reach = settings().estimator.reach
+    low = [max(-reach, (number.low - number.value) / number.step) for number in free]
+    high = [min(reach, (number.high - number.value) / number.step) for number in free]
     return Priors(
         precision=np.concatenate([known.precision, np.full(len(free), settings().screening.width ** -2)]),
         low=np.concatenate([known.low, np.minimum(low, 0.0)]),

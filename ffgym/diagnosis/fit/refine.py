@@ -6,25 +6,23 @@ would be read as a part of the effect.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import scipy
 
+from ffgym.core.types import Array
 from ffgym.diagnosis.clean_recordings import make_clean_recordings
 from ffgym.diagnosis.computing import FAILED
-from ffgym.diagnosis.fit.fit import Fit, add_tangents, compute_rss, evaluate, replay_hypotheses
+from ffgym.diagnosis.fit.descent import Slope, Steps, descend
+from ffgym.diagnosis.fit.fit import Fit, Trial, add_tangents, compute_rss, evaluate, replay_hypotheses
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, move_hypotheses
 from ffgym.diagnosis.fit.problem import FitProblem
 from ffgym.diagnosis.log import assemble_log
 from ffgym.diagnosis.replay import predict, replay
 from ffgym.diagnosis.residual_rows import compute_residuals
-from ffgym.diagnosis.solving import solve
-
-_ROUNDS = 4
-"""Gauss-Newton steps at most."""
-
-_ENOUGH = 0.01
-"""Relative gain of energy below which another step is not worth a replay."""
+from ffgym.diagnosis.settings import settings
+from ffgym.diagnosis.solving import Priors, solve
 
 _SIZES = (0.6, 1.0, 1.5, 2.2, 3.3)
 """Multiples of the size of a linear fit at which effects of springs are tried first."""
@@ -36,11 +34,37 @@ which is of a small effect, and sees little of one that grows with the cube."""
 _SOUGHT, _FINE = (-0.3, 0.3), 0.005
 """Logarithms of the factors between which a size is sought along a line, and how finely."""
 
-_SMALL = 0.02
-"""Change, in practical steps, below which a fit has come to rest."""
 
-_HALVINGS = 3
-"""Times that a step is halved if it makes things worse."""
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Hypotheses(Slope[Trial]):
+    """Free numbers of hypotheses in practical steps, beside nuisance parameters that are solved for each time."""
+
+    problem: FitProblem
+    like: Fit | None
+    """A fit whose tangents of other hypotheses serve here."""
+
+    def cost(self, point: Trial) -> float:
+        return point.left
+
+    def step(self, point: Trial, reach: float) -> Array:
+        assert isinstance(point, Fit)
+        priors, n = point.priors, point.n_nuisances
+        low, high = np.maximum(priors.low[n:], -reach), np.minimum(priors.high[n:], reach)
+        bounded = Priors(
+            precision=priors.precision,
+            low=np.concatenate([priors.low[:n], low]),
+            high=np.concatenate([priors.high[:n], high]),
+        )
+        return solve(point.equations, np.arange(len(priors.low)), bounded)[n:]
+
+    def move(self, point: Trial, step: Array) -> Trial | None:
+        return replay_hypotheses(self.problem, move_hypotheses(point.hypotheses, step))
+
+    def renew(self, point: Trial, *, is_last: bool) -> Trial | None:
+        try:
+            return add_tangents(self.problem, point, self.like)
+        except FAILED:
+            return None  # a machine at the edge of what can be: the fit stays where slopes were known
 
 
 def fit(problem: FitProblem, hypotheses: Sequence[Hypothesis], *, begun: bool = False, like: Fit | None = None) -> Fit:
@@ -53,25 +77,20 @@ def fit(problem: FitProblem, hypotheses: Sequence[Hypothesis], *, begun: bool = 
 
 
 def refine(problem: FitProblem, begun: Fit, like: Fit | None = None, *, roughly: bool = False) -> Fit:
-    """A fit from where it has `begun`; `roughly` if only what it leaves is asked for, to a per cent."""
-    best = begun
-    for _ in range(_ROUNDS if begun.hypotheses else 0):
-        step, tried = solve(best.equations, np.arange(len(best.priors.low)), best.priors)[best.n_nuisances :], None
-        for _ in range(_HALVINGS):
-            tried = replay_hypotheses(problem, move_hypotheses(best.hypotheses, step))
-            if tried is not None and tried.left < best.left:
-                break
-            step = 0.3 * step
-        if tried is None or tried.left >= best.left:
-            break
-        gained = 1 - tried.left / best.left
-        try:
-            best = add_tangents(problem, tried, like)
-        except FAILED:
-            break  # a machine at the edge of what can be: it stays where slopes were known
-        if gained < _ENOUGH and (roughly or float(np.max(np.abs(step))) < _SMALL):
-            break
-    return best
+    """Refine a fit from where it has `begun`; `roughly` if only its energy is asked for, to a per cent."""
+    if not begun.hypotheses:
+        return begun
+    limits = settings().estimator
+    steps = Steps(
+        most=limits.steps,
+        reach=limits.reach,
+        least_reach=limits.least_reach,
+        gain=limits.gain,
+        rest=np.inf if roughly else limits.rest,
+    )
+    found = descend(_Hypotheses(problem=problem, like=like), begun, steps)
+    assert isinstance(found, Fit)
+    return found
 
 
 def polish(problem: FitProblem, found: Fit) -> Fit:

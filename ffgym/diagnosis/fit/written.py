@@ -6,20 +6,22 @@ more about where it then is.
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array, BoolArray
+from ffgym.diagnosis.fit.descent import Slope, Steps, descend
 from ffgym.diagnosis.fit.fit import Fit, Trial, replay_hypotheses
-from ffgym.diagnosis.fit.hypothesis import move_hypotheses
+from ffgym.diagnosis.fit.hypothesis import Hypothesis, move_hypotheses
 from ffgym.diagnosis.fit.problem import HELD, FitProblem, compute_tangents, split_components
 from ffgym.diagnosis.normal_equations import NormalEquations
 from ffgym.diagnosis.nuisance import NuisanceParameter, ParameterPrior, Refit
 from ffgym.diagnosis.replay import predict
 from ffgym.diagnosis.replay.channels import undo_delay
 from ffgym.diagnosis.residual_rows import compute_residuals
+from ffgym.diagnosis.settings import settings
 from ffgym.diagnosis.solving import solve_bounded
 from ffgym.effects import ClockEffect, Effect, NativeEffect
 from ffgym.effects.friction.stribeck import StribeckPeak
@@ -69,10 +71,6 @@ def possible_numbers(problem: FitProblem, sizes: Array) -> Machine | None:
     return machine
 
 
-_ROUNDS = 2
-"""Times that all is fitted and replayed; the second changes what is left by less than a per cent."""
-
-
 def build_extended_model(
     problem: FitProblem, fit: Fit, prior: ParameterPrior, train: BoolArray | None = None
 ) -> Trial | None:
@@ -90,28 +88,60 @@ def build_extended_model(
     return _by_priors(problem, fit, chosen)
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Model:
+    """Causes with numbers beside them, in one machine."""
+
+    sizes: Array
+    """Changes of the numbers of the machine, in standard deviations."""
+    hypotheses: tuple[Hypothesis, ...]
+    equations: NormalEquations
+    cost: float
+    trial: Trial | None = None
+    """The machine, replayed; None before the first step."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Extension(Slope[_Model]):
+    """Numbers of the machine in standard deviations and free numbers of causes in practical steps."""
+
+    problem: FitProblem
+    fit: Fit
+    chosen: BoolArray
+    """Blocks that are fitted to."""
+
+    def cost(self, point: _Model) -> float:
+        return point.cost
+
+    def step(self, point: _Model, reach: float) -> Array:
+        return _solved(point.equations, self.fit, point.sizes, self.chosen)
+
+    def move(self, point: _Model, step: Array) -> _Model | None:
+        n = self.fit.n_nuisances
+        # errors of the machine become its numbers; those of how rows were written do not
+        of_machine = np.array(
+            [not issubclass(nuisance.column.effect, ClockEffect) for nuisance in self.problem.nuisances], np.bool_
+        )
+        sizes, hypotheses = point.sizes + step[:n] * of_machine, move_hypotheses(point.hypotheses, step[n:])
+        sizes[np.abs(sizes) <= HELD] = 0.0
+        numbers = possible_numbers(self.problem, sizes)
+        trial = None if numbers is None else replay_hypotheses(self.problem, hypotheses, numbers, self.fit.run)
+        if trial is None:
+            return None
+        equations = _evidence(self.problem, trial)
+        cost = float(equations.energy[self.chosen].sum() + sizes @ sizes)
+        return _Model(sizes=sizes, hypotheses=hypotheses, equations=equations, cost=cost, trial=trial)
+
+    def renew(self, point: _Model, *, is_last: bool) -> _Model:
+        return point
+
+
 def _by_priors(problem: FitProblem, fit: Fit, chosen: BoolArray) -> Trial | None:
     """With calibration errors as their priors and the log have them."""
-    n, equations, hypotheses = fit.n_nuisances, fit.equations, fit.hypotheses
-    # errors of the machine become its numbers; those of how rows were written do not
-    of_machine = np.array(
-        [not issubclass(nuisance.column.effect, ClockEffect) for nuisance in problem.nuisances], np.bool_
-    )
-    sizes, best, least = np.zeros(n), None, np.inf
-    for _ in range(_ROUNDS):
-        x = _solved(equations, fit, sizes, chosen)
-        sizes, hypotheses = sizes + x[:n] * of_machine, move_hypotheses(hypotheses, x[n:])
-        sizes[np.abs(sizes) <= HELD] = 0.0
-        numbers = possible_numbers(problem, sizes)
-        tried = None if numbers is None else replay_hypotheses(problem, hypotheses, numbers, fit.run)
-        if tried is None:
-            break
-        equations = _evidence(problem, tried)
-        left = float(equations.energy[chosen].sum() + sizes @ sizes)
-        if left >= least:
-            break
-        best, least = tried, left
-    return best
+    start = _Model(sizes=np.zeros(fit.n_nuisances), hypotheses=fit.hypotheses, equations=fit.equations, cost=np.inf)
+    steps = Steps(most=settings().estimator.model_steps, least_reach=np.inf)
+    found = descend(_Extension(problem=problem, fit=fit, chosen=chosen), start, steps)
+    return None if found is None else found.trial
 
 
 def _evidence(problem: FitProblem, tried: Trial) -> NormalEquations:
