@@ -5,7 +5,7 @@ import pytest
 import tyro
 
 from ffgym.agents.artefacts import TRAINED, locate_artefact, read_manifest
-from ffgym.agents.residual.actor import Actor, Layer
+from ffgym.agents.residual.actor import Actor, LinearLayer
 from ffgym.agents.residual.hyperparameters import hyperparameters
 from ffgym.agents.residual.plan import Training
 from ffgym.agents.residual.policy import ResidualPolicy, load_policy, save_policy
@@ -16,7 +16,7 @@ from scripts.train import Sweep
 
 ACTOR = Actor(
     n_motors=6,
-    layers=(Layer(weight=np.zeros((1, 24), dtype=np.float32), bias=np.zeros(1, dtype=np.float32)),),
+    layers=(LinearLayer(weight=np.zeros((1, 24), dtype=np.float32), bias=np.zeros(1, dtype=np.float32)),),
     activation="tanh",
     output="clip",
     factored=True,

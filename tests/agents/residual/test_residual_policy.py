@@ -19,7 +19,7 @@ from ffgym.agents.residual.validation import base_errors, validate
 from ffgym.control import Agent, ObservationLayout, Policy
 from ffgym.core.errors import FFGymError
 from ffgym.leaderboard.evaluation.closed_loop import run_rollouts
-from ffgym.leaderboard.evaluation.jobs import cells_of
+from ffgym.leaderboard.evaluation.jobs import score_circles
 from ffgym.leaderboard.plants import find_plant
 from ffgym.leaderboard.tasks import Task
 from tests.agents.residual.residual_samples import policy_of, tiny
@@ -237,5 +237,5 @@ def test_policies_side_by_side_fly_as_each_does_alone():
         [alone] = run_rollouts(plant, [policy], tasks, seeds=[seed])
         for task, one, other in zip(tasks, own, alone, strict=True):
             assert one.actions.tobytes() == other.actions.tobytes()
-            assert cells_of(task, one.recording) == cells_of(task, other.recording)
+            assert score_circles(task, one.recording) == score_circles(task, other.recording)
     assert flights[0][0].actions.tobytes() != flights[1][0].actions.tobytes()
