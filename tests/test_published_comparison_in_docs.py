@@ -37,6 +37,7 @@ def test_the_calibration_page_quotes_the_nearness_that_is_simulated(study, label
     assert quoted == (str(rms), str(largest), f"{median:.2f}")
 
 
-def test_the_readme_quotes_how_many_cells_are_near(study):
+def test_getting_started_quotes_how_many_cells_are_near(study):
     near = sum(nearness(study, "none", speed, "rms")[0] for speed in (10.0, 40.0))
-    assert f"{near} of 24 cells within a factor 1.5" in (DOCS / "README.md").read_text(encoding="utf-8")
+    text = (DOCS / "docs" / "getting_started.md").read_text(encoding="utf-8")
+    assert f"{near} of 24 cells within a factor 1.5" in text
