@@ -137,7 +137,8 @@ def _inputs(config: Diagnose) -> tuple[Nominal, list[Recording]]:
     assert config.robot is not None
     if is_machine_file(config.robot):
         raise FFGymError(
-            f"--fit {config.robot}: is a machine file, whose numbers are known; give a robot or its description."
+            f"--fit {config.robot}: is a machine file, which has fitted numbers. Name a built-in robot or a "
+            "description (.toml), or leave --fit out."
         )
     draft = load_draft(config.robot)
     recordings = logs_from(config.logs, config.columns, draft.description_for("identification"))
@@ -155,7 +156,10 @@ def _held_out(config: Diagnose, nominal: Nominal) -> list[Recording]:
     for note in read_notes(held_out):
         print(f"--validate: {note}", file=sys.stderr, flush=True)
     if not held_out:
-        raise FFGymError(f"--validate: none of these logs can be used: {sound.left_out[0]}")
+        raise FFGymError(
+            f"--validate: the quality gate refuses all {len(read)} logs; the first: {sound.left_out[0]} Name other "
+            "logs, or overrule the check with --accept CHECK."
+        )
     if _runs_again(nominal, held_out):
         check_comparable(nominal.machine, held_out)
     return held_out

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ffgym.cli.log_options import Identify
-from ffgym.cli.outputs import check_outputs, given_options, print_places, provenance, write_numbers
+from ffgym.cli.outputs import check_outputs, given_options, hash_inputs, print_places, provenance, write_numbers
 from ffgym.cli.progress import progress_bar
 from ffgym.core.errors import FFGymError, check_number, check_whole
 from ffgym.core.files import write_text
@@ -56,10 +56,14 @@ def run(config: Identify) -> None:
         robot = draft.description_for("identification")
         outcome = identified_rigid_body(config, draft, read_logs(config, robot, known=not draft.missing))
     info = provenance("ffgym identify", config, robot.name, None, config.seed)
+    info["inputs"] = hash_inputs((*config.logs, *config.validate, config.robot, config.columns))
     # files first: nobody may read what is printed
     if config.out is not None:
         if not outcome.quantities:
-            raise FFGymError("The logs tell none of the parameters, so there is nothing to write. Use other motions.")
+            raise FFGymError(
+                f"--out {config.out}: no parameter can be identified from these logs. Record motions that excite them; "
+                "ffgym record --list says which protocol serves which parameter."
+            )
         description = None
         if config.robot.endswith(".toml"):  # the user's own, which the file so finds from its folder
             relative = os.path.relpath(Path(config.robot).resolve(), config.out.resolve().parent)
@@ -76,7 +80,9 @@ def run(config: Identify) -> None:
 def _check(config: Identify) -> None:
     """Refuse what cannot be run or written."""
     if not config.logs:
-        raise FFGymError("There are no logs to identify from. Name recordings, or folders of them.")
+        raise FFGymError(
+            "No logs are given. Name recordings (.npz, .csv) or folders of them: ffgym identify LOGS --robot ROBOT."
+        )
     for what, names in _ONLY.items():
         if what != config.what and (given := given_options(config, names)):
             raise FFGymError(f"{', '.join(given)} has no effect on --what {config.what}. Leave it out.")

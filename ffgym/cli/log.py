@@ -5,7 +5,15 @@ from pathlib import Path
 from typing import Any, get_args
 
 from ffgym.cli.log_options import CheckLogs, ConvertLog, ListColumns
-from ffgym.cli.outputs import check_new, check_outputs, file_of_each, print_places, provenance, write_numbers
+from ffgym.cli.outputs import (
+    check_new,
+    check_outputs,
+    file_of_each,
+    hash_inputs,
+    print_places,
+    provenance,
+    write_numbers,
+)
 from ffgym.cli.progress import progress_bar
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.files import write_text
@@ -102,6 +110,7 @@ def check(config: CheckLogs) -> None:
     check_outputs({"--report": config.report, "--json": config.json}, inputs=inputs)
     reports, wiring = _judged(config)
     info = provenance("ffgym log check", config, config.robot or "", None, None)
+    info["inputs"] = hash_inputs((*config.logs, config.robot, config.columns))
     if config.report is not None:  # files first: nobody may read what is printed
         write_text(config.report, render_quality_page(reports, info))
     logs = [{"file": name} | report.numbers() for name, report in reports]

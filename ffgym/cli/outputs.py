@@ -101,7 +101,10 @@ def file_of_each(out: Path, names: Sequence[str]) -> dict[str, Path]:
     plain = {name: re.sub(r"[^\w.-]", "_", name) for name in names}
     files = {name: out.with_stem(f"{out.stem}_{word}") for name, word in plain.items()}
     if len(set(files.values())) < len(names):
-        raise FFGymError(f"{', '.join(names)} need names that make different file names.")
+        raise FFGymError(
+            f"--out {out}: {', '.join(names)} would be written to the same file. Write them one at a time, each with "
+            "its own --out."
+        )
     return files
 
 

@@ -5,13 +5,13 @@ from typing import Any
 
 from ffgym.logs.quality import Finding, QualityReport
 from ffgym.report.figure import ReportFigure, panels
-from ffgym.report.page import Details, Page, Section
+from ffgym.report.page import Details, Page, Section, words_of
 from ffgym.report.table import Cell, Column, Table, wrap_text
 
 _WORDS = {
-    "good": "good: nothing to object to",
-    "usable": "usable, with what is flagged in mind",
-    "insufficient": "insufficient: do not conclude from it what hangs on what is refused",
+    "good": "good: every check that could be judged passed",
+    "usable": "usable, with the flagged checks in mind",
+    "insufficient": "insufficient: conclusions that need a refused check are not valid",
 }
 _COLOURS = {"ok": "#0072B2", "flagged": "#E69F00", "refused": "#D55E00"}
 _SMALLEST, _LARGEST = 1e-3, 1e3
@@ -41,9 +41,11 @@ def render_quality_page(reports: Sequence[tuple[str, QualityReport]], info: Mapp
     """
     return Page(
         title="Quality of logs",
-        subtitle="What each log is good for, every figure beside its limit. Why the limits are where they are: "
-        "docs/quality.md",
-        parts=[_section(name, report, place) for place, (name, report) in enumerate(reports, 1)],
+        subtitle="Verdict on each log, and every figure beside its limit. Reasons for the limits: docs/quality.md",
+        parts=[
+            Section("How to read this page", [words_of("quality")["reading"]]),
+            *(_section(name, report, place) for place, (name, report) in enumerate(reports, 1)),
+        ],
         provenance=info,
     ).html()
 

@@ -25,7 +25,7 @@ def logs(tmp_path):
 def test_good_logs_succeed(logs, capsys):
     assert main(["log", "check", str(logs[0]), "--robot", "two_link", "--figures"]) == 0
     out = capsys.readouterr().out
-    assert "Good: nothing to object to." in out
+    assert "Good: every check that could be judged passed." in out
     assert "torque_model" in out
 
 
@@ -33,7 +33,7 @@ def test_a_good_log_has_one_line(logs, capsys):
     assert main(["log", "check", str(logs[0]), "--robot", "two_link"]) == 0
     (line,) = capsys.readouterr().out.splitlines()
     assert line.startswith(f"{logs[0]}: two_link, ")
-    assert re.search(r"Good: nothing to object to. \d+ checks not judged.$", line)
+    assert re.search(r"Good: every check that could be judged passed. \d+ checks not judged.$", line)
 
 
 def test_a_folder_is_all_its_logs(logs, capsys):
@@ -99,4 +99,4 @@ def test_a_description_that_lacks_entries_judges_what_does_not_hang_on_them(logs
     assert main(["log", "check", str(logs[0]), "--robot", str(description), "--needs", "position"]) == 0
     out = capsys.readouterr().out
     assert f"note: {description} lacks friction.coulomb and 5 more; nothing is judged that hangs on masses" in out
-    assert "Good: nothing to object to." in out
+    assert "Good: every check that could be judged passed." in out

@@ -9,7 +9,7 @@ import numpy as np
 from ffgym.diagnosis.identification import FrictionIdentification, FrictionTorque, Validation
 from ffgym.report.figure import ReportFigure
 from ffgym.report.identification.plots import friction_loops_figure, stribeck_figure
-from ffgym.report.page import Note, Page, Part, Section
+from ffgym.report.page import Note, Page, Part, Section, words_of
 from ffgym.report.table import Column, Table, underline, wrap_text
 
 LETTERS = {
@@ -78,14 +78,14 @@ def render_friction_page(report: FrictionReport, info: Mapping[str, Any]) -> str
                 f"{joint.joint}: inertial torque of the model off by {joint.inertia_error:.1%}, offset "
                 f"{joint.offset:.3f} N m; RMS of the fit {joint.bristles.rms_error:.4f} N m."
             )
-    parts: list[Part] = [*map(Note, report.doubts)]
+    parts: list[Part] = [Section("How to read this page", [words_of("friction")["reading"]]), *map(Note, report.doubts)]
     parts.append(Section("Parameters", [_parameters(found, with_reasons=True), *map(Note, notes)]))
     if report.after:
         parts.append(Section("Logs that were not used", [_validation(report)]))
     return Page(
         title=f"Friction of {found.prior.title}",
         subtitle=f"LuGre parameters from {len(found.segments)} logs, motor side, with {found.level:.0%} intervals. "
-        "What the logs do not tell keeps its value.",
+        "Parameters that the logs do not excite keep their values.",
         parts=[*parts, *friction_figures(report)],
         provenance=info,
     ).html()
