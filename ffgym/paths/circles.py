@@ -27,11 +27,11 @@ class HalfCircle:
         return np.full_like(s, 2.0)
 
     def heading(self, s: Array) -> Array:
-        """From backwards to along x."""
+        """Lead from backwards to along x."""
         return 2.0 * (s - self.length)
 
     def point(self, s: Array) -> Array:
-        """On the circle around (0, 1/2)."""
+        """Lead on the circle around (0, 1/2)."""
         angle = self.heading(s)
         return np.stack([0.5 * np.sin(angle), 0.5 - 0.5 * np.cos(angle)], axis=1)
 

@@ -86,7 +86,7 @@ class Arc(Curve):
     radius: float
     """> 0."""
     angle: float
-    """What the arc spans [rad], > 0; 2 pi is a circle."""
+    """Angle of the arc [rad], > 0; 2 pi is a circle."""
 
     @property
     def length(self) -> float:
@@ -126,7 +126,7 @@ class Still(Curve):
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Part(Curve):
-    """What lies between two arc lengths of a curve."""
+    """Part of a curve between two arc lengths."""
 
     curve: Curve
     start: float

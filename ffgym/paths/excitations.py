@@ -152,12 +152,12 @@ def random_multisine(
         return _sines(omega, phase, 1.0, tau)
 
     times = np.arange(0.0, moving, dt)
-    size = peak_speed / np.abs(_faded(sines(times), times, moving, ramp)[1]).max(axis=0)
-    return _faded_path(name, "random sines", centre, size, sines, moving, ramp=ramp, dwell=dwell, dt=dt)
+    size = peak_speed / np.abs(_fade(sines(times), times, moving, ramp)[1]).max(axis=0)
+    return _make_faded_path(name, "random sines", centre, size, sines, moving, ramp=ramp, dwell=dwell, dt=dt)
 
 
-def _faded(series: tuple[Array, ...], tau: Array, moving: float, ramp: float) -> tuple[Array, Array, Array]:
-    """A motion and its two derivatives, (T, N) each, at times `tau` (T,), faded in at 0 and out at `moving` [s]."""
+def _fade(series: tuple[Array, ...], tau: Array, moving: float, ramp: float) -> tuple[Array, Array, Array]:
+    """Fade a motion and its two derivatives, (T, N) each, at times `tau` (T,), in at 0 and out at `moving` [s]."""
     # a factor that rises from 0 to 1 within the ramp and falls at the end, and its first two derivatives
     rising = (tau < moving / 2)[:, None]
     x = np.clip(np.where(rising, tau[:, None], moving - tau[:, None]) / ramp, 0.0, 1.0)
@@ -218,7 +218,7 @@ def multisine(
     def sines(tau: Array) -> tuple[Array, ...]:
         return _sines(omega, phases, amplitude, tau)
 
-    return _faded_path(name, "sines", centre, 1.0, sines, duration, ramp=ramp, dwell=dwell, dt=dt)
+    return _make_faded_path(name, "sines", centre, 1.0, sines, duration, ramp=ramp, dwell=dwell, dt=dt)
 
 
 def _sines(omega: Array, phases: Array, amplitude: Array | float, tau: Array) -> tuple[Array, Array, Array]:
@@ -228,7 +228,7 @@ def _sines(omega: Array, phases: Array, amplitude: Array | float, tau: Array) ->
     return sines.sum(axis=1), (omega * cosines).sum(axis=1), -(omega**2 * sines).sum(axis=1)
 
 
-def _faded_path(
+def _make_faded_path(
     name: str,
     label: str,
     centre: Array,
@@ -243,7 +243,7 @@ def _faded_path(
     """Motion about `centre`, `size` times a series that is faded in and out, with rests before and after."""
 
     def evaluate(tau: Array) -> tuple[Array, Array, Array]:
-        q, dq, ddq = _faded(series(tau), tau, moving, ramp)
+        q, dq, ddq = _fade(series(tau), tau, moving, ramp)
         return centre + size * q, size * dq, size * ddq
 
     sines = Segment(label=label, kind="motion", duration=moving, evaluate=evaluate)

@@ -1,4 +1,4 @@
-"""How fast a path may be run: limits of tool and joints, bounds on speed along a path, and stretches within them."""
+"""Speed limits along a path: limits of tool and joints, bounds on speed along a path, and stretches within them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
@@ -10,7 +10,7 @@ from ffgym.core.types import Array
 from ffgym.paths.motions.part import entry
 from ffgym.paths.moves import Speed
 from ffgym.paths.route import Course
-from ffgym.paths.timing import Stretch
+from ffgym.paths.timing import PathStretch
 
 JOINT_ACCELERATION = 12.5
 """Default largest acceleration of a joint on any path, in its largest speeds per second; chosen: the thesis' fastest
@@ -180,15 +180,15 @@ SIMILAR = 2.0
 """Ratio of accelerations and jerks up to which stretches of one speed are run as one; chosen as VARIATION."""
 
 
-def stretches(grid: Sequence[Array], bounds: Sequence[Bounds]) -> list[Stretch]:
+def stretches(grid: Sequence[Array], bounds: Sequence[Bounds]) -> list[PathStretch]:
     """Stretches that respect the bounds at every point of the grid.
 
     Args:
         grid: arc lengths at which each leg was examined, shape (K,) each.
         bounds: of each leg, at these points.
     """
-    parts = [part for s, bound in zip(grid, bounds, strict=True) for part in _halved(s, bound, 0, len(s) - 1)]
-    groups: list[list[Stretch]] = []
+    parts = [part for s, bound in zip(grid, bounds, strict=True) for part in _halve(s, bound, 0, len(s) - 1)]
+    groups: list[list[PathStretch]] = []
     for part in parts:
         # stretches of one speed, whose accelerations and jerks are similar, are run as one
         group = [*groups[-1], part] if groups else []
@@ -199,7 +199,7 @@ def stretches(grid: Sequence[Array], bounds: Sequence[Bounds]) -> list[Stretch]:
         else:
             groups.append([part])
     return [
-        Stretch(
+        PathStretch(
             length=float(np.sum([part.length for part in group])),
             speed=group[0].speed,
             acceleration=min(part.acceleration for part in group),
@@ -209,14 +209,14 @@ def stretches(grid: Sequence[Array], bounds: Sequence[Bounds]) -> list[Stretch]:
     ]
 
 
-def _halved(s: Array, bound: Bounds, first: int, last: int) -> list[Stretch]:
-    """Stretches between two points of the grid, halved until the speed bound varies little within each."""
+def _halve(s: Array, bound: Bounds, first: int, last: int) -> list[PathStretch]:
+    """Halve stretches between two points of the grid until the speed bound varies little within each."""
     rows = slice(first, last + 1)
     speed = bound.speed[rows]
     middle = (first + last) // 2
     if speed.max() > VARIATION * speed.min() and middle - first >= FEWEST:
-        return _halved(s, bound, first, middle) + _halved(s, bound, middle, last)
-    whole = Stretch(
+        return _halve(s, bound, first, middle) + _halve(s, bound, middle, last)
+    whole = PathStretch(
         length=float(s[last] - s[first]),
         speed=float(speed.min()),
         acceleration=float(bound.acceleration[rows].min()),

@@ -48,9 +48,9 @@ class CartesianPath:
     rotation: Array | None = None
     """Orientation of tool0, shape (T, 3, 3)."""
     angular_velocity: Array | None = None
-    """Of tool0 [rad/s], in world axes, shape (T, 3)."""
+    """Angular velocity of tool0 [rad/s], in world axes, shape (T, 3)."""
     angular_acceleration: Array | None = None
-    """Of tool0 [rad/s^2], in world axes, shape (T, 3)."""
+    """Angular acceleration of tool0 [rad/s^2], in world axes, shape (T, 3)."""
 
     def __post_init__(self) -> None:
         turning = (self.rotation, self.angular_velocity, self.angular_acceleration)

@@ -1,4 +1,4 @@
-"""What a motion program asks for, independent of the robot: a list of moves between targets, with speeds and zones."""
+"""Motion programs, independent of the robot: lists of moves between targets, with speeds and zones."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -17,7 +17,7 @@ FASTEST = 1e3
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Pose:
-    """Where the tool centre point is to be, and how the tool is to be turned."""
+    """Target of the tool centre point, and of the orientation of the tool."""
 
     position: Array
     """TCP in the world [m], shape (3,)."""
@@ -35,9 +35,9 @@ class Speed:
     """Programmed speed of a move; the robot's own limits hold beside it."""
 
     tcp: float
-    """Of the tool centre point [m/s], > 0."""
+    """Speed of the tool centre point [m/s], > 0."""
     turn: float = np.deg2rad(500.0)
-    """Of the tool's orientation [rad/s], > 0; 500 deg/s is that of RAPID's predefined speeds."""
+    """Speed of the tool's orientation [rad/s], > 0; 500 deg/s is that of RAPID's predefined speeds."""
 
     def __post_init__(self) -> None:
         check_number("speed", self.tcp, unit="m/s", low=0.0, high=FASTEST, open_low=True)
@@ -46,7 +46,7 @@ class Speed:
 
 @dataclass(frozen=True, kw_only=True)
 class Zone:
-    """How near the target the path must come before it may turn towards the next one."""
+    """Zone around a target, in which the path may turn towards the next one."""
 
     radius: float = 0.0
     """Distance of the TCP from the target [m] at which the corner may begin; 0 stops at the target (`fine`)."""
@@ -56,7 +56,7 @@ class Zone:
 
     @property
     def stops(self) -> bool:
-        """Whether the robot comes to rest at the target."""
+        """True if the robot comes to rest at the target."""
         return self.radius == 0
 
 
@@ -99,7 +99,7 @@ class MoveJoint(Move):
     to: Pose | Array
     """Pose, or joint positions, link side, shape (N,) [rad, or m for a sliding joint]."""
     speed: Speed | None = None
-    """Of the tool; None is as fast as the limits of the joints allow."""
+    """Speed of the tool; None is as fast as the limits of the joints allow."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -113,7 +113,7 @@ class MoveSpline(Move):
     """At least one pose beside the start."""
     speed: Speed
     closed: bool = False
-    """Whether the curve, which then must end where it starts, is smooth there too."""
+    """True for a closed curve, smooth at its start too."""
 
     def __post_init__(self) -> None:
         if not self.through or len({pose.rotation is None for pose in self.through}) > 1:
@@ -166,6 +166,6 @@ def check_position(name: str, value: Array) -> Array:
     return position
 
 
-def located(move: Move, message: str) -> FFGymError:
+def locate_error(move: Move, message: str) -> FFGymError:
     """Return an error that begins with the move's place in the program, if it has one."""
     return FFGymError(f"{move.where}: {message}" if move.where else message)

@@ -147,10 +147,10 @@ class Leg:
     speed: Speed | None
     """Programmed speed; None is as fast as the limits allow."""
     turning: Turning | None = None
-    """How the tool turns; None where the path is one of joints, or orientation does not matter."""
+    """Turning of the tool; None for a path of joints, or free orientation."""
 
     def at(self, s: Array) -> "Course":
-        """What the leg is like at arc lengths `s` from its start, shape (T,)."""
+        """Evaluate the leg at arc lengths `s` from its start, shape (T,)."""
         return Course(path=self.curve.at(s), turned=None if self.turning is None else self.turning.at(s))
 
     def grid(self) -> Array:
@@ -179,15 +179,15 @@ class Route:
         return np.cumsum([leg.curve.length for leg in self.legs])
 
     def at(self, s: Array) -> Course:
-        """What the path is like at increasing arc lengths `s`, shape (T,)."""
+        """Evaluate the path at increasing arc lengths `s`, shape (T,)."""
         which = np.minimum(np.searchsorted(self.ends, s, side="right"), len(self.legs) - 1)
         starts = self.ends - [leg.curve.length for leg in self.legs]
         local = [(self.legs[i], s[which == i] - starts[i]) for i in np.unique(which)]
-        return chained([leg.at(np.clip(x, 0.0, leg.curve.length)) for leg, x in local])
+        return chain_courses([leg.at(np.clip(x, 0.0, leg.curve.length)) for leg, x in local])
 
 
-def chained(parts: Sequence[Course]) -> Course:
-    """Points of several legs, one after the other; all of them turn the tool, or none."""
+def chain_courses(parts: Sequence[Course]) -> Course:
+    """Chain points of several legs, one after the other; all of them turn the tool, or none."""
     p0, p1, p2, p3 = (np.concatenate(series) for series in zip(*(part.path for part in parts), strict=True))
     turns = [part.turned for part in parts if part.turned is not None]
     if not turns:
@@ -196,8 +196,8 @@ def chained(parts: Sequence[Course]) -> Course:
     return Course(path=(p0, p1, p2, p3), turned=(r0, r1, r2))
 
 
-def rounded(legs: Sequence[Leg], zones: Sequence[float]) -> tuple[Route, Array]:
-    """Legs joined into a route, each corner rounded within its zone, and the arc length at each target, shape (L,).
+def round_corners(legs: Sequence[Leg], zones: Sequence[float]) -> tuple[Route, Array]:
+    """Join legs to a route with corners rounded within zones; return it with the arc lengths of targets, shape (L,).
 
     `zones` say how far before and after each corner the rounding may begin and end, along the path. Those that would
     overlap shrink to half of the shorter leg; of a leg that two corners use up nothing is left between them.
@@ -206,7 +206,7 @@ def rounded(legs: Sequence[Leg], zones: Sequence[float]) -> tuple[Route, Array]:
         0.0 if meets(before, after) else min(zone, 0.5 * before.curve.length, 0.5 * after.curve.length)
         for zone, before, after in zip(zones, legs, legs[1:], strict=False)
     ]
-    trimmed = [_trimmed(leg, a, b) for leg, a, b in zip(legs, [0.0, *cuts], [*cuts, 0.0], strict=True)]
+    trimmed = [_trim(leg, a, b) for leg, a, b in zip(legs, [0.0, *cuts], [*cuts, 0.0], strict=True)]
     chain, targets, length = [], [], 0.0
     for i, leg in enumerate(trimmed):
         if leg.curve.length > SPENT * legs[i].curve.length:
@@ -222,7 +222,7 @@ def rounded(legs: Sequence[Leg], zones: Sequence[float]) -> tuple[Route, Array]:
 
 
 def meets(before: Leg, after: Leg) -> bool:
-    """Whether a leg goes on as the one before ends: in direction, curvature and turning."""
+    """Tell if a leg continues the one before smoothly: in direction, curvature and turning."""
     _, t0, n0, _ = before.curve.at(np.array([before.curve.length]))
     _, t1, n1, _ = after.curve.at(np.array([0.0]))
     bend = float(max(np.linalg.norm(n0), np.linalg.norm(n1)))
@@ -240,8 +240,8 @@ def corner_angle(before: Curve, after: Curve) -> float:
     return float(2 * np.arctan2(np.linalg.norm(t1 - t0), np.linalg.norm(t1 + t0)))
 
 
-def _trimmed(leg: Leg, start: float, end: float) -> Leg:
-    """The leg without its first and last stretch."""
+def _trim(leg: Leg, start: float, end: float) -> Leg:
+    """Trim the first and last stretch off a leg."""
     if start == 0 and end == 0:
         return leg
     turning = leg.turning

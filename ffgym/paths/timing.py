@@ -1,4 +1,4 @@
-"""From a path to a motion: how fast it may be run on each stretch, and the fastest jerk-limited time law within that.
+"""Time laws of paths: the fastest jerk-limited motion within a speed limit on each stretch.
 
 Speeds where stretches meet are the largest that a pass forwards and one backwards find reachable. Acceleration is zero
 there, so that each stretch keeps its own limits to its very ends. What is left on a stretch is the classic profile of
@@ -23,7 +23,7 @@ _SLACK = 1e-9
 
 
 @dataclass(frozen=True, kw_only=True)
-class Stretch:
+class PathStretch:
     """A piece of a path with limits of its own. A length is in m, or in s for a path of joints; see `curves`."""
 
     length: float
@@ -80,7 +80,7 @@ class TimeLaw:
         return first if short(first) >= 0 else scipy.optimize.brentq(short, first, last, xtol=1e-13)
 
 
-def time_law(stretches: Sequence[Stretch]) -> TimeLaw:
+def time_law(stretches: Sequence[PathStretch]) -> TimeLaw:
     """Fastest time law from rest to rest, with zero acceleration where stretches meet."""
     speeds = junction_speeds(stretches)
     pieces, time, length = [], 0.0, 0.0
@@ -94,7 +94,7 @@ def time_law(stretches: Sequence[Stretch]) -> TimeLaw:
     return TimeLaw(start=table[:, 0], state=table[:, 1:], duration=time, length=length)
 
 
-def junction_speeds(stretches: Sequence[Stretch]) -> list[float]:
+def junction_speeds(stretches: Sequence[PathStretch]) -> list[float]:
     """Largest speeds where stretches meet, with those at both ends of the path, which are 0."""
     caps = [min(a.speed, b.speed) for a, b in itertools.pairwise(stretches)]
     speeds = [0.0, *caps, 0.0]
@@ -105,7 +105,7 @@ def junction_speeds(stretches: Sequence[Stretch]) -> list[float]:
     return speeds
 
 
-def _reachable(stretch: Stretch, speed: float, wanted: float) -> float:
+def _reachable(stretch: PathStretch, speed: float, wanted: float) -> float:
     """Largest speed up to `wanted` that the stretch can change to, or from, `speed`."""
     room = stretch.length * (1 - _SLACK)
     if wanted <= speed or _distance(stretch, speed, wanted - speed) <= room:
@@ -113,18 +113,18 @@ def _reachable(stretch: Stretch, speed: float, wanted: float) -> float:
     return speed + _root(lambda change: _distance(stretch, speed, change) - room, wanted - speed)
 
 
-def _distance(stretch: Stretch, slow: float, change: float) -> float:
+def _distance(stretch: PathStretch, slow: float, change: float) -> float:
     """Least length over which speed rises from `slow` by `change`, or falls back; acceleration is zero at both ends."""
     time = sum(tau for tau, _ in _phases(stretch, change))
     return (slow + 0.5 * change) * time
 
 
 def _root(excess: Callable[[float], float], high: float) -> float:
-    """Where a rising function is zero between 0, where it is negative, and `high`; small roots to all their digits."""
+    """Find the zero of a rising function between 0, where it is negative, and `high`; small roots to all digits."""
     return float(scipy.optimize.brentq(excess, 0.0, high, xtol=np.finfo(np.float64).tiny, maxiter=1000))
 
 
-def _profile(stretch: Stretch, before: float, after: float) -> tuple[float, Array]:
+def _profile(stretch: PathStretch, before: float, after: float) -> tuple[float, Array]:
     """Duration [s], and rows of start time, length, speed, acceleration and jerk, shape (K, 5), of one stretch."""
     slow, fast = sorted((before, after))
     extra = _extra_speed(stretch, slow, fast)
@@ -146,8 +146,8 @@ def _profile(stretch: Stretch, before: float, after: float) -> tuple[float, Arra
     return time, np.array(rows)
 
 
-def _extra_speed(stretch: Stretch, slow: float, fast: float) -> float:
-    """How much faster than the faster of its two ends a stretch is run: up to its limit, or what its length allows."""
+def _extra_speed(stretch: PathStretch, slow: float, fast: float) -> float:
+    """Compute the extra speed of a stretch over the faster of its ends: up to its limit, or as its length allows."""
 
     def excess(extra: float) -> float:
         there, back = _distance(stretch, slow, extra + (fast - slow)), _distance(stretch, fast, extra)
@@ -159,7 +159,7 @@ def _extra_speed(stretch: Stretch, slow: float, fast: float) -> float:
     return most if excess(most) <= 0 else _root(excess, most)
 
 
-def _phases(stretch: Stretch, change: float) -> list[tuple[float, float]]:
+def _phases(stretch: PathStretch, change: float) -> list[tuple[float, float]]:
     """Durations [s] and jerks of the three phases in which speed rises by `change` >= 0."""
     acceleration = min(stretch.acceleration, float(np.sqrt(change * stretch.jerk)))
     ramp = acceleration / stretch.jerk

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from ffgym.core.errors import FFGymError
 from ffgym.paths.curves import Line, Part, arc_about
 from ffgym.paths.moves import Speed
-from ffgym.paths.route import EvenTurn, Leg, SplineTurn, corner_angle, even_turn, meets, rounded
+from ffgym.paths.route import EvenTurn, Leg, SplineTurn, corner_angle, even_turn, meets, round_corners
 
 few = settings(max_examples=25)
 SPEED = Speed(tcp=0.1)
@@ -43,7 +43,7 @@ def test_a_route_is_smooth_passes_its_ends_and_rounds_corners_within_their_zones
     assume(min(cosines) > -0.9 and max(cosines) < 0.99)
     turns = Rotation.random(len(points), rng=seed).as_matrix()
     zones = radii[: len(points) - 2]
-    route, targets = rounded(lines(points, turns), zones)
+    route, targets = round_corners(lines(points, turns), zones)
     s = np.linspace(0, route.ends[-1], 8001)
     course = route.at(s)
     position, tangent, bend, _ = course.path
@@ -71,7 +71,7 @@ def _distance(points, start, end):
 
 
 def test_zones_that_overlap_shrink_to_half_of_the_shorter_leg():
-    route, targets = rounded(lines([(0, 0, 0), (0.1, 0, 0), (0.1, 1, 0)]), [0.5])
+    route, targets = round_corners(lines([(0, 0, 0), (0.1, 0, 0), (0.1, 1, 0)]), [0.5])
     assert [round(leg.curve.length, 9) for leg in route.legs[::2]] == [0.05, 0.95]
     assert len(targets) == 2
 
@@ -80,7 +80,7 @@ def test_legs_that_go_on_smoothly_are_not_rounded():
     arc = arc_about(np.zeros(3), np.array([1.0, 0, 0]), np.array([0, 0, 1.0]), 2.0)
     halves = [Leg(curve=Part(curve=arc, start=a, end=a + 1.0), speed=SPEED) for a in (0.0, 1.0)]
     assert meets(*halves)
-    route, targets = rounded(halves, [0.1])
+    route, targets = round_corners(halves, [0.1])
     assert len(route.legs) == 2
     np.testing.assert_array_equal(targets, [1, 2])
 
@@ -98,7 +98,7 @@ def test_a_jump_in_curvature_or_turning_needs_a_rounded_corner():
 def test_the_corner_takes_the_lower_speed_of_its_legs():
     legs = lines([(0, 0, 0), (1, 0, 0), (1, 1, 0)])
     legs[1] = Leg(curve=legs[1].curve, speed=Speed(tcp=0.05, turn=100.0))
-    route, _ = rounded(legs, [0.1])
+    route, _ = round_corners(legs, [0.1])
     assert route.legs[1].speed == Speed(tcp=0.05, turn=SPEED.turn)
 
 
@@ -114,4 +114,4 @@ def test_a_spline_of_orientations_is_not_rounded():
     spline = SplineTurn(knots=np.array([0.0, 1.0]), rotations=np.stack([np.eye(3)] * 2))
     assert isinstance(first.turning, EvenTurn)
     with pytest.raises(FFGymError, match="stop before and after a spline"):
-        rounded([first, Leg(curve=second.curve, speed=SPEED, turning=spline)], [0.1])
+        round_corners([first, Leg(curve=second.curve, speed=SPEED, turning=spline)], [0.1])

@@ -9,11 +9,11 @@ from hypothesis import strategies as st
 from path_samples import magnitudes
 
 from ffgym.core.errors import FFGymError
-from ffgym.paths.timing import Stretch, _profile, _reachable, junction_speeds, time_law
+from ffgym.paths.timing import PathStretch, _profile, _reachable, junction_speeds, time_law
 
 many = settings(max_examples=100)
 pieces = st.builds(
-    Stretch,
+    PathStretch,
     length=magnitudes(1e-5, 10.0),
     speed=magnitudes(1e-3, 10.0),
     acceleration=magnitudes(0.1, 30.0),
@@ -80,12 +80,12 @@ def test_the_time_of_a_length_is_when_it_has_been_travelled(path, share):
     ],
 )
 def test_a_single_line_takes_the_time_of_the_textbook(length, duration):
-    law = time_law([Stretch(length=length, speed=0.5, acceleration=2.0, jerk=40.0)])
+    law = time_law([PathStretch(length=length, speed=0.5, acceleration=2.0, jerk=40.0)])
     assert law.duration == pytest.approx(duration, rel=1e-12)
 
 
 def test_the_programmed_speed_is_held_exactly():
-    law = time_law([Stretch(length=1.0, speed=0.04, acceleration=2.0, jerk=40.0)])
+    law = time_law([PathStretch(length=1.0, speed=0.04, acceleration=2.0, jerk=40.0)])
     speed = law.at(np.linspace(0.2, law.duration - 0.2, 1000))[1]
     np.testing.assert_array_equal(speed, 0.04)
 
@@ -122,7 +122,7 @@ def test_junctions_are_as_fast_as_their_neighbours_can_reach(path):
 
 
 def test_a_faster_limit_never_takes_longer():
-    slow = Stretch(length=0.3, speed=0.2, acceleration=1.0, jerk=20.0)
+    slow = PathStretch(length=0.3, speed=0.2, acceleration=1.0, jerk=20.0)
     for change in ({"speed": 0.4}, {"acceleration": 2.0}, {"jerk": 40.0}):
         fast = replace(slow, **change)
         assert time_law([fast, slow]).duration < time_law([slow, slow]).duration
@@ -132,4 +132,4 @@ def test_a_faster_limit_never_takes_longer():
 @pytest.mark.parametrize("value", [0.0, -1.0, np.nan, np.inf])
 def test_a_stretch_needs_positive_numbers(name, value):
     with pytest.raises(FFGymError, match=name):
-        Stretch(**{"length": 1.0, "speed": 1.0, "acceleration": 1.0, "jerk": 1.0} | {name: value})
+        PathStretch(**{"length": 1.0, "speed": 1.0, "acceleration": 1.0, "jerk": 1.0} | {name: value})

@@ -14,7 +14,7 @@ from ffgym.paths.circles import DWELL
 from ffgym.paths.limits import MotionLimits
 from ffgym.paths.motion import JointPath
 from ffgym.paths.motions.joint_run import check_range, joint_steps, run_joints
-from ffgym.paths.motions.rows import APART, Rows, joined, rest, split_steps
+from ffgym.paths.motions.rows import APART, ReferencePiece, join_pieces, rest, split_steps
 from ffgym.paths.motions.tool_run import run_tool, tool_runs
 from ffgym.paths.moves import (
     JointMove,
@@ -27,7 +27,7 @@ from ffgym.paths.moves import (
     Pose,
     ToolMove,
     Wait,
-    located,
+    locate_error,
 )
 from ffgym.paths.rapid import load_program, on_branches
 from ffgym.robot import RigidArm, solve_pose
@@ -40,11 +40,11 @@ class Motion:
     reference: Reference
     """Its `robot` is the one it is for: a program may bring its own tool."""
     notes: tuple[str, ...] = ()
-    """Where the motion differs from what was asked for, and why, e.g. a stop where a corner cannot be rounded."""
+    """Differences from the requested motion, and their reasons, e.g. a stop where a corner cannot be rounded."""
 
 
 def _space_of(move: Move) -> Literal["tool", "joints"] | None:
-    """Where the path of a move is given; None for what is neither."""
+    """Space in which the path of a move is given; None for a move without a path."""
     if isinstance(move, ToolMove):
         return "tool"
     return "joints" if isinstance(move, JointMove) else None
@@ -52,15 +52,15 @@ def _space_of(move: Move) -> Literal["tool", "joints"] | None:
 
 @dataclass(kw_only=True, eq=False)
 class Planner:
-    """Where the robot is, and what it has done until then."""
+    """State of the composition: pieces so far, and the position of the robot behind them."""
 
     arm: RigidArm
     limits: MotionLimits
     free: bool
-    """Whether the orientation of the tool does not matter."""
+    """True if the orientation of the tool is free."""
     q: Array | None
     """Joint positions where the last group ended, link side, shape (N,); None before the first."""
-    pieces: list[Rows] = field(default_factory=list)
+    pieces: list[ReferencePiece] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
 
     def plan(self, group: Sequence[Move]) -> None:
@@ -79,7 +79,7 @@ class Planner:
         else:
             self._run_tool([move for move in group if isinstance(move, ToolMove)], self.q)
 
-    def _add(self, pieces: Sequence[Rows]) -> None:
+    def _add(self, pieces: Sequence[ReferencePiece]) -> None:
         self.pieces += pieces
         if pieces:
             self.q = pieces[-1].q[-1]
@@ -93,14 +93,16 @@ class Planner:
                 check_range(self.arm, move, target)
                 return target
         if not isinstance(move, MoveLinear | MoveJoint | MoveSpline):
-            raise located(move, "An arc or a wait cannot come first; say where the robot starts, or move there first.")
+            raise locate_error(
+                move, "An arc or a wait cannot come first; say where the robot starts, or move there first."
+            )
         pose = move.through[0] if isinstance(move, MoveSpline) else move.to
         assert isinstance(pose, Pose)
         fixed = None if area is None else area.tool_rotation
-        return self._solved(move, pose, fixed, limits.mean(axis=1) if area is None else area.home)
+        return self._solve(move, pose, fixed, limits.mean(axis=1) if area is None else area.home)
 
-    def _solved(self, move: Move, pose: Pose, before: Array | None, seed: Array) -> Array:
-        """Joint positions for a pose, near `seed`; `before` is the orientation that a pose without one keeps."""
+    def _solve(self, move: Move, pose: Pose, before: Array | None, seed: Array) -> Array:
+        """Solve joint positions for a pose, near `seed`; `before` is the orientation that a pose without one keeps."""
         rotation = before if pose.rotation is None else pose.rotation
         with errors_at(move.where):
             return solve_pose(self.arm, pose.position, rotation, seed)
@@ -116,7 +118,7 @@ class Planner:
             if isinstance(move, MoveJointSpline):
                 targets.append(move.through)
             elif isinstance(move.to, Pose):
-                targets.append(self._solved(move, move.to, self._rotation(last), last)[None])
+                targets.append(self._solve(move, move.to, self._rotation(last), last)[None])
             else:
                 targets.append(np.atleast_2d(move.to))
         groups, notes = split_steps(joint_steps(self.arm, moves, targets, q))
@@ -125,7 +127,9 @@ class Planner:
 
     def _run_tool(self, moves: Sequence[ToolMove], q: Array) -> None:
         if self.arm.robot.tool is None:
-            raise located(moves[0], f"Robot {self.arm.robot.name!r} has no tool, so it has no TCP; move its joints.")
+            raise locate_error(
+                moves[0], f"Robot {self.arm.robot.name!r} has no tool, so it has no TCP; move its joints."
+            )
         runs, notes = tool_runs(moves, self.arm.tcp_position(q[None])[0], self._rotation(q))
         for run in runs:
             rows = run_tool(self.arm, run, q, self.limits)
@@ -142,12 +146,12 @@ class Planner:
             else:
                 reference = cartesian_reference(self.arm, path, seed=self.q)
         if self.q is not None and not np.allclose(reference.q[0], self.q, rtol=0, atol=APART):
-            raise located(
+            raise locate_error(
                 move,
                 f"{move.label!r} starts at joint positions {np.round(reference.q[0], 6).tolist()}, but the robot is at "
                 f"{np.round(self.q, 6).tolist()}. Move there before.",
             )
-        self._add([Rows(q=reference.q, dq=reference.dq, ddq=reference.ddq, phases=reference.phases)])
+        self._add([ReferencePiece(q=reference.q, dq=reference.dq, ddq=reference.ddq, phases=reference.phases)])
 
 
 def compose(
@@ -199,15 +203,15 @@ def compose(
         planner.plan(group)
     # notes on zones at which the robot stops all the same, because what comes next is planned on its own
     stops = [
-        str(located(last, f"the robot stops at {last.label!r}, because a corner joins moves of one kind only"))
+        str(locate_error(last, f"the robot stops at {last.label!r}, because a corner joins moves of one kind only"))
         for last in (group[-1] for group in groups[:-1])
         if _space_of(last) and not last.zone.stops
     ]
     pieces = _with_rests(planner.pieces, planner.q, dwell, arm.robot.servo.control_dt)
-    return Motion(reference=joined(name, arm.robot, pieces), notes=(*planner.notes, *stops))
+    return Motion(reference=join_pieces(name, arm.robot, pieces), notes=(*planner.notes, *stops))
 
 
-def _with_rests(pieces: Sequence[Rows], q: Array | None, dwell: float, dt: float) -> list[Rows]:
+def _with_rests(pieces: Sequence[ReferencePiece], q: Array | None, dwell: float, dt: float) -> list[ReferencePiece]:
     """Pieces with a rest before and after, unless a rest is there already or the robot is moving."""
     if not pieces:  # the only move said where to be
         assert q is not None

@@ -11,13 +11,13 @@ from ffgym.core.types import Array
 from ffgym.paths.circles import DWELL
 from ffgym.paths.excitations import check_below_nyquist, joint_sine, multisine, schroeder_phases, speed_ladder, triangle
 from ffgym.paths.motion import JointPath
-from ffgym.paths.motions.part import OF_RANGE, OF_SPEED, Part, Place, entry
+from ffgym.paths.motions.part import OF_RANGE, OF_SPEED, MotionPart, PartContext, entry
 from ffgym.paths.moves import Move, MoveJoint, MoveTimed, Speed, Wait, Zone
 
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class JointsPart(Part):
+class JointsPart(MotionPart):
     """Straight line in joint space to joint positions, as fast as the limits allow or at a tool speed."""
 
     kind: ClassVar[str] = "joints"
@@ -26,7 +26,7 @@ class JointsPart(Part):
     speed: Any = entry("largest speed of the TCP; absent is as fast as the joints may", "m/s", default=None)
     zone: float = entry("distance of the TCP from the target at which the corner may begin", "m", default=0.0)
 
-    def moves(self, place: Place) -> Sequence[Move]:
+    def moves(self, place: PartContext) -> Sequence[Move]:
         """One move of the joints."""
         if (self.to is None) == (self.to_deg is None):
             raise FFGymError("A joints part needs either to [rad or m] or to_deg [deg].")
@@ -43,27 +43,29 @@ class JointsPart(Part):
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class WaitPart(Part):
+class WaitPart(MotionPart):
     """Rest where the robot is."""
 
     kind: ClassVar[str] = "wait"
     duration: float = entry("how long", "s")
 
-    def moves(self, place: Place) -> Sequence[Move]:
+    def moves(self, place: PartContext) -> Sequence[Move]:
         """One wait."""
         return [Wait(duration=self.duration, label=self.label, where=place.where)]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class ExcitationPart(Part):
+class ExcitationPart(MotionPart):
     """A motion of the joints about a position, with its own time law; no limits slow it down."""
 
     centre: Any = entry(
         "joint positions in the middle; absent is where the robot is, at first its home", "rad or m", default=None
     )
 
-    def _timed(self, place: Place, path: Callable[..., JointPath], *args: Any, **settings: Any) -> list[Move]:
-        """Move along a path that is made from the joint positions in its middle and the sample time."""
+    def _make_timed_move(
+        self, place: PartContext, path: Callable[..., JointPath], *args: Any, **settings: Any
+    ) -> list[Move]:
+        """Make a move along a path that is made from the joint positions in its middle and the sample time."""
         given = None
         if self.centre is not None:
             given = place.joints("centre", self.centre, place.span, others=place.rest)
@@ -85,7 +87,7 @@ class SinePart(ExcitationPart):
     frequency: float = entry("frequency", "Hz")
     duration: float = entry("how long", "s")
 
-    def moves(self, place: Place) -> Sequence[Move]:
+    def moves(self, place: PartContext) -> Sequence[Move]:
         """One excitation."""
         size = place.joints("amplitude", self.amplitude, place.span)
         frequency = check_number("frequency", self.frequency, unit="Hz", low=0.0, open_low=True)
@@ -94,7 +96,7 @@ class SinePart(ExcitationPart):
             check_below_nyquist(np.array([frequency]), dt)
             return joint_sine(size, frequency, self.duration, centre=q, dt=dt)
 
-        return self._timed(place, path)
+        return self._make_timed_move(place, path)
 
 
 @final
@@ -110,7 +112,7 @@ class MultisinePart(ExcitationPart):
     ramp: float = entry("time of fading in, and of fading out", "s", default=0.4)
     dwell: float = entry("rest at both ends", "s", default=DWELL)
 
-    def moves(self, place: Place) -> Sequence[Move]:
+    def moves(self, place: PartContext) -> Sequence[Move]:
         """One excitation."""
         frequencies = check_shape("frequencies", self.frequencies, (None,))
         if not len(frequencies):
@@ -128,7 +130,7 @@ class MultisinePart(ExcitationPart):
             phases = schroeder_phases(*amplitude.shape)
         else:
             phases = np.tile(check_shape("phases", self.phases, (len(rows),))[:, None], amplitude.shape[1])
-        return self._timed(
+        return self._make_timed_move(
             place, multisine, amplitude, frequencies, phases, self.duration, ramp=self.ramp, dwell=self.dwell
         )
 
@@ -145,14 +147,16 @@ class LadderPart(ExcitationPart):
     ramp: float = entry("time of each change of speed", "s", default=0.2)
     dwell: float = entry("rest at both ends and where a joint has come back", "s", default=DWELL)
 
-    def moves(self, place: Place) -> Sequence[Move]:
+    def moves(self, place: PartContext) -> Sequence[Move]:
         """One excitation."""
         if not isinstance(self.speeds, list) or not self.speeds:
             raise FFGymError(f"speeds = {self.speeds!r} must be a list of steps.")
         fastest = place.robot.kinematics.max_speed
         speeds = np.stack([place.joints(f"speeds[{i}]", step, fastest) for i, step in enumerate(self.speeds)])
         travel = place.joints("travel", self.travel, place.span, others=place.span)
-        return self._timed(place, speed_ladder, speeds, travel, longest=self.longest, ramp=self.ramp, dwell=self.dwell)
+        return self._make_timed_move(
+            place, speed_ladder, speeds, travel, longest=self.longest, ramp=self.ramp, dwell=self.dwell
+        )
 
 
 @final
@@ -167,7 +171,7 @@ class TrianglePart(ExcitationPart):
     ramp: float = entry("time of each reversal", "s", default=0.2)
     dwell: float = entry("rest at both ends", "s", default=DWELL)
 
-    def moves(self, place: Place) -> Sequence[Move]:
+    def moves(self, place: PartContext) -> Sequence[Move]:
         """One excitation."""
         size = place.joints("amplitude", self.amplitude, place.span)
-        return self._timed(place, triangle, size, self.period, self.periods, ramp=self.ramp, dwell=self.dwell)
+        return self._make_timed_move(place, triangle, size, self.period, self.periods, ramp=self.ramp, dwell=self.dwell)

@@ -14,9 +14,9 @@ from ffgym.core.errors import errors_at
 from ffgym.core.types import Array
 from ffgym.paths.curves import Curve, Line, spline_through
 from ffgym.paths.limits import MARGIN, Bounds, MotionLimits, axis_bounds, stretches
-from ffgym.paths.motions.rows import Rows, Step, add_step, rows_along
-from ffgym.paths.moves import JointMove, MoveJoint, located
-from ffgym.paths.route import Leg, rounded
+from ffgym.paths.motions.rows import ReferencePiece, Step, add_step, rows_along
+from ffgym.paths.moves import JointMove, MoveJoint, locate_error
+from ffgym.paths.route import Leg, round_corners
 from ffgym.paths.timing import time_law
 from ffgym.recordings import PhaseKind
 from ffgym.robot import RigidArm
@@ -29,11 +29,13 @@ def check_range(arm: RigidArm, move: JointMove, target: Array) -> None:
     """Check that joint positions `target` can be a target of `move`."""
     kinematics = arm.robot.kinematics
     if target.shape != (arm.robot.n_joints,):
-        raise located(move, f"{len(target)} joint positions for the {arm.robot.n_joints} joints of {arm.robot.name!r}.")
+        raise locate_error(
+            move, f"{len(target)} joint positions for the {arm.robot.n_joints} joints of {arm.robot.name!r}."
+        )
     outside = np.flatnonzero(kinematics.beyond_limits(target))
     if outside.size:
         j = int(outside[0])
-        raise located(
+        raise locate_error(
             move,
             f"Joint {arm.robot.joints[j]} = {target[j]:.4g} {kinematics.units[j]} is out of range, must be within "
             f"{np.round(kinematics.range[j], 4).tolist()} {kinematics.units[j]}.",
@@ -60,11 +62,11 @@ def joint_steps(arm: RigidArm, moves: Sequence[JointMove], targets: Sequence[Arr
     return steps
 
 
-def run_joints(arm: RigidArm, steps: Sequence[Step], limits: MotionLimits) -> Rows:
+def run_joints(arm: RigidArm, steps: Sequence[Step], limits: MotionLimits) -> ReferencePiece:
     """Joint motion from rest to rest through the targets of `steps`, as fast as speeds and limits allow."""
     legs = [step.leg for step in steps]
     zones = [_zone(arm, before, after) for before, after in pairwise(steps)]
-    route, targets = rounded(legs, zones)
+    route, targets = round_corners(legs, zones)
     grid = [leg.grid() for leg in route.legs]
     bounds = [_bounds(arm, leg, s, limits) for leg, s in zip(route.legs, grid, strict=True)]
     law = time_law(stretches(grid, bounds))
@@ -79,9 +81,11 @@ def run_joints(arm: RigidArm, steps: Sequence[Step], limits: MotionLimits) -> Ro
 
 
 def _zone(arm: RigidArm, before: Step, after: Step) -> float:
-    """How far along both legs the tool stays within the zone around the target, at most half of the shorter leg."""
+    """Compute the length along both legs within the zone around the target, at most half of the shorter leg."""
     if arm.robot.tool is None:
-        raise located(before.move, f"A zone is a distance of the TCP, which {arm.robot.name!r} has not; stop there.")
+        raise locate_error(
+            before.move, f"A zone is a distance of the TCP, which {arm.robot.name!r} has not; stop there."
+        )
     first, second = before.leg.curve, after.leg.curve
     half, radius = 0.5 * min(first.length, second.length), before.move.zone.radius
     return min(_within(arm, first, first.length, half, radius), _within(arm, second, 0.0, half, radius))

@@ -17,13 +17,13 @@ from ffgym.paths.circles import DWELL
 from ffgym.paths.limits import MotionLimits
 from ffgym.paths.motions.composition import Motion, compose, rapid_motion
 from ffgym.paths.motions.joint_parts import JointsPart, LadderPart, MultisinePart, SinePart, TrianglePart, WaitPart
-from ffgym.paths.motions.part import Part, Place, named_point
+from ffgym.paths.motions.part import MotionPart, PartContext, find_point
 from ffgym.paths.motions.table_part import TablePart
 from ffgym.paths.motions.tool_parts import ArcPart, CirclePart, CircleTestPart, LinePart, SplinePart
 from ffgym.paths.moves import Move
 from ffgym.robot import RigidArm
 
-PARTS: Mapping[str, type[Part]] = MappingProxyType(
+PARTS: Mapping[str, type[MotionPart]] = MappingProxyType(
     {
         part.kind: part
         for part in (
@@ -54,7 +54,7 @@ HEAD: Mapping[str, str] = {
     "limits": "table of the limits below, those that differ from the defaults",
     "part": "the parts, in order",
 }
-"""What a motion file may say, and what it means."""
+"""Entries of a motion file, with their meaning."""
 
 _PER_JOINT = ("joint_acceleration", "joint_jerk")
 
@@ -66,12 +66,12 @@ def parse_motion(arm: RigidArm, text: str, *, where: str, name: str, folder: Pat
     """
     tree = parse_toml(text, where)
     with errors_at(where):
-        head = _head(Place(arm=arm, origin=np.zeros(3), where=where), tree, name)
+        head = _head(PartContext(arm=arm, origin=np.zeros(3), where=where), tree, name)
         moves = _moves(arm, tree, where, folder or Path())
     return compose(arm, moves, **head)
 
 
-def _head(place: Place, tree: Mapping[str, Any], name: str) -> dict[str, Any]:
+def _head(place: PartContext, tree: Mapping[str, Any], name: str) -> dict[str, Any]:
     """Arguments of `compose` but the moves."""
     unknown = sorted(set(tree) - set(HEAD))
     if unknown:
@@ -101,13 +101,13 @@ def _moves(arm: RigidArm, tree: Mapping[str, Any], where: str, folder: Path) -> 
     if not isinstance(parts, list) or not parts or not all(isinstance(part, dict) for part in parts):
         raise FFGymError("A motion file needs parts, each a table that begins with [[part]].")
     origin = tree.get("origin", [0.0, 0.0, 0.0])
-    origin = named_point(arm.robot, origin) if isinstance(origin, str) else check_shape("origin", origin, (3,))
+    origin = find_point(arm.robot, origin) if isinstance(origin, str) else check_shape("origin", origin, (3,))
     moves: list[Move] = []
     for i, table in enumerate(parts, start=1):
         entries = dict(table)
         kind = entries.pop("kind", None)
         here = f"{where}: part {i}" + (f" ({kind})" if kind else "")
-        place = Place(arm=arm, origin=origin, where=here, folder=folder)
+        place = PartContext(arm=arm, origin=origin, where=here, folder=folder)
         with errors_at(here):
             moves += PARTS[check_choice("kind of part", kind, list(PARTS))].parse(entries).moves(place)
     return moves
@@ -120,7 +120,7 @@ READERS = (".toml", ".csv", *PROGRAMS)
 """Suffixes of files that hold a motion."""
 
 FOLDERS = (("ffgym.paths.motions", "data"), ("ffgym.paths.rapid", "examples"))
-"""Where built-in motions are: packages and folders in them."""
+"""Places of built-in motions: packages and folders in them."""
 
 
 def list_motions() -> tuple[str, ...]:
@@ -167,5 +167,5 @@ def _read(arm: RigidArm, path: Path, where: str, entry: str | None) -> Motion:
         )
     if suffix == ".toml":
         return parse_motion(arm, read_text(path), where=where, name=path.stem, folder=path.parent)
-    place = Place(arm=arm, origin=np.zeros(3), where=where, folder=path.parent)
+    place = PartContext(arm=arm, origin=np.zeros(3), where=where, folder=path.parent)
     return compose(arm, TablePart(file=path.name).moves(place), name=path.stem)

@@ -17,9 +17,9 @@ from ffgym.robot import RigidArm, RobotDescription
 FIRST = "work_area"
 """Name of the first point of the robot's work area, whatever it is called."""
 OF_RANGE = "one for all joints, a list, a table by joint, or '10 %' of each joint's range"
-"""What a position or an amplitude of joints may be, for the documentation of entries."""
+"""Valid positions or amplitudes of joints, for the documentation of entries."""
 OF_SPEED = "one for all joints, a list, a table by joint, or '10 %' of each joint's largest speed"
-"""What a speed of joints may be."""
+"""Valid speeds of joints."""
 UPRIGHT = np.array([0.0, 0.0, 1.0])
 """Normal of planes for a robot without a work area."""
 LARGEST = 1e6
@@ -29,7 +29,7 @@ UNIT_NORM = 1e-3
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Place:
+class PartContext:
     """The robot that a motion is made for, and where its points are counted from."""
 
     arm: RigidArm
@@ -38,7 +38,7 @@ class Place:
     where: str
     """The part in its file, for messages."""
     folder: Path = Path()
-    """Where files that a part names are."""
+    """Folder of files that a part names."""
 
     @property
     def robot(self) -> RobotDescription:
@@ -48,7 +48,7 @@ class Place:
     def point(self, name: str, value: Any) -> Array:
         """Point in the world [m], shape (3,): coordinates from the origin, or the name of a point of the work area."""
         if isinstance(value, str):
-            return named_point(self.robot, value)
+            return find_point(self.robot, value)
         return self.origin + check_position(name, value)
 
     def normal(self, value: Any) -> Array:
@@ -79,8 +79,8 @@ def resting_position(robot: RobotDescription) -> Array:
     return np.clip(np.zeros(robot.n_joints), *robot.kinematics.range.T)
 
 
-def named_point(robot: RobotDescription, name: str) -> Array:
-    """Point of the robot's work area in the world [m], shape (3,)."""
+def find_point(robot: RobotDescription, name: str) -> Array:
+    """Find a point of the robot's work area in the world [m], shape (3,)."""
     points = {} if robot.work_area is None else robot.work_area.positions
     if not points:
         raise FFGymError(
@@ -142,16 +142,16 @@ def entry(meaning: str, unit: str = "", **options: Any) -> Any:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Part(ABC):
+class MotionPart(ABC):
     """A part of a motion, as it stands in a file."""
 
     kind: ClassVar[str]
-    """What the file calls it."""
+    """Name in a motion file."""
 
     label: str = entry("name of the part, for phases and messages", default="")
 
     @abstractmethod
-    def moves(self, place: Place) -> Sequence[Move]:
+    def moves(self, place: PartContext) -> Sequence[Move]:
         """Moves that carry out the part with a robot."""
 
     @classmethod
@@ -169,11 +169,11 @@ class Part(ABC):
         return cls(**table)
 
 
-def entries(part: type[Part]) -> tuple[Field[Any], ...]:
+def entries(part: type[MotionPart]) -> tuple[Field[Any], ...]:
     """Entries of a kind of part, those that are required first."""
     return tuple(sorted(fields(part), key=lambda f: not is_required(f)))
 
 
 def is_required(f: Field[Any]) -> bool:
-    """Whether a file must say it."""
+    """Tell if a file must give the entry."""
     return f.default is MISSING and f.default_factory is MISSING

@@ -1,4 +1,4 @@
-"""Pieces of a joint reference, from rest to rest, and how they are joined."""
+"""Pieces of a joint reference, from rest to rest, and joining of them."""
 
 import itertools
 from collections.abc import Callable, Sequence
@@ -11,7 +11,7 @@ from ffgym.core.types import Array
 from ffgym.paths import Reference
 from ffgym.paths.curves import Still
 from ffgym.paths.motion import MAX_STEPS
-from ffgym.paths.moves import JointMove, MoveJointSpline, MoveSpline, ToolMove, located
+from ffgym.paths.moves import JointMove, MoveJointSpline, MoveSpline, ToolMove, locate_error
 from ffgym.paths.route import SHARPEST, Leg, corner_angle
 from ffgym.paths.timing import TimeLaw
 from ffgym.recordings import Phase, PhaseKind
@@ -23,7 +23,7 @@ chosen: inverse kinematics leave 1e-10 m, and a step of 1e-6 rad lies below what
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Rows:
+class ReferencePiece:
     """Samples of a piece at every control step, the first and the last of which belong to its neighbours as well."""
 
     q: Array
@@ -33,7 +33,7 @@ class Rows:
     ddq: Array
     """Shape (T, N)."""
     phases: tuple[Phase, ...]
-    """On the clock of the piece."""
+    """Phases on the clock of the piece."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -43,7 +43,7 @@ class Step:
     move: ToolMove | JointMove
     leg: Leg
     stops: bool
-    """Whether the robot is to rest at the target."""
+    """True if the robot rests at the target."""
 
 
 def add_step(steps: list[Step], move: ToolMove | JointMove, leg: Leg | None) -> None:
@@ -64,7 +64,7 @@ def split_steps(steps: Sequence[Step]) -> tuple[list[list[Step]], list[str]]:
         else:
             groups[-1].append(after)
         if why and not before.stops:
-            notes.append(str(located(before.move, f"the robot stops at {before.move.label!r}, because {why}")))
+            notes.append(str(locate_error(before.move, f"the robot stops at {before.move.label!r}, because {why}")))
     return groups, notes
 
 
@@ -80,12 +80,12 @@ def _no_corner(before: Step, after: Step) -> str:
     return ""
 
 
-def rest(q: Array, duration: float, dt: float, label: str) -> Rows:
+def rest(q: Array, duration: float, dt: float, label: str) -> ReferencePiece:
     """Rest at `q` (N,) for `duration` [s], up to the next sample."""
     count = _sample_count(duration, dt)
     still = np.zeros((count, len(q)))
     phase = Phase(label=label, kind="standstill", start=0.0, end=(count - 1) * dt)
-    return Rows(q=still + q, dq=still, ddq=still, phases=(phase,))
+    return ReferencePiece(q=still + q, dq=still, ddq=still, phases=(phase,))
 
 
 def _sample_count(duration: float, dt: float) -> int:
@@ -102,7 +102,7 @@ def rows_along(
     targets: Array,
     phases: Sequence[tuple[str, PhaseKind]],
     dt: float,
-) -> Rows:
+) -> ReferencePiece:
     """Samples of a path that is run by a time law, up to the first at or after its end.
 
     `path` gives joint positions and their first two derivatives by path length, (T, N) each. Each of the `phases`, a
@@ -112,7 +112,7 @@ def rows_along(
     s, speed, acceleration = law.at(t)
     q, first, second = path(s)
     times = [0.0, *(law.time_of(float(target)) for target in targets[:-1]), float(t[-1])]
-    return Rows(
+    return ReferencePiece(
         q=q,
         dq=first * speed[:, None],
         ddq=first * acceleration[:, None] + second * speed[:, None] ** 2,
@@ -123,8 +123,8 @@ def rows_along(
     )
 
 
-def joined(name: str, robot: RobotDescription, pieces: Sequence[Rows]) -> Reference:
-    """One reference of pieces that follow each other."""
+def join_pieces(name: str, robot: RobotDescription, pieces: Sequence[ReferencePiece]) -> Reference:
+    """Join pieces that follow each other to one reference."""
     dt = robot.servo.control_dt
     for before, after in itertools.pairwise(pieces):
         last, first = before.dq[-1], after.dq[0]

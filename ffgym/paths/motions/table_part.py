@@ -11,7 +11,7 @@ from ffgym.core.errors import FFGymError, check_number, errors_at
 from ffgym.core.files import read_text
 from ffgym.core.types import Array
 from ffgym.paths.motion import CartesianPath, JointPath, Segment, sample
-from ffgym.paths.motions.part import LARGEST, UNIT_NORM, Part, Place, entry
+from ffgym.paths.motions.part import LARGEST, UNIT_NORM, MotionPart, PartContext, entry
 from ffgym.paths.moves import FARTHEST, Move, MoveJointSpline, MoveSpline, MoveTimed, Pose, Speed
 from ffgym.recordings.csv import read_table
 
@@ -36,7 +36,7 @@ FEWEST_TIMES = 4
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Table:
+class MotionTable:
     """Rows of a file, in SI units. Either positions or joints are there, never both."""
 
     t: Array | None
@@ -49,8 +49,8 @@ class Table:
     """Joint positions, link side [rad or m], shape (T, N)."""
 
 
-def parse_table(text: str, where: str, joints: Sequence[str], units: Sequence[str]) -> Table:
-    """Table from CSV text, which errors call `where`; lines that begin with # are comments.
+def parse_table(text: str, where: str, joints: Sequence[str], units: Sequence[str]) -> MotionTable:
+    """Parse a table from CSV text, which errors call `where`; lines that begin with # are comments.
 
     `units` are those of the positions of the robot's `joints`, 'rad' or 'm'.
     """
@@ -101,7 +101,7 @@ def _in_si(names: Sequence[str], values: Array, wanted: Mapping[str, str]) -> di
     return columns
 
 
-def _table(columns: Mapping[str, Array], joints: Sequence[str]) -> Table:
+def _table(columns: Mapping[str, Array], joints: Sequence[str]) -> MotionTable:
     of_tool = [name for name in (*POSITION, *QUATERNION, *RPY) if name in columns]
     of_joints = [name for name in joints if name in columns]
     if of_tool and of_joints:
@@ -112,7 +112,7 @@ def _table(columns: Mapping[str, Array], joints: Sequence[str]) -> Table:
     t = _times(columns["t"]) if "t" in columns else None
     if n_rows < (1 if t is None else FEWEST_TIMES):
         raise FFGymError(f"There are {n_rows} rows, must be at least {1 if t is None else FEWEST_TIMES}.")
-    return Table(
+    return MotionTable(
         t=t,
         positions=_together(columns, POSITION) if of_tool else None,
         rotations=_rotations(columns) if of_tool else None,
@@ -167,8 +167,10 @@ AT_REST = 0.05
 begins as the robot does are farther apart than its first movement."""
 
 
-def followed(table: Table, t: Array, label: str) -> Callable[[Array | None, float], JointPath | CartesianPath]:
-    """What samples a table with times `t` at the control step.
+def follow_table(
+    table: MotionTable, t: Array, label: str
+) -> Callable[[Array | None, float], JointPath | CartesianPath]:
+    """Return a function that samples a table with times `t` at the control step.
 
     A table that ends at rest is held up to the next sample; one that ends at speed ends with the last sample before.
     """
@@ -204,7 +206,7 @@ def followed(table: Table, t: Array, label: str) -> Callable[[Array | None, floa
 
 
 def _rests(t: Array, rows: Array) -> tuple[bool, bool]:
-    """Whether rows (T, D) start and end at rest."""
+    """Tell if rows (T, D) start and end at rest."""
     speed = np.linalg.norm(np.diff(rows, axis=0), axis=1) / np.diff(t)
     return bool(speed[0] <= AT_REST * speed.max()), bool(speed[-1] <= AT_REST * speed.max())
 
@@ -250,14 +252,14 @@ SPEED = 0.1
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class TablePart(Part):
+class TablePart(MotionPart):
     """Rows of a CSV file: with times they are followed in time, without they are points of a smooth curve."""
 
     kind: ClassVar[str] = "table"
     file: str = entry("path of the CSV file, from the folder of the motion file")
     speed: float = entry("of the TCP through poses without times", "m/s", default=SPEED)
 
-    def moves(self, place: Place) -> Sequence[Move]:
+    def moves(self, place: PartContext) -> Sequence[Move]:
         """One move."""
         if not isinstance(self.file, str) or not self.file:
             raise FFGymError(f"file = {self.file!r} must be the path of a CSV file.")
@@ -267,7 +269,7 @@ class TablePart(Part):
         speed = check_number("speed", self.speed, unit="m/s", low=0.0, open_low=True)
         named: dict[str, Any] = {"label": self.label or path.stem, "where": place.where}
         if table.t is not None:
-            return [MoveTimed(path=followed(table, table.t, named["label"]), **named)]
+            return [MoveTimed(path=follow_table(table, table.t, named["label"]), **named)]
         points = table.positions if table.joints is None else table.joints
         assert points is not None
         same = np.flatnonzero(np.all(np.diff(points, axis=0) == 0, axis=1))

@@ -10,7 +10,7 @@ from ffgym.core.errors import FFGymError, check_number, check_shape, check_whole
 from ffgym.core.types import Array
 from ffgym.paths.circles import DWELL, RADII, circle_test, plane_of
 from ffgym.paths.curves import arc_about
-from ffgym.paths.motions.part import FIRST, Part, Place, entry, rotation_of
+from ffgym.paths.motions.part import FIRST, MotionPart, PartContext, entry, rotation_of
 from ffgym.paths.moves import FARTHEST, Move, MoveArc, MoveLinear, MoveSpline, MoveTimed, Pose, Speed, Zone
 
 TURN_SPEED_DEG = 500.0
@@ -20,7 +20,7 @@ MOST_TURNS = 1000
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class ToolPart(Part):
+class ToolPart(MotionPart):
     """A part in which the tool moves at a programmed speed."""
 
     speed: float = entry("of the TCP along the path", "m/s")
@@ -41,7 +41,7 @@ class TargetPart(ToolPart):
     rpy_deg: Any = entry("orientation of tool0: roll, pitch, yaw about x, y, z; absent keeps it", "deg", default=None)
     quaternion: Any = entry("orientation of tool0: w, x, y, z, instead of rpy_deg", "1", default=None)
 
-    def _how(self, place: Place) -> dict[str, Any]:
+    def _how(self, place: PartContext) -> dict[str, Any]:
         """Fields of the move to the target."""
         pose = Pose(position=place.point("to", self.to), rotation=rotation_of(self.rpy_deg, self.quaternion))
         zone = Zone(radius=self.zone)
@@ -55,7 +55,7 @@ class LinePart(TargetPart):
 
     kind: ClassVar[str] = "line"
 
-    def moves(self, place: Place) -> Sequence[Move]:
+    def moves(self, place: PartContext) -> Sequence[Move]:
         """One line."""
         return [MoveLinear(**self._how(place))]
 
@@ -68,7 +68,7 @@ class ArcPart(TargetPart):
     kind: ClassVar[str] = "arc"
     via: Any = entry("a point on the arc", "m")
 
-    def moves(self, place: Place) -> Sequence[Move]:
+    def moves(self, place: PartContext) -> Sequence[Move]:
         """One arc."""
         return [MoveArc(via=place.point("via", self.via), **self._how(place))]
 
@@ -89,7 +89,7 @@ class CirclePart(ToolPart):
     start_deg: float = entry("where it starts, from the plane's first axis (x where possible)", "deg", default=-90.0)
     turns: int = entry("how many circles", default=1)
 
-    def moves(self, place: Place) -> Sequence[Move]:
+    def moves(self, place: PartContext) -> Sequence[Move]:
         """A line to the start, and two arcs for each circle."""
         centre = place.point("centre", self.centre)
         radius = check_number("radius", self.radius, unit="m", low=0.0, high=FARTHEST, open_low=True)
@@ -125,7 +125,7 @@ class SplinePart(ToolPart):
     rpy_deg: Any = entry("orientation of tool0 at each point; absent keeps it", "deg", default=None)
     closed: bool = entry("whether it ends where it starts, smoothly; the last point must be the start", default=False)
 
-    def moves(self, place: Place) -> Sequence[Move]:
+    def moves(self, place: PartContext) -> Sequence[Move]:
         """One spline."""
         if not isinstance(self.through, list) or not self.through:
             raise FFGymError(f"through = {self.through!r} must be a list of points.")
@@ -139,7 +139,7 @@ class SplinePart(ToolPart):
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class CircleTestPart(Part):
+class CircleTestPart(MotionPart):
     """The test motion of the thesis: circles around a common start point, each led in and out (2.2.5)."""
 
     kind: ClassVar[str] = "circle_test"
@@ -150,7 +150,7 @@ class CircleTestPart(Part):
     start_deg: float = entry("where each circle is joined, from the plane's first axis", "deg", default=-90.0)
     dwell: float = entry("rest before, between and after the circles", "s", default=DWELL)
 
-    def moves(self, place: Place) -> Sequence[Move]:
+    def moves(self, place: PartContext) -> Sequence[Move]:
         """One motion with its own time law."""
         centre = place.point("centre", self.centre)
         normal = place.normal(self.normal)

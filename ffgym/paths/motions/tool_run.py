@@ -9,17 +9,17 @@ from ffgym.core.errors import FFGymError, errors_at
 from ffgym.core.types import Array
 from ffgym.paths.curves import SAME, Arc, Curve, Line, Still, arc_through, spline_through
 from ffgym.paths.limits import Bounds, MotionLimits, axis_bounds, slope_of, stretches, tool_bounds
-from ffgym.paths.motions.rows import Rows, Step, add_step, rows_along, split_steps
-from ffgym.paths.moves import Move, MoveArc, MoveSpline, ToolMove, located
+from ffgym.paths.motions.rows import ReferencePiece, Step, add_step, rows_along, split_steps
+from ffgym.paths.moves import Move, MoveArc, MoveSpline, ToolMove, locate_error
 from ffgym.paths.route import (
     SMOOTH,
     Course,
     Leg,
     Route,
     SplineTurn,
-    chained,
+    chain_courses,
     even_turn,
-    rounded,
+    round_corners,
 )
 from ffgym.paths.timing import time_law
 from ffgym.recordings import PhaseKind
@@ -31,10 +31,10 @@ RESOLVED = 0.1
 """Largest change of joint speeds per path speed from one point at which a leg is examined to the next, as a share of
 the largest on the leg; chosen: what lies between is then missed by the square of it, which `limits.MARGIN` covers."""
 _HALVINGS = 4
-"""How often the intervals of a leg may be halved on which joints seem to jump; chosen: 5 mm become 0.3 mm, in which
+"""Largest number of halvings of intervals on which joints seem to jump; chosen: 5 mm become 0.3 mm, in which
 only an arm in a singularity moves as far."""
 _REFINEMENTS = 12
-"""How often an interval may be halved; chosen: 5 mm become 1 um, below which nobody draws a path."""
+"""Largest number of halvings of an interval; chosen: 5 mm become 1 um, finer than any path."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -49,16 +49,16 @@ class ToolRun:
     kinds: tuple[PhaseKind, ...]
 
 
-def run_tool(arm: RigidArm, run: ToolRun, q: Array, limits: MotionLimits) -> Rows:
+def run_tool(arm: RigidArm, run: ToolRun, q: Array, limits: MotionLimits) -> ReferencePiece:
     """Joint motion along the route, as fast as programmed speeds and limits allow, from joint positions `q` (N,)."""
     law = time_law(stretches(*_bounds(arm, run, q, limits)))
     phases = [(move.label, kind) for move, kind in zip(run.moves, run.kinds, strict=True)]
     dt = arm.robot.servo.control_dt
-    return rows_along(law, lambda s: _followed(arm, run.route.at(s), q), run.targets, phases, dt)
+    return rows_along(law, lambda s: _follow(arm, run.route.at(s), q), run.targets, phases, dt)
 
 
-def _followed(arm: RigidArm, course: Course, q: Array) -> tuple[Array, Array, Array]:
-    """Joint positions along a path that starts at `q` (N,), and their first two derivatives by its length, (T, N)."""
+def _follow(arm: RigidArm, course: Course, q: Array) -> tuple[Array, Array, Array]:
+    """Solve joint positions along a path from `q` (N,), and their first two derivatives by its length, (T, N)."""
     position, tangent, bend, _ = course.path
     if course.turned is None:
         rows = solve_path(arm, position, None, q)
@@ -87,10 +87,10 @@ def _bounds(arm: RigidArm, run: ToolRun, q: Array, limits: MotionLimits) -> tupl
     axes = limits.of_joints(arm.robot.kinematics.max_speed)
     legs = _on_one_branch(arm, run, q)
     for _ in range(_REFINEMENTS):
-        finer = [_refined(leg.s, leg.first / axes.speed, leg.second / axes.speed) for leg in legs]
+        finer = [_refine(leg.s, leg.first / axes.speed, leg.second / axes.speed) for leg in legs]
         if all(len(s) == len(leg.s) for s, leg in zip(finer, legs, strict=True)):
             break
-        legs = _examined(arm, run, finer, q)
+        legs = _examine(arm, run, finer, q)
     bounds = [
         axis_bounds(
             (leg.first, leg.second, slope_of(leg.second, leg.s)),
@@ -108,7 +108,7 @@ def _on_one_branch(arm: RigidArm, run: ToolRun, q: Array) -> list[_Examined]:
     halvings = [0] * len(grid)
     while True:
         try:
-            return _examined(arm, run, grid, q)
+            return _examine(arm, run, grid, q)
         except FFGymError as error:
             jump = error.__cause__
             if not isinstance(jump, PathJump):
@@ -120,13 +120,13 @@ def _on_one_branch(arm: RigidArm, run: ToolRun, q: Array) -> list[_Examined]:
             grid[which] = np.sort(np.concatenate([grid[which], 0.5 * (grid[which][:-1] + grid[which][1:])]))
 
 
-def _examined(arm: RigidArm, run: ToolRun, grid: Sequence[Array], q: Array) -> list[_Examined]:
-    """The legs of a run at the points of a grid."""
+def _examine(arm: RigidArm, run: ToolRun, grid: Sequence[Array], q: Array) -> list[_Examined]:
+    """Examine the legs of a run at the points of a grid."""
     courses = [leg.at(s) for leg, s in zip(run.route.legs, grid, strict=True)]
     try:
-        _, first, second = _followed(arm, chained(courses), q)
+        _, first, second = _follow(arm, chain_courses(courses), q)
     except FFGymError as error:
-        raise located(_blamed(arm, run, courses, q), str(error)) from error
+        raise locate_error(_find_culprit(arm, run, courses, q), str(error)) from error
     cuts = np.cumsum([len(s) for s in grid])[:-1]
     return [
         _Examined(leg=leg, s=s, course=course, first=d1, second=d2)
@@ -136,8 +136,8 @@ def _examined(arm: RigidArm, run: ToolRun, grid: Sequence[Array], q: Array) -> l
     ]
 
 
-def _refined(s: Array, first: Array, second: Array) -> Array:
-    """Grid with a new point in the middle of each interval over which one of two slopes (K, N) changes much."""
+def _refine(s: Array, first: Array, second: Array) -> Array:
+    """Refine a grid by a new point in the middle of each interval over which one of two slopes (K, N) changes much."""
     largest = float(np.abs(first).max())
     scales = (largest, max(float(np.abs(second).max()), largest / s[-1]))  # a straight path has no second slope
     changes = [np.abs(np.diff(x, axis=0)).max(axis=1) / scale for x, scale in zip((first, second), scales, strict=True)]
@@ -145,12 +145,12 @@ def _refined(s: Array, first: Array, second: Array) -> Array:
     return np.sort(np.concatenate([s, 0.5 * (s[:-1] + s[1:])[coarse]]))
 
 
-def _blamed(arm: RigidArm, run: ToolRun, courses: Sequence[Course], q: Array) -> Move:
-    """The move whose leg is the first that cannot be followed."""
+def _find_culprit(arm: RigidArm, run: ToolRun, courses: Sequence[Course], q: Array) -> Move:
+    """Find the move whose leg is the first that cannot be followed."""
     middles = run.route.ends - [0.5 * leg.curve.length for leg in run.route.legs]
     for middle, course in zip(middles, courses, strict=True):
         try:
-            q = _followed(arm, course, q)[0][-1]
+            q = _follow(arm, course, q)[0][-1]
         except FFGymError:
             return run.moves[int(np.searchsorted(run.targets, middle * (1 - 1e-9)))]
     return run.moves[0]
@@ -210,7 +210,7 @@ def _spline_leg(move: MoveSpline, position: Array, rotation: Array | None) -> Le
 def _run(steps: Sequence[Step]) -> ToolRun:
     """Route of some steps; consecutive arcs that together make a full circle are one phase, other moves keep theirs."""
     legs = [step.leg for step in steps]
-    route, targets = rounded(legs, [step.move.zone.radius for step in steps[:-1]])
+    route, targets = round_corners(legs, [step.move.zone.radius for step in steps[:-1]])
     last: list[int] = []  # the step that each phase ends with
     kinds: list[PhaseKind] = []
     i = 0
@@ -223,7 +223,7 @@ def _run(steps: Sequence[Step]) -> ToolRun:
 
 
 def _arcs_of_circle(curves: Sequence[Curve]) -> int:
-    """How many of the first curves make one full circle; 0 if they do not."""
+    """Count the first curves that make one full circle; 0 if they do not."""
     one, angle = curves[0], 0.0
     for count, other in enumerate(curves, start=1):
         if not isinstance(one, Arc) or not isinstance(other, Arc):

@@ -14,7 +14,7 @@ from ffgym.paths.rapid.targets import turn
 
 
 @dataclass(frozen=True)
-class Parameter:
+class ArgumentRule:
     """A required argument, and the optional ones that may follow it."""
 
     name: str
@@ -35,7 +35,7 @@ class Datum:
 
 @dataclass
 class Scope:
-    """What names mean where a statement stands."""
+    """Scope: meaning of names at a statement."""
 
     module: dict[str, Datum] = field(default_factory=dict)
     local: dict[str, Datum] = field(default_factory=dict)
@@ -46,7 +46,7 @@ class Scope:
         own = self.local.get(key, self.module.get(key))
         return Datum("CONST", *PREDEFINED[key]) if own is None and key in PREDEFINED else own
 
-    def get(self, reference: syntax.Reference) -> tuple[Type, Value]:
+    def get(self, reference: syntax.VariableReference) -> tuple[Type, Value]:
         """Type and value of a datum or of one of its components."""
         datum = self._found(reference)
         kind, value = datum.type, datum.value
@@ -54,25 +54,25 @@ class Scope:
             kind, value = kind.fields[index][1], value[index]
         return kind, value
 
-    def type_of(self, reference: syntax.Reference) -> Type:
+    def type_of(self, reference: syntax.VariableReference) -> Type:
         """Type of a datum or component that is to be changed."""
         datum = self._found(reference)
         if datum.kind == "CONST":
             raise reference.place.error(f"{reference.parts[0]} is constant; declare it as VAR or PERS.")
         return self.get(reference)[0]
 
-    def set(self, reference: syntax.Reference, value: Value) -> None:
+    def set(self, reference: syntax.VariableReference, value: Value) -> None:
         """Change a datum or one of its components."""
         datum = self._found(reference)
-        datum.value = _replaced(datum.value, self._path(reference, datum), value)
+        datum.value = _replace(datum.value, self._path(reference, datum), value)
 
-    def _found(self, reference: syntax.Reference) -> Datum:
+    def _found(self, reference: syntax.VariableReference) -> Datum:
         datum = self.find(reference.parts[0])
         if datum is None:
             raise reference.place.error(f"{reference.parts[0]} is not declared; declare it above, in this file.")
         return datum
 
-    def _path(self, reference: syntax.Reference, datum: Datum) -> list[int]:
+    def _path(self, reference: syntax.VariableReference, datum: Datum) -> list[int]:
         """Indices of the components that a reference walks through."""
         path, kind = [], datum.type
         for part in reference.parts[1:]:
@@ -84,16 +84,16 @@ class Scope:
         return path
 
 
-def _replaced(value: Value, path: list[int], new: Value) -> Value:
-    """A copy of a value with one component changed."""
+def _replace(value: Value, path: list[int], new: Value) -> Value:
+    """Copy a value with one component replaced."""
     if not path:
         return new
-    changed = _replaced(value[path[0]], path[1:], new)
+    changed = _replace(value[path[0]], path[1:], new)
     return (*value[: path[0]], changed, *value[path[0] + 1 :])
 
 
-def declared_type(declaration: syntax.Declaration) -> Type:
-    """Type of a declaration."""
+def find_type(declaration: syntax.Declaration) -> Type:
+    """Find the type of a declaration."""
     kind = TYPES.get(declaration.type_name.lower())
     if kind is None:
         raise declaration.place.error(
@@ -105,7 +105,7 @@ def declared_type(declaration: syntax.Declaration) -> Type:
 
 def check_unique(names: Iterable[syntax.Declaration | syntax.Procedure]) -> None:
     """Refuse a name that is declared twice, whatever its case."""
-    seen: dict[str, syntax.Place] = {}
+    seen: dict[str, syntax.SourceLocation] = {}
     for named in names:
         first = seen.setdefault(named.name.lower(), named.place)
         if first is not named.place:
@@ -135,28 +135,28 @@ def _rel_tool(values: Sequence[Value], options: Options) -> Value:
 
 
 @dataclass(frozen=True)
-class Function:
+class BuiltinFunction:
     """A function that displaces a target: what it takes, and what it computes."""
 
-    parameters: tuple[Parameter, ...]
+    parameters: tuple[ArgumentRule, ...]
     compute: Callable[[Sequence[Value], Options], Value]
 
 
-_TARGET = Parameter("target", ROBTARGET)
+_TARGET = ArgumentRule("target", ROBTARGET)
 
-FUNCTIONS: Mapping[str, Function] = {
-    "offs": Function((_TARGET, *(Parameter(f"{axis}Offset", NUM) for axis in "XYZ")), _offs),
-    "reltool": Function(
+FUNCTIONS: Mapping[str, BuiltinFunction] = {
+    "offs": BuiltinFunction((_TARGET, *(ArgumentRule(f"{axis}Offset", NUM) for axis in "XYZ")), _offs),
+    "reltool": BuiltinFunction(
         (
             _TARGET,
-            Parameter("Dx", NUM),
-            Parameter("Dy", NUM),
-            Parameter("Dz", NUM, dict.fromkeys(("rx", "ry", "rz"), NUM)),
+            ArgumentRule("Dx", NUM),
+            ArgumentRule("Dy", NUM),
+            ArgumentRule("Dz", NUM, dict.fromkeys(("rx", "ry", "rz"), NUM)),
         ),
         _rel_tool,
     ),
 }
-"""By name in lower case; RAPID reference manual (ABB 3HAC16581-1), functions Offs and RelTool."""
+"""Functions by name in lower case; RAPID reference manual (ABB 3HAC16581-1), functions Offs and RelTool."""
 
 
 _OPERATIONS: Mapping[str, Callable[[float, float], float]] = {
@@ -182,7 +182,7 @@ def evaluate(scope: Scope, expression: syntax.Expression, wanted: Type) -> Value
         return tuple(
             evaluate(scope, item, kind) for item, (_, kind) in zip(expression.items, wanted.fields, strict=True)
         )
-    if isinstance(expression, syntax.Reference):
+    if isinstance(expression, syntax.VariableReference):
         found, value = scope.get(expression)
     elif isinstance(expression, syntax.Call):
         function = FUNCTIONS.get(expression.name.lower())
@@ -200,11 +200,11 @@ def evaluate(scope: Scope, expression: syntax.Expression, wanted: Type) -> Value
     return value
 
 
-def arguments_of(scope: Scope, call: syntax.Call, parameters: Sequence[Parameter]) -> tuple[list[Value], Options]:
+def arguments_of(scope: Scope, call: syntax.Call, parameters: Sequence[ArgumentRule]) -> tuple[list[Value], Options]:
     """Values of the required arguments of a call, and of the optional ones by name; a switch that is on is True."""
     arguments, name = call.arguments, call.name
     if len(arguments) == len(parameters) + 1 and arguments[0].value is None:
-        raise _unsupported(name, arguments[0].options[0], {})  # e.g. MoveL \Conc, p10, ...
+        raise _reject_option(name, arguments[0].options[0], {})  # e.g. MoveL \Conc, p10, ...
     if len(arguments) != len(parameters):
         names = ", ".join(parameter.name for parameter in parameters)
         raise call.place.error(f"the arguments of {name} are ({names}), got {len(arguments)} of {len(parameters)}.")
@@ -213,7 +213,7 @@ def arguments_of(scope: Scope, call: syntax.Call, parameters: Sequence[Parameter
     for argument, parameter in zip(arguments, parameters, strict=True):
         for option in argument.options:
             if option.name.lower() not in parameter.options:
-                raise _unsupported(f"the {parameter.name} of {name}", option, parameter.options)
+                raise _reject_option(f"the {parameter.name} of {name}", option, parameter.options)
             kind = parameter.options[option.name.lower()]  # None for a switch
             if option.name.lower() in optional:
                 raise option.place.error(f"\\{option.name} is given twice.")
@@ -230,7 +230,7 @@ def arguments_of(scope: Scope, call: syntax.Call, parameters: Sequence[Parameter
     }
 
 
-def _unsupported(what: str, option: syntax.Option, known: Mapping[str, Type | None]) -> FFGymError:
+def _reject_option(what: str, option: syntax.Option, known: Mapping[str, Type | None]) -> FFGymError:
     names = ", ".join("\\" + name for name in known)
     available = f"Available there: {names}" if known else "Leave it out"
     return option.place.error(f"\\{option.name} is not supported with {what}. {available}.")
@@ -238,7 +238,7 @@ def _unsupported(what: str, option: syntax.Option, known: Mapping[str, Type | No
 
 def declare(scope: Scope, declaration: syntax.Declaration) -> Datum:
     """Datum that a declaration makes."""
-    kind = declared_type(declaration)
+    kind = find_type(declaration)
     if declaration.value is not None:
         return Datum(declaration.kind, kind, evaluate(scope, declaration.value, kind))
     if declaration.kind == "VAR":
@@ -246,7 +246,7 @@ def declare(scope: Scope, declaration: syntax.Declaration) -> Datum:
     raise declaration.place.error(f"{declaration.kind} {declaration.name} needs a value, ':= ...'.")
 
 
-def _number(scope: Scope, expression: syntax.Literal | syntax.Signed | syntax.Chain) -> float:
+def _number(scope: Scope, expression: syntax.Literal | syntax.Signed | syntax.OperatorChain) -> float:
     """Value of a literal, a signed operand, or a chain of operations."""
     if isinstance(expression, syntax.Literal):
         value = float(expression.value)

@@ -7,23 +7,23 @@ from typing import Any
 from ffgym.core.errors import errors_at
 from ffgym.paths.moves import Move, MoveArc, MoveJoint, MoveLinear, Wait
 from ffgym.paths.rapid import records, syntax, targets
-from ffgym.paths.rapid.evaluate import Parameter, Scope, arguments_of, check_unique, declare, evaluate
+from ffgym.paths.rapid.evaluate import ArgumentRule, Scope, arguments_of, check_unique, declare, evaluate
 from ffgym.robot import RobotDescription
 
 _HOW = (
-    Parameter("speed", records.SPEEDDATA, {"v": records.NUM}),
-    Parameter("zone", records.ZONEDATA, {"z": records.NUM}),
-    Parameter("tool", records.TOOLDATA, {"wobj": records.WOBJDATA}),
+    ArgumentRule("speed", records.SPEEDDATA, {"v": records.NUM}),
+    ArgumentRule("zone", records.ZONEDATA, {"z": records.NUM}),
+    ArgumentRule("tool", records.TOOLDATA, {"wobj": records.WOBJDATA}),
 )
-"""What every move takes behind its targets."""
+"""Arguments of every move behind its targets."""
 
-_TARGET = Parameter("target", records.ROBTARGET)
+_TARGET = ArgumentRule("target", records.ROBTARGET)
 
-MOVES: Mapping[str, tuple[Parameter, ...]] = {
-    "moveabsj": (Parameter("target", records.JOINTTARGET, {"noeoffs": None}), *_HOW),
+MOVES: Mapping[str, tuple[ArgumentRule, ...]] = {
+    "moveabsj": (ArgumentRule("target", records.JOINTTARGET, {"noeoffs": None}), *_HOW),
     "movej": (_TARGET, *_HOW),
     "movel": (_TARGET, *_HOW),
-    "movec": (Parameter("point on the arc", records.ROBTARGET), _TARGET, *_HOW),
+    "movec": (ArgumentRule("point on the arc", records.ROBTARGET), _TARGET, *_HOW),
 }
 """Moves by name in lower case."""
 
@@ -50,11 +50,11 @@ class Execution:
 
 
 def _name(scope: Scope, target: syntax.Expression | None) -> str:
-    r"""What messages and phases call a target: its name, of a displaced one with the numbers that it is displaced by.
+    r"""Label a target for messages and phases: its name, and the displacement of a displaced one.
 
     These are its arguments and their options, e.g. 'Offs(p10, 0, -20\Rx:=5)', whatever was written for the numbers.
     """
-    if isinstance(target, syntax.Reference):
+    if isinstance(target, syntax.VariableReference):
         return target.name
     if not isinstance(target, syntax.Call):
         return "target"
@@ -73,8 +73,8 @@ MAX_CALLS = 50
 MAX_STATEMENTS = 100_000
 """Most statements that are run; chosen: hours of motion, and procedures that double each other must come to an end."""
 
-_ACC_SET = (Parameter("acceleration", records.NUM), Parameter("ramp", records.NUM))
-_WAIT_TIME = (Parameter("time", records.NUM),)
+_ACC_SET = (ArgumentRule("acceleration", records.NUM), ArgumentRule("ramp", records.NUM))
+_WAIT_TIME = (ArgumentRule("time", records.NUM),)
 
 
 def execute(module: syntax.Module, entry: syntax.Procedure, robot: RobotDescription) -> Execution:
@@ -100,13 +100,13 @@ class Interpreter:
     robot: RobotDescription
     scope: Scope
     procedures: Mapping[str, syntax.Procedure]
-    """By name in lower case."""
+    """Data by name in lower case."""
     moves: list[Move] = field(default_factory=list)
     configurations: list[targets.Configuration | None] = field(default_factory=list)
-    tool: tuple[records.Value, syntax.Place] | None = None
+    tool: tuple[records.Value, syntax.SourceLocation] | None = None
     """The tool that all moves share, and where it was first seen."""
     configured: bool = True
-    """Whether MoveJ follows robconf, which ConfJ switches."""
+    """True if MoveJ follows robconf, which ConfJ switches."""
     _calls: list[syntax.Procedure] = field(default_factory=list)
     """Procedures that have begun and not ended."""
     _statements: int = 0

@@ -7,10 +7,10 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError, errors_at
 from ffgym.core.types import Array
-from ffgym.paths.moves import Move, MoveJoint, Pose, located
-from ffgym.paths.rapid.evaluate import check_unique, declared_type
+from ffgym.paths.moves import Move, MoveJoint, Pose, locate_error
+from ffgym.paths.rapid.evaluate import check_unique, find_type
 from ffgym.paths.rapid.interpreter import INSTRUCTIONS, Execution, execute
-from ffgym.paths.rapid.syntax import Module, decode, unified
+from ffgym.paths.rapid.syntax import Module, decode, unify_line_ends
 from ffgym.paths.rapid.targets import Configuration
 from ffgym.robot import RigidArm, RobotDescription, pose_solutions, solve_pose
 
@@ -18,7 +18,7 @@ _AXES = [0, 3, 5]
 """Joints whose quarter turns cf1, cf4 and cf6 count."""
 
 _EDGE = 1e-3
-"""How far beyond a quarter turn an axis may be [rad]; chosen: targets are rounded, and axes often stand at 0 deg."""
+"""Tolerance of a quarter turn [rad]; chosen: targets are rounded, and axes often stand at 0 deg."""
 
 
 def on_branches(arm: RigidArm, execution: Execution) -> tuple[tuple[Move, ...], tuple[str, ...]]:
@@ -53,12 +53,12 @@ def on_branches(arm: RigidArm, execution: Execution) -> tuple[tuple[Move, ...], 
                 moves[i] = replace(move, to=q)
             else:
                 turns = "robconf cf1, cf4, cf6 = " + ", ".join(map(str, wanted))
-                notes.append(str(located(move, f"no solution for {move.label} has {turns}; the nearest is taken")))
+                notes.append(str(locate_error(move, f"no solution for {move.label} has {turns}; the nearest is taken")))
     return tuple(moves), tuple(notes)
 
 
 def _has(q: Array, wanted: Configuration) -> bool:
-    """Whether joint positions (N,) have quarter turns, as good as targets are rounded."""
+    """Tell if joint positions (N,) have the quarter turns of robconf, up to the rounding of targets."""
     low = np.array(wanted) * np.pi / 2
     return bool(np.all((q[_AXES] > low - _EDGE) & (q[_AXES] < low + np.pi / 2 + _EDGE)))
 
@@ -72,7 +72,7 @@ class Program:
     """A program that was read: grammar, names and types of its data are right."""
 
     name: str
-    """Of its file, for messages."""
+    """Name of its file, for messages."""
     module: Module
 
     def execute(self, robot: RobotDescription, entry: str | None = None) -> Execution:
@@ -103,7 +103,7 @@ def parse_program(text: str, where: str = "program") -> Program:
     Raises:
         FFGymError: if it is no program of the supported subset; the message begins with 'where:line:column'.
     """
-    return _checked(where, unified(text))
+    return _checked(where, unify_line_ends(text))
 
 
 def load_program(path: str | Path) -> Program:
@@ -127,7 +127,7 @@ def _checked(name: str, text: str) -> Program:
     module = read(name, text)
     check_unique((*module.declarations, *module.procedures))
     for declaration in module.declarations:
-        declared_type(declaration)
+        find_type(declaration)
     for procedure in module.procedures:
         if procedure.name.lower() in (name.lower() for name in INSTRUCTIONS):
             raise procedure.place.error(f"{procedure.name} is an instruction of RAPID; choose another name.")

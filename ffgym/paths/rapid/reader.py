@@ -1,4 +1,4 @@
-"""From text to syntax tree, by lark; imported when the first program is read, as lark is an extra."""
+"""Parser of RAPID, from text to syntax tree, by lark; imported when the first program is read, as lark is an extra."""
 
 from collections.abc import Iterator
 from functools import cache, partial
@@ -52,7 +52,7 @@ TERMINALS = {
 """Terminals of the grammar in words; keywords stand for themselves."""
 
 VALUE_STARTS = frozenset({"NAME", "NUMBER", "STRING", "TRUE", "FALSE", "LPAR", "LSQB", "PLUS", "MINUS"})
-"""What a value can begin with; together they are called 'value'."""
+"""Tokens that a value can begin with; together they are called 'value'."""
 
 UNSUPPORTED_SIGNS = {
     "{": "arrays are not supported, declare each datum by a name of its own",
@@ -84,7 +84,7 @@ def read(name: str, text: str) -> syntax.Module:
         module: syntax.Module = _Builder(name).transform(_parser().parse(text))
     except UnexpectedCharacters as error:
         reason = UNSUPPORTED_SIGNS.get(error.char, "it begins nothing in RAPID")
-        place = syntax.Place(name, error.line, error.column)
+        place = syntax.SourceLocation(name, error.line, error.column)
         raise place.error(f"unexpected character {error.char!r}: {reason}.") from None
     except UnexpectedToken as error:
         raise _bad_token(name, text, error) from None
@@ -127,22 +127,22 @@ class _Keywords:
             yield token
 
 
-def _place(name: str, token: Token) -> syntax.Place:
-    return syntax.Place(name, token.line or 1, token.column or 1)
+def _place(name: str, token: Token) -> syntax.SourceLocation:
+    return syntax.SourceLocation(name, token.line or 1, token.column or 1)
 
 
 def _bad_token(name: str, text: str, error: UnexpectedToken) -> FFGymError:
     token = error.token
     if token.type == "$END":
         lines = text.rstrip().split("\n")
-        end = syntax.Place(name, len(lines), len(lines[-1]) + 1)
-        return end.error(f"the program ends too early; expected {_expected(error)}.")
+        end = syntax.SourceLocation(name, len(lines), len(lines[-1]) + 1)
+        return end.error(f"the program ends too early; expected {_list_expected(error)}.")
     place = _place(name, token)
     if token.type in RESERVED and token.type not in KEYWORDS:
         return place.error(f"{token.type} is not supported; a program is a list of moves, see docs/rapid.md.")
     if error.expected == {"RPAR"}:  # only the head of a procedure leaves no choice
         return place.error("procedures with arguments are not supported; write one for each case.")
-    return place.error(f"unexpected {_shown(token)}; expected {_expected(error)}.")
+    return place.error(f"unexpected {_shown(token)}; expected {_list_expected(error)}.")
 
 
 def _shown(token: Token) -> str:
@@ -150,7 +150,7 @@ def _shown(token: Token) -> str:
     return repr(text if len(text) <= 40 else text[:37] + "...")
 
 
-def _expected(error: UnexpectedToken) -> str:
+def _list_expected(error: UnexpectedToken) -> str:
     names = set(error.expected)
     if names >= VALUE_STARTS:
         names = (names - VALUE_STARTS) | {"value"}
@@ -188,7 +188,7 @@ class _Builder(Transformer[Token, syntax.Module]):
         name, declarations, statements = children[-4:-1]
         return syntax.Procedure(str(name), declarations, statements, self._place(name))
 
-    def assignment(self, target: syntax.Reference, value: Any) -> syntax.Assignment:
+    def assignment(self, target: syntax.VariableReference, value: Any) -> syntax.Assignment:
         return syntax.Assignment(target, value)
 
     def instruction(self, name: Token, arguments: tuple[syntax.Argument, ...] | None) -> syntax.Call:
@@ -208,8 +208,8 @@ class _Builder(Transformer[Token, syntax.Module]):
     def option(self, backslash: Token, name: Token, value: Any) -> syntax.Option:
         return syntax.Option(str(name), value, self._place(backslash))
 
-    def chain(self, first: Any, *rest: Any) -> syntax.Chain:
-        return syntax.Chain(
+    def chain(self, first: Any, *rest: Any) -> syntax.OperatorChain:
+        return syntax.OperatorChain(
             first, tuple((str(sign), operand) for sign, operand in zip(rest[::2], rest[1::2], strict=True))
         )
 
@@ -225,8 +225,8 @@ class _Builder(Transformer[Token, syntax.Module]):
     def truth(self, token: Token) -> syntax.Literal:
         return syntax.Literal(token.type == "TRUE", self._place(token))
 
-    def reference(self, *names: Token) -> syntax.Reference:
-        return syntax.Reference(tuple(str(name) for name in names), self._place(names[0]))
+    def reference(self, *names: Token) -> syntax.VariableReference:
+        return syntax.VariableReference(tuple(str(name) for name in names), self._place(names[0]))
 
     def call(self, name: Token, arguments: tuple[syntax.Argument, ...]) -> syntax.Call:
         return syntax.Call(str(name), arguments, self._place(name))

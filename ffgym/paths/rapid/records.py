@@ -18,7 +18,7 @@ class Type:
     """Components in their order; none for num, bool and string."""
 
     def default(self) -> Value:
-        """What a VAR without value holds."""
+        """Value of a VAR without one."""
         if self.fields:
             return tuple(kind.default() for _, kind in self.fields)
         return {"num": 0.0, "bool": False, "string": ""}[self.name]

@@ -1,12 +1,12 @@
-"""What a RAPID program says, as the reader hands it on: its text and places, and a tree without meaning yet."""
+"""Syntax tree of a RAPID program, with source locations; names and types have no meaning yet."""
 
 from typing import NamedTuple, TypeAlias
 
 from ffgym.core.errors import FFGymError
 
 
-class Place(NamedTuple):
-    """Where something stands in a program: name of the file, line and column from 1."""
+class SourceLocation(NamedTuple):
+    """Location in a program: name of the file, line and column from 1."""
 
     file: str
     line: int
@@ -26,11 +26,11 @@ def decode(data: bytes) -> str:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError:
         text = data.decode("latin-1")  # has a character for every byte
-    return unified(text)
+    return unify_line_ends(text)
 
 
-def unified(text: str) -> str:
-    r"""Text whose lines end in \n."""
+def unify_line_ends(text: str) -> str:
+    r"""Return the text with lines that end in \n."""
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
@@ -38,14 +38,14 @@ class Literal(NamedTuple):
     """Number >= 0, text or truth value, as written."""
 
     value: float | str | bool
-    place: Place
+    place: SourceLocation
 
 
-class Reference(NamedTuple):
+class VariableReference(NamedTuple):
     """Data by name, or a component of it, e.g. `p10.trans.z`."""
 
     parts: tuple[str, ...]
-    place: Place
+    place: SourceLocation
 
     @property
     def name(self) -> str:
@@ -57,10 +57,10 @@ class Aggregate(NamedTuple):
     """Components between brackets."""
 
     items: "tuple[Expression, ...]"
-    place: Place
+    place: SourceLocation
 
 
-class Chain(NamedTuple):
+class OperatorChain(NamedTuple):
     """Operands of one rank from left to right, e.g. a + b - c; flat, so that a long sum is not a deep tree."""
 
     first: "Expression"
@@ -68,8 +68,8 @@ class Chain(NamedTuple):
     """Sign ('+', '-', '*' or '/') and operand."""
 
     @property
-    def place(self) -> Place:
-        """Where it begins."""
+    def place(self) -> SourceLocation:
+        """Location of its start."""
         return self.first.place
 
 
@@ -78,7 +78,7 @@ class Signed(NamedTuple):
 
     negative: bool
     operand: "Expression"
-    place: Place
+    place: SourceLocation
 
 
 class Option(NamedTuple):
@@ -86,7 +86,7 @@ class Option(NamedTuple):
 
     name: str
     value: "Expression | None"
-    place: Place
+    place: SourceLocation
 
 
 class Argument(NamedTuple):
@@ -105,10 +105,10 @@ class Call(NamedTuple):
 
     name: str
     arguments: tuple[Argument, ...]
-    place: Place
+    place: SourceLocation
 
 
-Expression: TypeAlias = Literal | Reference | Aggregate | Chain | Signed | Call
+Expression: TypeAlias = Literal | VariableReference | Aggregate | OperatorChain | Signed | Call
 
 
 class Declaration(NamedTuple):
@@ -118,18 +118,18 @@ class Declaration(NamedTuple):
     type_name: str
     name: str
     value: Expression | None
-    place: Place
+    place: SourceLocation
 
 
 class Assignment(NamedTuple):
     """Target := value."""
 
-    target: Reference
+    target: VariableReference
     value: Expression
 
     @property
-    def place(self) -> Place:
-        """Where it begins."""
+    def place(self) -> SourceLocation:
+        """Location of its start."""
         return self.target.place
 
 
@@ -142,7 +142,7 @@ class Procedure(NamedTuple):
     name: str
     declarations: tuple[Declaration, ...]
     statements: tuple[Statement, ...]
-    place: Place
+    place: SourceLocation
 
 
 class Module(NamedTuple):

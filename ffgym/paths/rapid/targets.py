@@ -20,12 +20,12 @@ MILLIMETRE = 1e-3
 """RAPID's unit of length [m]."""
 
 LARGEST_NORM_ERROR = 1e-3
-"""How far the norm of a quaternion may be from 1; chosen: quaternions that are printed with three digits pass."""
+"""Tolerance of the norm of a quaternion; chosen: quaternions that are printed with three digits pass."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Frame:
-    """Where a coordinate system stands in another."""
+    """Frame: pose of a coordinate system in another."""
 
     position: Array
     """Its origin [m], shape (3,)."""
@@ -66,7 +66,7 @@ UNUSED_AXIS = 9e9
 
 
 def pose(target: Value, name: str, tool: Frame, work_object: Value) -> Pose:
-    """Where a robtarget, given in a work object, puts TCP and flange; `tool` is the tool's frame in tool0."""
+    """Compute the poses of TCP and flange of a robtarget in a work object; `tool` is the tool's frame in tool0."""
     check_external_axes(target[3], name)
     robhold, ufprog, ufmec, uframe, oframe = work_object
     if robhold or not ufprog or ufmec:

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from programs import POINT, line, pose
 
 from ffgym.paths.motions import compose
-from ffgym.paths.motions.rows import joined, rest
+from ffgym.paths.motions.rows import join_pieces, rest
 from ffgym.paths.moves import MoveJoint, MoveSpline, Speed, Wait, Zone
 
 
@@ -74,7 +74,7 @@ def test_a_stop_that_was_not_asked_for_is_noted(arm, moves, note):
 def test_phases_of_joined_pieces_tile_the_motion(irb4600, counts):
     dt, home = irb4600.servo.control_dt, irb4600.work_area.home
     pieces = [rest(home, count * dt, dt, f"rest {k}") for k, count in enumerate(counts)]
-    motion = joined("rests", irb4600, pieces)
+    motion = join_pieces("rests", irb4600, pieces)
     ends = np.cumsum(counts) * dt
     np.testing.assert_allclose([phase.end for phase in motion.phases], ends, atol=1e-9)
     for before, after in itertools.pairwise(motion.phases):

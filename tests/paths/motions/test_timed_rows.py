@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from ffgym.paths.motions.table_part import Table, followed
+from ffgym.paths.motions.table_part import MotionTable, follow_table
 
 DT = 1e-4
 
 
 def path_of(t, positions, rotations, dt=DT):
-    table = Table(t=t, positions=positions, rotations=rotations.as_matrix(), joints=None)
-    return followed(table, t, "rows")(None, dt)
+    table = MotionTable(t=t, positions=positions, rotations=rotations.as_matrix(), joints=None)
+    return follow_table(table, t, "rows")(None, dt)
 
 
 @pytest.fixture(scope="module")
