@@ -102,7 +102,7 @@ def apply(robot: RobotDescription, factors: Sequence[float] | Array) -> RobotDes
         drive=replace(
             drive, joint_stiffness=drive.joint_stiffness * stiffness, joint_damping=drive.joint_damping * stiffness
         ),
-        friction=robot.friction.scaled(viscous=np.where(sourced, 1.0, f[6])),
+        friction=robot.friction.scale(viscous=np.where(sourced, 1.0, f[6])),
     )
 
 

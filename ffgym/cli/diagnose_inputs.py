@@ -19,7 +19,7 @@ from ffgym.logs.read import correct_offsets
 from ffgym.recordings import Recording, read_recording
 from ffgym.recordings.io import SUFFIX, Stored, read_folder, recording_files
 from ffgym.robot import RobotDescription, RobotDraft
-from ffgym.robot.template import completed_text
+from ffgym.robot.template import complete_text
 from ffgym.simulation.plant import Machine, load_machine
 from ffgym.simulation.plant.machine_file import is_machine_file, origins_of, robot_reference
 
@@ -52,7 +52,7 @@ class Nominal:
         if self.draft is None or not self.draft.missing:
             return self.reference
         path = Path(self.reference)
-        toml = completed_text(read_text(path), self.draft, self.machine.robot, before=path.parent, folder=folder)
+        toml = complete_text(read_text(path), self.draft, self.machine.robot, before=path.parent, folder=folder)
         write_text(folder / ROBOT, toml)
         return folder / ROBOT
 

@@ -11,7 +11,7 @@ from ffgym.report.robot.page import format_check, render_robot_page
 from ffgym.robot import ModelOptions, compile_model, load_draft, physics_fingerprint
 from ffgym.robot.arm_file import read_arm
 from ffgym.robot.reading.parse import parse_draft
-from ffgym.robot.template import filled_text, propose, template
+from ffgym.robot.template import fill_text, propose, template
 from ffgym.studies.robot_check import check_robot
 
 
@@ -23,7 +23,7 @@ def new(config: NewRobot) -> None:
     model = Path(os.path.relpath(config.arm.resolve(), out.resolve().parent)).as_posix()
     text = template(out.stem, arm, model, joints=joints, tool_frame=config.tool_frame, looks=config.looks)
     draft = parse_draft(text, where=str(out), folder=out.parent)
-    text = filled_text(text, propose(draft), draft.types)
+    text = fill_text(text, propose(draft), draft.types)
     missing = parse_draft(text, where=str(out), folder=out.parent).missing
     write_text(out, text)
     print(f"wrote {out}: {len(arm.joints)} joints, {', '.join(arm.joints)}; missing: {', '.join(missing)}")
@@ -40,7 +40,7 @@ def fill(config: FillRobot) -> None:
     check_writable(config.robot)
     proposals = propose(draft)
     if proposals:
-        text = filled_text(read_text(config.robot), proposals, draft.types)
+        text = fill_text(read_text(config.robot), proposals, draft.types)
         draft = parse_draft(text, where=str(config.robot), folder=config.robot.parent)
         write_text(config.robot, text)
     for proposal in proposals:

@@ -1,4 +1,4 @@
-"""What a robot is: names, geometry, masses, drives, friction, servo and work area, complete once built."""
+"""Description of a robot: names, geometry, masses, drives, friction, servo and work area; complete once built."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -81,7 +81,7 @@ class RobotDescription:
             )
 
     def _check_home(self) -> None:
-        """Home must be a pose that the robot can take."""
+        """Check that home is a pose within the limits."""
         if self.work_area is None:
             return
         for name, q, (low, high) in zip(self.joints, self.work_area.home, self.kinematics.range, strict=True):
@@ -102,7 +102,7 @@ class RobotDescription:
         return round(self.servo.control_dt / self.physics_dt)
 
     def position(self, name: str) -> Array:
-        """Point of the work area [m], shape (3,).
+        """Return a point of the work area [m], shape (3,).
 
         Raises:
             FFGymError: if the robot has no work area or no such point.
@@ -144,13 +144,13 @@ def with_payload(
 
 
 def _about(arm: Array) -> Array:
-    """Inertia of a unit point mass at `arm` (3,) [m] about the origin, order xx, yy, zz, xy, xz, yz."""
+    """Compute the inertia of a unit point mass at `arm` (3,) [m] about the origin, order xx, yy, zz, xy, xz, yz."""
     x, y, z = arm
     return np.array([y * y + z * z, x * x + z * z, x * x + y * y, -x * y, -x * z, -y * z])
 
 
 def log_header(robot: RobotDescription, segment: str = "", hold: Hold = "sampled") -> Header:
-    """Header for a log of the robot: joints, gears, sides of position and torque, tool as payload.
+    """Make a header for a log of the robot: joints, gears, sides of position and torque, tool as payload.
 
     Args:
         robot: the robot; its table [logs] says on which side of the gearbox positions and torques are logged.

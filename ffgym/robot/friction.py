@@ -54,7 +54,7 @@ class LuGreParameters:
         """Number of joints N."""
         return int(self.coulomb.size)
 
-    def scaled(self, **factors: float | Array) -> Self:
+    def scale(self, **factors: float | Array) -> Self:
         """Return a copy with the named parameters multiplied by `factors` (numbers or shape (N,))."""
         values = {f.name: getattr(self, f.name) * factors.pop(f.name, 1.0) for f in fields(self)}
         if factors:
@@ -130,16 +130,16 @@ def advance_slip(slip: Array, dq: Array, next_dq: Array, dt: float, widths: Arra
 def slip_along(motor_dq: Array, dt: float, widths: Array = WIDTHS) -> Array:
     """Elements along motor speeds (T, N) [rad/s] sampled every `dt` [s], shape (T, N, W); relaxed at the start."""
     start = np.zeros((*motor_dq.shape[1:], len(widths)))
-    return np.concatenate([start[None], _slipped_along(start, _steps(motor_dq[:-1], motor_dq[1:], dt, widths))])
+    return np.concatenate([start[None], _slip_along(start, _steps(motor_dq[:-1], motor_dq[1:], dt, widths))])
 
 
 def advance_slip_along(dq: Array, dt: float, widths: Array) -> Array:
     """Elements after each of T steps at speeds (T, ..., N), relaxed before; as `advance_slip` step by step."""
     steps = _steps(dq, dq, dt, widths)
-    return _slipped_along(np.zeros(steps.shape[1:]), steps)
+    return _slip_along(np.zeros(steps.shape[1:]), steps)
 
 
-def _slipped_along(slip: Array, steps: Array) -> Array:
+def _slip_along(slip: Array, steps: Array) -> Array:
     """Elements after each of the `steps` (T, ..., W), from `slip` on."""
     found = steps.copy()
     for now in found:

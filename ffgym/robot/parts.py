@@ -46,10 +46,10 @@ class Geom:
 
 
 JOINT_TYPES = ("hinge", "slide")
-"""What a joint can be."""
+"""Types of joints."""
 
 LIMIT_ROUNDING = 1e-9
-"""How far beyond a joint limit [rad or m] is still at it: more than computed joint positions are off by, and less than
+"""Tolerance of joint limits [rad or m]: more than computed joint positions are off by, and less than
 any drive measures."""
 
 _BALL = 0.01
@@ -104,11 +104,11 @@ class Links:
     """Rigid bodies that the joints move."""
 
     mass: Array
-    """[kg], shape (N,)."""
+    """Masses [kg], shape (N,)."""
     com: Array
     """Centre of mass in the link frame [m], shape (N, 3)."""
     inertia: Array
-    """About the centre of mass [kg m^2], order xx, yy, zz, xy, xz, yz, shape (N, 6)."""
+    """Inertia about the centre of mass [kg m^2], order xx, yy, zz, xy, xz, yz, shape (N, 6)."""
 
     def __post_init__(self) -> None:
         for i, inertia in enumerate(self.inertia):
@@ -117,7 +117,7 @@ class Links:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Tool:
-    """What hangs on the flange, given in the tool0 frame."""
+    """Tool on the flange, given in the tool0 frame."""
 
     rotation: Array
     """Orientation of tool0 in the last link frame, shape (3, 3)."""
@@ -126,11 +126,11 @@ class Tool:
     position: Array = field(default_factory=lambda: np.zeros(3))
     """Origin of tool0 in the last link frame [m], shape (3,)."""
     mass: float = 0.0
-    """[kg]; 0 for a tool that weighs nothing, or is part of the last link."""
+    """Mass [kg]; 0 for a tool that weighs nothing, or is part of the last link."""
     com: Array = field(default_factory=lambda: np.zeros(3))
     """Centre of mass [m], shape (3,)."""
     inertia: Array = field(default_factory=lambda: np.zeros(6))
-    """About the centre of mass [kg m^2], order xx, yy, zz, xy, xz, yz, shape (6,)."""
+    """Inertia about the centre of mass [kg m^2], order xx, yy, zz, xy, xz, yz, shape (6,)."""
 
     def __post_init__(self) -> None:
         if self.mass > 0:
@@ -155,7 +155,7 @@ class Servo:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Sensors:
-    """What the machine and the laser tracker can see."""
+    """Sensors of the machine, and the laser tracker."""
 
     encoder_bits: int
     """Resolution of the motor position [bit/turn]."""
@@ -167,7 +167,7 @@ class Sensors:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class WorkArea:
-    """Where the tool works."""
+    """Work area of the tool."""
 
     positions: Mapping[str, Array]
     """Named points in the world [m], shape (3,) each."""
@@ -206,10 +206,10 @@ class Spring:
 
 @dataclass(frozen=True, kw_only=True)
 class Logs:
-    """What the machine's own logs hold, as recordings call it (docs/recordings.md)."""
+    """Content of the machine's own logs, in the words of recordings (docs/recordings.md)."""
 
     torque: TorqueSemantics = "motor_side"
-    """What logged torque is."""
+    """Meaning of logged torque."""
     position: PositionSide = "motor"
     """Side of logged positions and speeds."""
 

@@ -85,7 +85,7 @@ def coverage(
         share = 1 - INERTIA_ERROR
         bodies = replace(robot.bodies, inertia=share * robot.bodies.inertia)
         drive = replace(robot.drive, rotor_inertia=share * robot.drive.rotor_inertia)
-        model = RigidArm(replace(robot, bodies=bodies, drive=drive, friction=robot.friction.scaled(**BEFORE)))
+        model = RigidArm(replace(robot, bodies=bodies, drive=drive, friction=robot.friction.scale(**BEFORE)))
         repeated = (_identified(model, exact, number, resamples) for number in range(repetitions))
         found, ends = zip(*repeated, strict=True)
         numbers[robot.name] = {"joints": list(joints), **counted(arm, np.stack(found), np.stack(ends))}

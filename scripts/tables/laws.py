@@ -62,7 +62,7 @@ def laws_of(robot: RobotDescription) -> list[FeedForwardLaw]:
         models[f"stiffness {percent:+d} %"] = replace(robot, drive=soft)
     for percent in (-30, 30):
         factor = 1 + percent / 100
-        friction = robot.friction.scaled(coulomb=factor, static=factor, viscous=factor)
+        friction = robot.friction.scale(coulomb=factor, static=factor, viscous=factor)
         models[f"friction {percent:+d} %"] = replace(robot, friction=friction)
     for percent in (-5, 5):
         factor = 1 + percent / 100

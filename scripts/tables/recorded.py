@@ -116,7 +116,7 @@ def rigid_bodies() -> Contents:
 def doubtful_axis() -> RobotDescription:
     """The ball-screw axis as someone describes it who does not know the published numbers: none of them is in it."""
     robot = load_robot("ball_screw")
-    friction = robot.friction.scaled(coulomb=2.0, static=2.0, viscous=0.5)
+    friction = robot.friction.scale(coulomb=2.0, static=2.0, viscous=0.5)
     bodies = replace(robot.bodies, mass=2.0 * robot.bodies.mass)
     return replace(robot, bodies=bodies, friction=friction)
 

@@ -23,7 +23,7 @@ def without_friction():
     """Function that returns a robot with next to no friction."""
 
     def remove(robot):
-        return replace(robot, friction=robot.friction.scaled(bristle_stiffness=1e-9, bristle_damping=0, viscous=0))
+        return replace(robot, friction=robot.friction.scale(bristle_stiffness=1e-9, bristle_damping=0, viscous=0))
 
     return remove
 

@@ -133,7 +133,7 @@ def test_a_torque_that_the_drive_cannot_give_does_not_pile_up(arm, irb4600):
 
 def test_it_learns_on_a_machine_that_is_not_the_model(arm, irb4600):
     drive = replace(irb4600.drive, joint_stiffness=0.8 * irb4600.drive.joint_stiffness)
-    machine = replace(irb4600, drive=drive, friction=irb4600.friction.scaled(coulomb=1.3, static=1.3, viscous=1.3))
+    machine = replace(irb4600, drive=drive, friction=irb4600.friction.scale(coulomb=1.3, static=1.3, viscous=1.3))
     (reference,) = circle_references(RigidArm(machine), ["p3"], [0.1], [0.003]).values()
     learned = IterativeLearning(arm=arm, target="tcp").learn([reference], SimulatedTrial(arm=RigidArm(machine)))
     error = learned.history.circle_error[:, 0]

@@ -147,7 +147,7 @@ def test_a_warning_advises_only_what_is_not_done_yet(axis, sines):
 
 def test_without_friction_a_damped_servo_guarantees_a_rate_on_any_motion(one_axis, sines):
     servo = replace(one_axis.servo, velocity_gain=2 * one_axis.servo.velocity_gain)
-    friction = one_axis.friction.scaled(bristle_stiffness=1e-9, bristle_damping=0, viscous=0)
+    friction = one_axis.friction.scale(bristle_stiffness=1e-9, bristle_damping=0, viscous=0)
     robot = replace(one_axis, servo=servo, friction=friction)
     inertia = robot.drive.rotor_inertia + robot.bodies.inertia[:, 2]
     lag = inertia * servo.position_gain / servo.velocity_gain**2

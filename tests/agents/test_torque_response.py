@@ -25,7 +25,7 @@ from tests.robot.robot_samples import unusual
 
 def without_bristles(robot):
     """The same robot with viscous friction alone, but for a billionth of the rest."""
-    return replace(robot, friction=robot.friction.scaled(coulomb=1e-9, static=1e-9, bristle_damping=0.0))
+    return replace(robot, friction=robot.friction.scale(coulomb=1e-9, static=1e-9, bristle_damping=0.0))
 
 
 def pulse(reference, joint):

@@ -20,7 +20,7 @@ def logs(tmp_path_factory):
     """Two motions of two links that are heavier than described."""
     robot, folder = rigid(load_robot("two_link")), tmp_path_factory.mktemp("logs")
     bodies = replace(robot.bodies, mass=1.2 * robot.bodies.mass, inertia=1.2 * robot.bodies.inertia)
-    robot = replace(robot, bodies=bodies, friction=robot.friction.scaled(coulomb=1.3, static=1.3))
+    robot = replace(robot, bodies=bodies, friction=robot.friction.scale(coulomb=1.3, static=1.3))
     paths = []
     for i in range(3):
         recording = recorded(robot, swing(robot, i), noise=0.005, seed=i, segment=f"motion_{i}")

@@ -29,7 +29,7 @@ def identified(tmp_path_factory):
 
     def write(name):
         robot, path = load_robot(name), folder / f"{name}.toml"
-        more = robot.friction.scaled(**dict.fromkeys(NAMES, 1.1))
+        more = robot.friction.scale(**dict.fromkeys(NAMES, 1.1))
         entries = {}
         for parameter in NAMES:
             value = getattr(more, parameter)

@@ -23,7 +23,7 @@ def described(one_axis):
     return replace(
         one_axis,
         friction=replace(
-            friction.scaled(viscous=1.5, bristle_stiffness=0.7),
+            friction.scale(viscous=1.5, bristle_stiffness=0.7),
             coulomb=0.7 * friction.coulomb,
             static=0.7 * friction.coulomb + rise,
         ),

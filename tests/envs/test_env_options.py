@@ -16,7 +16,7 @@ SAME_STEP = {"autoreset_mode": "SameStep"}
 
 def heavy(robot):
     """A robot with twice the friction."""
-    return replace(robot, friction=robot.friction.scaled(coulomb=2.0, static=2.0))
+    return replace(robot, friction=robot.friction.scale(coulomb=2.0, static=2.0))
 
 
 def test_options_hold_for_one_episode_and_are_gone_after_the_automatic_reset(one_axis):

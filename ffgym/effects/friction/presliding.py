@@ -48,5 +48,5 @@ class PreslidingStiffness(NativeEffect):
 
     def in_description(self, robot: RobotDescription) -> RobotDescription:
         """Return the robot with other bristles."""
-        more = robot.friction.scaled(bristle_stiffness=1 + self.stiffness, bristle_damping=1 + self.damping)
+        more = robot.friction.scale(bristle_stiffness=1 + self.stiffness, bristle_damping=1 + self.damping)
         return replace(robot, friction=more)

@@ -38,4 +38,4 @@ class ViscousLevel(NativeEffect):
 
     def in_description(self, robot: RobotDescription) -> RobotDescription:
         """Return the robot with another viscous coefficient."""
-        return replace(robot, friction=robot.friction.scaled(viscous=1 + self.change))
+        return replace(robot, friction=robot.friction.scale(viscous=1 + self.change))

@@ -1,4 +1,4 @@
-"""What an arm file gives: the numbers of a description, named frames, looks, and hints about the drives."""
+"""Content of an arm file: numbers of a description, named frames, looks, and hints about the drives."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -23,9 +23,9 @@ class Source:
     gear_ratios: Mapping[str, float] = field(default_factory=dict)
     """Motor over joint motion, of joints."""
     has_masses: bool = True
-    """Whether it says what links weigh; if not, the model's masses are stand-ins that mean nothing."""
+    """True if it gives masses of links; if not, the model's masses are stand-ins without meaning."""
     notes: tuple[str, ...] = ()
-    """What is left out."""
+    """Parts of the file that are left out."""
 
 
 Kind = Literal["mjcf", "urdf"]
@@ -43,7 +43,7 @@ class NamedFrame:
 
 @dataclass(frozen=True, kw_only=True)
 class JointHints:
-    """What the file says about the drive of a joint, link side; None where it says nothing.
+    """Hints of the file about the drive of a joint, link side; None for numbers that it lacks.
 
     Units are those of a hinge; a sliding joint has m for rad, and N for N m.
     """
@@ -61,9 +61,9 @@ class JointHints:
     gear_ratio: float | None = None
     """Motor over joint motion n."""
     position_gain: float | None = None
-    """Of a position servo in the file [N m/rad]."""
+    """Gain of a position servo in the file [N m/rad]."""
     velocity_gain: float | None = None
-    """Of a position or velocity servo in the file [N m s/rad]."""
+    """Gain of a position or velocity servo in the file [N m s/rad]."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -71,7 +71,7 @@ class ArmFile:
     """An arm as its file describes it; at q = 0 all link frames are parallel to the world."""
 
     path: str
-    """The file, as it was asked for."""
+    """Path of the file, as the caller gave it."""
     kind: Kind
     """Its format."""
     joints: tuple[str, ...]
@@ -86,11 +86,11 @@ class ArmFile:
     frames: Mapping[str, NamedFrame]
     """Frames of the last link by name."""
     hints: tuple[JointHints, ...]
-    """One per joint."""
+    """Hints, one per joint."""
     geoms: tuple[Geom, ...]
-    """Looks; empty if they were not asked for."""
+    """Looks; empty unless requested."""
     notes: tuple[str, ...]
-    """What the file says and a description leaves out, and what MuJoCo warned of; one sentence each."""
+    """Notes on content that a description leaves out, and warnings of MuJoCo; one sentence each."""
 
     def frame(self, name: str) -> NamedFrame:
         """Frame of the last link by its name.

@@ -1,4 +1,4 @@
-"""Which joints of a model are the serial arm, which bodies move with each of them, and that nothing ties them."""
+"""Serial arm within a model: its joints, the bodies that move with each, and a check that no constraint ties them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -28,20 +28,20 @@ _SHOWN = 4
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Chain:
-    """A serial arm within a model."""
+    """Serial arm within a model."""
 
     joints: tuple[int, ...]
     """Its joints in the model, from the base outwards."""
     names: tuple[str, ...]
-    """Their names."""
+    """Names of the joints."""
     types: tuple[str, ...]
     """'hinge' or 'slide', one per joint."""
     owner: IntArray
-    """For each body of the model the joint (0 ... N-1) that it is behind, BASE or ELSEWHERE."""
+    """Joint of each body of the model (0 ... N-1) in front of it, or BASE or ELSEWHERE."""
 
 
 def choose_chain(model: mujoco.MjModel, wanted: Sequence[str] | None) -> Chain:
-    """The chain of the `wanted` joints, or of all there are."""
+    """Find the chain of the `wanted` joints, or of all joints."""
     names = [model.joint(j).name or f"joint{j + 1}" for j in range(model.njnt)]
     if not names:
         raise FFGymError("It has no joints, so nothing can move. An arm needs at least one hinge or sliding joint.")
@@ -83,7 +83,7 @@ def choose_chain(model: mujoco.MjModel, wanted: Sequence[str] | None) -> Chain:
 
 
 def _before(model: mujoco.MjModel, joints: Sequence[int]) -> dict[int, int | None]:
-    """For each joint the one of `joints` that moves it, None for the first."""
+    """Find the one of `joints` that moves each joint, None for the first."""
     last: list[int | None] = [None] * model.nbody  # the last joint of the chain that moves each body
     before: dict[int, int | None] = {}
     for body in range(1, model.nbody):
@@ -97,7 +97,7 @@ def _before(model: mujoco.MjModel, joints: Sequence[int]) -> dict[int, int | Non
 
 
 def _check_single(joints: Sequence[int], before: dict[int, int | None], names: Sequence[str]) -> None:
-    """All joints of a file must follow one another, or the user must choose."""
+    """Check that all joints of a file follow one another; if not, the user must choose."""
     chains = []
     for leaf in joints:
         if leaf not in before.values():

@@ -15,12 +15,12 @@ from ffgym.robot.reading.quantity import Quantity, si_units
 from ffgym.robot.reading.rules import RULES
 
 _PLACES = ("xanchor", "xaxis", "xpos", "xmat", "xipos", "ximat", "geom_xpos", "geom_xmat", "site_xpos", "site_xmat")
-"""What kinematics compute, in MuJoCo's words."""
+"""Results of the kinematics, in MuJoCo's words."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Pose:
-    """A model with its joints at zero, and where the links of a chain have their origins then."""
+class ZeroPose:
+    """Model with its joints at zero, and the origins of the links of a chain then."""
 
     model: mujoco.MjModel
     data: mujoco.MjData
@@ -33,7 +33,7 @@ class Pose:
         return np.zeros(3) if owner == BASE else self.origins[owner]
 
 
-def pose_at_zero(model: mujoco.MjModel, chain: Chain) -> Pose:
+def pose_at_zero(model: mujoco.MjModel, chain: Chain) -> ZeroPose:
     """Put hinges and sliding joints at zero, whatever their `ref`; all others stay where the file draws them."""
     data = mujoco.MjData(model)
     data.qpos[[model.jnt_qposadr[j] for j in range(model.njnt) if model.jnt_type[j] in TYPES]] = 0.0
@@ -42,13 +42,13 @@ def pose_at_zero(model: mujoco.MjModel, chain: Chain) -> Pose:
         if not np.all(np.isfinite(getattr(data, name))):
             raise FFGymError("A position, angle, axis or reference in it is not a finite number.")
     origins = data.xanchor[list(chain.joints)].copy()
-    return Pose(model=model, data=data, chain=chain, origins=origins)
+    return ZeroPose(model=model, data=data, chain=chain, origins=origins)
 
 
-def masses(pose: Pose) -> dict[str, Array]:
-    """Mass, centre of mass and inertia of the base and of each link with all that is welded to it."""
-    base_mass, base_com, _ = _fused(pose, BASE)
-    links = [_fused(pose, k) for k in range(len(pose.chain.joints))]
+def masses(pose: ZeroPose) -> dict[str, Array]:
+    """Compute mass, centre of mass and inertia of the base and of each link with all that is welded to it."""
+    base_mass, base_com, _ = _fuse(pose, BASE)
+    links = [_fuse(pose, k) for k in range(len(pose.chain.joints))]
     for (mass, _, _), joint in zip(links, pose.chain.names, strict=True):
         if not mass > 0:
             raise FFGymError(
@@ -59,8 +59,8 @@ def masses(pose: Pose) -> dict[str, Array]:
     return {"base.mass": base_mass, "base.com": base_com, **of_links}
 
 
-def named_frames(pose: Pose) -> dict[str, NamedFrame]:
-    """Bodies and sites of the last link, in its frame; a site wins over a body of its name."""
+def find_frames(pose: ZeroPose) -> dict[str, NamedFrame]:
+    """Find bodies and sites of the last link, in its frame; a site wins over a body of its name."""
     model, data = pose.model, pose.data
     last = len(pose.chain.joints) - 1
     frames = {}
@@ -76,8 +76,8 @@ def named_frames(pose: Pose) -> dict[str, NamedFrame]:
     return frames
 
 
-def _fused(pose: Pose, owner: int) -> tuple[Array, Array, Array]:
-    """Mass, centre of mass and inertia about it (xx, yy, zz, xy, xz, yz) of all bodies of an owner, as one."""
+def _fuse(pose: ZeroPose, owner: int) -> tuple[Array, Array, Array]:
+    """Fuse all bodies of an owner: mass, centre of mass and inertia about it (xx, yy, zz, xy, xz, yz)."""
     model, data = pose.model, pose.data
     bodies = np.flatnonzero(pose.chain.owner == owner)
     mass = model.body_mass[bodies]
@@ -102,9 +102,9 @@ _Row = tuple[str, Array, tuple[str, ...], str]
 
 
 def quantities_of(
-    pose: Pose, hints: Sequence[JointHints], file: str, kind: Kind, *, has_masses: bool
+    pose: ZeroPose, hints: Sequence[JointHints], file: str, kind: Kind, *, has_masses: bool
 ) -> dict[str, Quantity]:
-    """Entries by path; `file` is their source, and without masses those of the links are left out."""
+    """Measure entries by path; `file` is their source, and without masses those of the links are left out."""
     model, chosen = pose.model, list(pose.chain.joints)
     sourced = ("sourced",)
     with np.errstate(over="ignore", invalid="ignore"):  # numbers that overflow are refused below
@@ -133,7 +133,7 @@ def quantities_of(
 
 
 def flange_at(arm: ArmFile, frame: str) -> dict[str, Quantity]:
-    """Entries that put tool0, and the TCP as long as nothing else is said of it, at a named frame of the file.
+    """Return entries that put tool0, and the TCP as long as nothing else is said of it, at a named frame of the file.
 
     Raises:
         FFGymError: if the last link has no such frame.
@@ -148,7 +148,7 @@ def flange_at(arm: ArmFile, frame: str) -> dict[str, Quantity]:
 
 
 def _quantities(rows: Sequence[_Row], types: tuple[str, ...]) -> dict[str, Quantity]:
-    """Entries of a description, checked to be finite, for joints of these types."""
+    """Return entries of a description, checked to be finite, for joints of these types."""
     found = {}
     for path, value, origin, source in rows:
         rule = RULES[path]
@@ -160,11 +160,11 @@ def _quantities(rows: Sequence[_Row], types: tuple[str, ...]) -> dict[str, Quant
 
 
 _ON_JOINTS = (mujoco.mjtTrn.mjTRN_JOINT.value, mujoco.mjtTrn.mjTRN_JOINTINPARENT.value)
-"""Transmissions of actuators that act on one joint and on nothing else."""
+"""Transmissions of actuators that act on one joint alone."""
 
 
 def joint_hints(model: mujoco.MjModel, chain: Chain, source: Source) -> tuple[JointHints, ...]:
-    """What the file knows of the drive of each joint of the chain."""
+    """Read hints about the drive of each joint of the chain."""
 
     def positive(value: float) -> float | None:
         return float(value) if value > 0 else None
@@ -203,7 +203,7 @@ def joint_hints(model: mujoco.MjModel, chain: Chain, source: Source) -> tuple[Jo
 
 
 def left_out(model: mujoco.MjModel, chain: Chain) -> tuple[str, ...]:
-    """One phrase for each kind of force on the arm that is not taken over; a description has its own forms of them."""
+    """Name each kind of force on the arm that is not taken over; a description has its own forms of them."""
     joints, moved = list(chain.joints), chain.owner >= 0
     springs = np.any(model.jnt_stiffness[joints]) or np.any(model.jnt_stiffnesspoly[joints])
     tendons = np.any(model.tendon_stiffness) or np.any(model.tendon_damping) or np.any(model.tendon_frictionloss)

@@ -13,7 +13,7 @@ import numpy as np
 from ffgym.core.errors import FFGymError, errors_at
 from ffgym.robot.arm_file.arm_file import ArmFile, Kind, Source
 from ffgym.robot.arm_file.chain import check_open, choose_chain
-from ffgym.robot.arm_file.measure import joint_hints, left_out, named_frames, pose_at_zero, quantities_of
+from ffgym.robot.arm_file.measure import find_frames, joint_hints, left_out, pose_at_zero, quantities_of
 from ffgym.robot.arm_file.shapes import WAY_OUT, looks_of, weighs
 from ffgym.robot.arm_file.urdf import read_urdf
 
@@ -32,7 +32,7 @@ _WAYS_OUT = (
     ("find decoder", "Give it a name that ends in .xml"),
     ("Error opening file", "Put the file there"),
 )
-"""What to do about messages that we foresee; the first that fits is added."""
+"""Advice on foreseen messages; the first that fits is added."""
 
 
 @contextmanager
@@ -61,7 +61,7 @@ def _engine_errors(*, line_numbers: bool) -> Iterator[list[str]]:
         mujoco.set_mju_user_warning(before)
 
 
-def _compiled(spec: mujoco.MjSpec) -> mujoco.MjModel:
+def _compile(spec: mujoco.MjSpec) -> mujoco.MjModel:
     """Compile a model with all its bodies, also those that are welded, and with what is only looks."""
     spec.compiler.fusestatic = False
     spec.compiler.discardvisual = False
@@ -161,7 +161,7 @@ def _read(path: Path, joints: Sequence[str] | None, looks: bool) -> ArmFile:
     mjcf = kind == "mjcf"
     with _engine_errors(line_numbers=mjcf) as warnings:
         source = _read_mjcf(path, looks=looks) if mjcf else read_urdf(data, path.parent, joints, looks=looks)
-        model = _compiled(source.spec)
+        model = _compile(source.spec)
     chain = choose_chain(model, joints)
     check_open(model, chain)
     pose = pose_at_zero(model, chain)
@@ -174,7 +174,7 @@ def _read(path: Path, joints: Sequence[str] | None, looks: bool) -> ArmFile:
         links=links,
         types=chain.types,
         quantities=MappingProxyType(quantities_of(pose, hints, path.name, kind, has_masses=source.has_masses)),
-        frames=MappingProxyType(named_frames(pose)),
+        frames=MappingProxyType(find_frames(pose)),
         hints=hints,
         geoms=looks_of(pose, links) if looks else (),
         notes=(*source.notes, *left_out(model, chain), *warnings),

@@ -11,7 +11,7 @@ import scipy
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
 from ffgym.robot.arm_file.chain import BASE
-from ffgym.robot.arm_file.measure import Pose
+from ffgym.robot.arm_file.measure import ZeroPose
 from ffgym.robot.model.looks import GEOM_TYPES
 from ffgym.robot.parts import Geom, Mesh
 
@@ -19,11 +19,11 @@ READABLE = (".stl", ".obj", ".msh")
 """Formats that MuJoCo reads."""
 
 WAY_OUT = 'or leave the looks out: --no-looks of ffgym robot new, looks = "none" in [robot], looks=False in read_arm'
-"""What helps against any trouble with a mesh."""
+"""Advice on any trouble with a mesh."""
 
 
 def numbers(element: ET.Element, attribute: str, what: str, default: tuple[float, ...]) -> Array:
-    """As many numbers as `default` has from an attribute; `default` if it is not there."""
+    """Read as many numbers as `default` has from an attribute; `default` if it is absent."""
     text = element.get(attribute)
     if text is None:
         return np.array(default)
@@ -38,12 +38,12 @@ def numbers(element: ET.Element, attribute: str, what: str, default: tuple[float
 
 
 def number(element: ET.Element, attribute: str, what: str, default: float) -> float:
-    """One number from an attribute, `default` if it is not there; `what` names the element in errors."""
+    """Read one number from an attribute, `default` if it is not there; `what` names the element in errors."""
     return float(numbers(element, attribute, what, (default,))[0])
 
 
 def find_mesh(uri: str, folder: Path, what: str) -> Path:
-    """The file that `uri` means in a file that lies in `folder`; an error that names the mesh `what` if there is none.
+    """Find the file that `uri` means in a file of `folder`; an error names the mesh `what`.
 
     `package://name/rest` is looked for as `name/rest` in every folder that holds the file, `file:///place` is absolute;
     other relative paths start at `folder`.
@@ -58,7 +58,7 @@ def find_mesh(uri: str, folder: Path, what: str) -> Path:
 
 
 def weighs(spec: mujoco.MjSpec, geom: mujoco.MjsGeom) -> bool:
-    """Whether MuJoCo takes mass of a body from this geom."""
+    """Tell if MuJoCo takes mass of a body from this geom."""
     rule = spec.compiler.inertiafromgeom
     if geom.mass == 0 or (np.isnan(geom.mass) and geom.density == 0):
         return False
@@ -132,7 +132,7 @@ def _add_shape(
 
 
 def _primitive(shape: ET.Element, what: str) -> dict[str, object]:
-    """Type and size of a geom."""
+    """Read type and size of a geom."""
     nothing = float("nan")
     radius, half = number(shape, "radius", what, nothing), number(shape, "length", what, nothing) / 2
     sizes = {
@@ -153,14 +153,14 @@ _KINDS = {kind.value: name for name, kind in GEOM_TYPES.items()}
 """Shapes that descriptions have, by MuJoCo's numbers."""
 
 _SIZES = {"sphere": 1, "capsule": 1, "ellipsoid": 3, "cylinder": 1, "box": 3, "mesh": 0}
-"""How many sizes each shape has here; the length of cylinders and capsules is in their end points."""
+"""Number of sizes of each shape; the length of cylinders and capsules is in their end points."""
 
 _SHOWN_GROUPS = 3
 """Groups below this are what MuJoCo's viewer shows; collision shapes usually stand in group 3."""
 
 
-def looks_of(pose: Pose, links: Sequence[str]) -> tuple[Geom, ...]:
-    """Geoms of the base and the links: the ones that touch nothing if there are any, else all."""
+def looks_of(pose: ZeroPose, links: Sequence[str]) -> tuple[Geom, ...]:
+    """Collect geoms of the base and the links: those without contacts if there are any, else all."""
     model = pose.model
     drawn = [g for g in range(model.ngeom) if model.geom_type[g] in _KINDS]
     meshes = {}
@@ -177,7 +177,7 @@ def looks_of(pose: Pose, links: Sequence[str]) -> tuple[Geom, ...]:
     return tuple(geoms)
 
 
-def _geom(pose: Pose, g: int, owner: int, body: str, meshes: Mapping[int, Mesh]) -> Geom:
+def _geom(pose: ZeroPose, g: int, owner: int, body: str, meshes: Mapping[int, Mesh]) -> Geom:
     model, data = pose.model, pose.data
     kind, material = _KINDS[model.geom_type[g]], model.geom_matid[g]
     centre, turn = data.geom_xpos[g] - pose.origin(owner), data.geom_xmat[g].reshape(3, 3)

@@ -25,7 +25,7 @@ _OTHERS = ("planar", "floating", "spherical")
 _NO_MASSES = (
     "the file has no masses (inertial) at all; links.mass, links.com and links.inertia have to come from elsewhere"
 )
-"""What is said of a file that is geometry alone."""
+"""Note on a file that is geometry alone."""
 
 
 def read_urdf(data: bytes, folder: Path, joints: Sequence[str] | None, *, looks: bool) -> Source:
@@ -78,7 +78,7 @@ def read_urdf(data: bytes, folder: Path, joints: Sequence[str] | None, *, looks:
 
 
 def _check_tree(root: ET.Element) -> None:
-    """Every link but one hangs on one joint, and all hang together."""
+    """Check that every link but one hangs on one joint, and all are connected."""
     links = [link.get("name") for link in root.findall("link")]
     joints = root.findall("joint")
     for what, names in (("link", links), ("joint", [joint.get("name") for joint in joints])):
@@ -133,7 +133,7 @@ def _check_joint(joint: ET.Element, wanted: Sequence[str] | None) -> None:
 
 
 def _gear_ratios(root: ET.Element) -> dict[str, float]:
-    """Gear ratios of transmissions; 1, which most files say of any gearbox, is none."""
+    """Read gear ratios of transmissions; 1 is ignored, as most files have it for any gearbox."""
     ratios = {}
     for transmission in root.findall("transmission"):
         joints, reduction = transmission.findall("joint"), transmission.find(".//mechanicalReduction")

@@ -1,1 +1,1 @@
-"""The arm as a rigid body: kinematics, inverse dynamics, motor torque, and what its elasticity does."""
+"""Dynamics of the arm: kinematics, inverse dynamics, motor torque, deflection and resonances."""

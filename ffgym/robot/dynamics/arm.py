@@ -63,7 +63,7 @@ def _matrix(quaternion: Array) -> Array:
 
 
 RIGID = ModelOptions(flexible=False, friction=False, servo=False, looks=False)
-"""What is left of a model where only its links are looked at."""
+"""Options of a model of the links alone."""
 
 _CHUNK = 1024
 """Rows evaluated in one call: enough to keep the cores busy, small enough to stay in cache."""
@@ -141,10 +141,10 @@ class RigidArm:
 
     def mass_matrix(self, q: Array) -> Array:
         """Joint inertia matrix of the links [kg m^2], without rotors, shape (T, N, N)."""
-        return self._unpacked(self._evaluate(("M",), q)["M"])
+        return self._unpack(self._evaluate(("M",), q)["M"])
 
-    def _unpacked(self, packed: Array) -> Array:
-        """Symmetric matrices (T, N, N) from MuJoCo's sparse lower triangles."""
+    def _unpack(self, packed: Array) -> Array:
+        """Unpack symmetric matrices (T, N, N) from MuJoCo's sparse lower triangles."""
         matrix = np.zeros((len(packed), self._n, self._n))
         matrix[:, self._rows, self._columns] = packed
         matrix[:, self._columns, self._rows] = packed
@@ -173,7 +173,7 @@ class RigidArm:
     def equations_of_motion(self, q: Array, dq: Array, *, gravity: bool = False) -> tuple[Array, Array]:
         """M(q) [kg m^2], shape (T, N, N), and C(q, dq) dq (+ g(q)) [N m], shape (T, N), in one evaluation."""
         out = self._evaluate(("M", "qfrc_bias"), q, dq, stage="velocity", gravity=gravity)
-        return self._unpacked(out["M"]), out["qfrc_bias"]
+        return self._unpack(out["M"]), out["qfrc_bias"]
 
     def _tcp_id(self) -> int:
         if self._tcp is None:

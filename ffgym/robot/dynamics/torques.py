@@ -1,4 +1,4 @@
-"""Torque that a motion takes part by part, and what joint elasticity makes of it: deflection and resonances."""
+"""Motor torque of a motion, part by part, and effects of joint elasticity: deflection and resonances."""
 
 from dataclasses import dataclass
 from typing import Literal

@@ -39,7 +39,7 @@ class Goal:
 
     @classmethod
     def of(cls, positions: Array, rotation: Array | None) -> "Goal":
-        """Checked goal; one `rotation` (3, 3) holds for all positions."""
+        """Check a goal; one `rotation` (3, 3) holds for all positions."""
         positions = check_shape("positions", positions, (None, 3))
         if len(positions) == 0:
             raise FFGymError("positions is empty, must hold at least one TCP position.")
@@ -54,7 +54,7 @@ class Goal:
         return len(self.positions)
 
     def at(self, rows: slice | IntArray) -> "Goal":
-        """Some of the samples."""
+        """Return some of the samples."""
         return Goal(positions=self.positions[rows], rotations=None if self.rotations is None else self.rotations[rows])
 
     def miss(self, arm: RigidArm, q: Array) -> tuple[Array, Array]:
@@ -76,19 +76,19 @@ _SAMPLES = 64
 
 
 def any_poses(arm: RigidArm, count: int = _SAMPLES) -> Array:
-    """Joint positions spread over the ranges of the joints, always the same, shape (count, N)."""
+    """Draw joint positions spread over the ranges of the joints, always the same, shape (count, N)."""
     low, high = arm.robot.kinematics.range.T
     return np.random.default_rng(0).uniform(low, high, size=(count, arm.robot.n_joints))
 
 
 def mobility(arm: RigidArm, *, turning: bool) -> int:
-    """Number of independent motions of the tool that the arm can make away from singularities."""
+    """Count independent motions of the tool that the arm can make away from singularities."""
     sizes = np.linalg.svd(arm.jacobian(any_poses(arm))[:, : 6 if turning else 3], compute_uv=False)
     return int(np.max(np.sum(sizes > sizes[:, :1] / MAX_CONDITION, axis=1)))
 
 
 def jacobian_slope(jacobian: Array, force: Array) -> Array:
-    """Derivative of J(q)^T `force` by q at a constant force and moment on the tool (T, 6), shape (T, N, N)."""
+    """Compute the derivative of J(q)^T `force` by q at constant force and moment on the tool (T, 6), (T, N, N)."""
     moving, turning = _columns(jacobian)
     push = np.cross(force[:, None, :3], turning) @ moving.swapaxes(1, 2)  # of v_j by q_k at [k, j], for k <= j
     twist = np.cross(force[:, None, 3:], turning) @ turning.swapaxes(1, 2)  # of a_j, likewise
@@ -96,7 +96,7 @@ def jacobian_slope(jacobian: Array, force: Array) -> Array:
 
 
 def jacobian_rates(jacobian: Array, dq: Array) -> tuple[Array, Array]:
-    """First and second time derivative of J, shape (T, 6, N) each, at joint speeds `dq` (T, N) that stay the same."""
+    """Compute first and second time derivatives of J, (T, 6, N) each, at constant joint speeds `dq` (T, N)."""
     moving, turning = _columns(jacobian)
     speed = dq[:, :, None]
     spin, push = np.cumsum(turning * speed, axis=1), _behind(moving * speed)
@@ -114,7 +114,7 @@ def jacobian_rates(jacobian: Array, dq: Array) -> tuple[Array, Array]:
 
 
 def _columns(jacobian: Array) -> tuple[Array, Array]:
-    """How each joint moves the TCP and turns the tool, (T, N, 3) each."""
+    """Return the velocity of the TCP and the turn of the tool per joint, (T, N, 3) each."""
     columns = jacobian.swapaxes(1, 2)
     return columns[:, :, :3], columns[:, :, 3:]
 
@@ -124,13 +124,13 @@ def _jacobian(moving: Array, turning: Array) -> Array:
 
 
 def _behind(parts: Array) -> Array:
-    """Sum of what the joints behind each joint contribute, of parts (T, N, 3)."""
+    """Sum contributions (T, N, 3) of the joints behind each joint."""
     return np.cumsum(parts[:, ::-1], axis=1)[:, ::-1] - parts
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Posture:
-    """Where the joints to spare of an arm would be, for tool poses with or without orientation."""
+    """Preferred posture of redundant joints, for tool poses with or without orientation."""
 
     anchor: Array
     """Joint positions q_0, shape (N,)."""
@@ -143,14 +143,14 @@ class Posture:
 
     @classmethod
     def near(cls, arm: RigidArm, anchor: Array, *, turning: bool) -> "Posture":
-        """Posture near `anchor` for a tool whose orientation matters (`turning`) or does not."""
+        """Build a posture near `anchor` for a tool whose orientation matters (`turning`) or does not."""
         speed = arm.robot.kinematics.max_speed
         n_spare = arm.robot.n_joints - mobility(arm, turning=turning)
         n_rows = 6 if turning else 3
         return cls(anchor=anchor, weight=(speed.mean() / speed) ** 2, n_rows=n_rows, n_spare=n_spare)
 
     def demands(self, jacobian: Array, q: Array) -> tuple[Array, Array]:
-        """What is asked of the joints at `q` (T, N) beside the pose of the tool.
+        """Evaluate the condition on redundant joints at `q` (T, N), beside the pose of the tool.
 
         Returns:
             Derivative by q of all that is asked, the rows of the Jacobian (T, 6, N) that matter and those of the joints
@@ -165,7 +165,7 @@ class Posture:
         return np.concatenate([task, free @ (np.diag(self.weight) - slope)], axis=1), _times(free, pull)
 
     def bend(self, jacobian: Array, q: Array, dq: Array) -> Array:
-        """What the rows of the joints to spare times acceleration must be, at speeds `dq` (T, N), shape (T, S)."""
+        """Compute the right-hand side of the redundant rows for accelerations, at speeds `dq` (T, N), shape (T, S)."""
         if self.n_spare == 0:
             return np.empty((len(q), 0))
         free, along = self._split(jacobian[:, : self.n_rows])
@@ -175,7 +175,7 @@ class Posture:
         return _times(free, _times(second.swapaxes(1, 2), force) + 2 * _times(rate.swapaxes(1, 2), force_rate))
 
     def _split(self, task: Array) -> tuple[Array, Array]:
-        """Motions Z^T (T, S, N) that leave the tool alone, and the inverse (T, 6, N) of J^T on the others."""
+        """Return null motions Z^T (T, S, N) of the tool, and the inverse (T, 6, N) of J^T on the others."""
         rank = task.shape[2] - self.n_spare
         left, sizes, right = np.linalg.svd(task)
         sizes, singular = sizes[:, :rank], sizes[:, :rank] <= sizes[:, :1] * np.finfo(np.float64).eps
@@ -235,19 +235,19 @@ def solve_twist(matrix: Array, twist: Array) -> Array:
     n_rows, n_joints = matrix.shape[1:]
     if n_rows > n_joints:
         gram = transposed @ matrix + _DAMPING**2 * np.eye(n_joints)
-        return _solved(gram, transposed @ twist[:, :, None])[:, :, 0]
+        return _solve_normal_equations(gram, transposed @ twist[:, :, None])[:, :, 0]
     gram = matrix @ transposed + _DAMPING**2 * np.eye(n_rows)
-    return (transposed @ _solved(gram, twist[:, :, None]))[:, :, 0]
+    return (transposed @ _solve_normal_equations(gram, twist[:, :, None]))[:, :, 0]
 
 
-def _solved(gram: Array, right: Array) -> Array:
-    """Solutions x (T, M, 1) of gram x = right; the smallest ones where a matrix is exactly singular."""
+def _solve_normal_equations(gram: Array, right: Array) -> Array:
+    """Solve gram x = right for x (T, M, 1); the smallest solutions where a matrix is exactly singular."""
     try:
         return np.asarray(np.linalg.solve(gram, right), dtype=np.float64)
     except np.linalg.LinAlgError:  # raised if any row is; the others keep their bits
         if len(gram) == 1:
             return np.linalg.pinv(gram, hermitian=True) @ right
-        return np.concatenate([_solved(gram[i : i + 1], right[i : i + 1]) for i in range(len(gram))])
+        return np.concatenate([_solve_normal_equations(gram[i : i + 1], right[i : i + 1]) for i in range(len(gram))])
 
 
 def joint_rates(arm: RigidArm, q: Array, seed: Array, twist: Array, twist_rate: Array) -> tuple[Array, Array]:

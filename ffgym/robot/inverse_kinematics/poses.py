@@ -1,4 +1,4 @@
-"""Joint positions for one pose of the tool or along a path of it, and what is said of poses that are out of reach."""
+"""Joint positions for one pose of the tool or along a path of it, and errors about poses out of reach."""
 
 import numpy as np
 
@@ -119,7 +119,7 @@ def solve_pose(arm: RigidArm, position: Array, rotation: Array | None, seed: Arr
 
 
 def pose_solutions(arm: RigidArm, position: Array, rotation: Array | None, seed: Array) -> Array:
-    """All different joint positions found for a pose within the joint limits, shape (K, N), nearest to `seed` first.
+    """Find all different joint positions for a pose within the joint limits, shape (K, N), nearest to `seed` first.
 
     Hinges that can turn on count with every whole turn that their limits allow. Of an arm with joints to spare, which
     has infinitely many, these are examples.
@@ -168,7 +168,7 @@ def first_pose(
 
 
 def _request(arm: RigidArm, position: Array, rotation: Array | None, seed: Array) -> tuple[Goal, Posture]:
-    """Checked goal of one pose, and the posture to be near to."""
+    """Check the goal of one pose, and choose the posture near it."""
     goal = Goal.of(check_shape("position", position, (3,))[None], rotation)
     check_possible(arm, goal)
     anchor = check_shape("seed", seed, (arm.robot.n_joints,))
@@ -176,7 +176,7 @@ def _request(arm: RigidArm, position: Array, rotation: Array | None, seed: Array
 
 
 def _search(arm: RigidArm, goal: Goal, posture: Posture, guesses: Array) -> tuple[Array, BoolArray]:
-    """Where `guesses` (K, N) lead to for one pose, hinges turned back into their ranges, and whether they meet it."""
+    """Iterate from `guesses` (K, N) for one pose, hinges turned back into their ranges; tell which meet it."""
     aims, kinematics = goal.at(np.zeros(len(guesses), dtype=np.intp)), arm.robot.kinematics
     q, met = newton(arm, aims, posture, guesses)
     low, high = kinematics.range.T

@@ -1,1 +1,1 @@
-"""From a description to a MuJoCo model: motors, springs, looks, exact MJCF, fingerprint."""
+"""MuJoCo models of descriptions: motors, springs, looks, exact MJCF, fingerprint."""

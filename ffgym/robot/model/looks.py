@@ -1,4 +1,4 @@
-"""What a robot looks like: primitives and meshes or a stick figure, a floor, a sky and light."""
+"""Looks of a robot: primitives and meshes or a stick figure, a floor, a sky and light."""
 
 from typing import Any
 

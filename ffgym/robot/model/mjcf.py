@@ -68,7 +68,7 @@ _DEFAULTS = mujoco.MjSpec().default
 
 
 def element(kind: str, part: Any, tag: str = "") -> ET.Element:
-    """Element with those attributes of `part` that are not MuJoCo's defaults; `tag` names it where `kind` does not."""
+    """Write an element with attributes of `part` that are not MuJoCo's defaults; `tag` may name it, else `kind`."""
     out, default = ET.Element(tag or kind), getattr(_DEFAULTS, kind)
     for name in _ATTRIBUTES[kind].split():
         field = _FIELDS.get(name, name)
@@ -114,7 +114,7 @@ def tendon_element(part: Any) -> ET.Element:
 
 
 def text(value: Any, *, shortened: bool = False) -> str:
-    """Text of a name, a keyword, a number or a vector; numbers have the fewest digits that give back every bit."""
+    """Format a name, a keyword, a number or a vector; numbers have the fewest digits that give back every bit."""
     if isinstance(value, str):
         return value
     if hasattr(value, "__members__"):  # MuJoCo's enumerations are no Enum: mjGEOM_BOX is `box`
@@ -126,7 +126,7 @@ def text(value: Any, *, shortened: bool = False) -> str:
 
 
 def _same(a: Any, b: Any) -> bool:
-    """Whether two values are equal, where NaN, MuJoCo's word for what is not given, equals NaN."""
+    """Compare two values, where NaN, MuJoCo's word for absent numbers, equals NaN."""
     if isinstance(a, np.ndarray):
         return np.array_equal(a, b, equal_nan=True)
     return bool(a == b or (a != a and b != b))
@@ -142,7 +142,7 @@ _COMMENTS = {
     "lugre is stiffness, damping, Coulomb and static torque, Stribeck velocity of the friction; damping is viscous.",
     "keyframe": "States of equilibrium to start from: springs and servo integrals carry the load.",
 }
-"""What a reader should know before a section."""
+"""Comments for a reader before each section."""
 
 _INTEGRATORS = ("Euler", "RK4", "implicit", "implicitfast")
 """MJCF's words, in MuJoCo's order."""

@@ -32,7 +32,7 @@ _SERVO_INPUTS = mujoco.mjtCtrlInput.mjINPUT_POS | mujoco.mjtCtrlInput.mjINPUT_VE
 
 
 def _add_actuators(spec: mujoco.MjSpec, robot: RobotDescription, i: int, options: "ModelOptions") -> None:
-    """Servo and friction of motor i, on its joint, or on a tendon if other joints turn the motor too."""
+    """Add servo and friction of motor i, on its joint, or on a tendon if other joints turn the motor too."""
     if not (options.servo or options.friction):
         return
     joint, ratios = robot.joints[i], robot.drive.matrix[i]
@@ -78,7 +78,7 @@ MASSLESS = 1e-9
 
 @dataclass(frozen=True, kw_only=True)
 class ModelOptions:
-    """What to build."""
+    """Options of the model."""
 
     flexible: bool = True
     """Deflection hinges; False gives one hinge per joint."""
@@ -101,7 +101,7 @@ class ModelOptions:
 
 
 def build_spec(robot: RobotDescription, options: ModelOptions | None = None) -> mujoco.MjSpec:
-    """MuJoCo model of the robot, editable; `spec.compile()` gives the MjModel.
+    """Build the MuJoCo model of the robot, editable; `spec.compile()` gives the MjModel.
 
     Args:
         robot: the description.
@@ -142,12 +142,12 @@ def build_spec(robot: RobotDescription, options: ModelOptions | None = None) -> 
 
 
 def compile_model(robot: RobotDescription, options: ModelOptions | None = None) -> mujoco.MjModel:
-    """Compiled MuJoCo model of the robot."""
+    """Compile the MuJoCo model of the robot."""
     return build_spec(robot, options).compile()
 
 
 def _add_joint(parent: mujoco.MjsBody, robot: RobotDescription, i: int, options: ModelOptions) -> mujoco.MjsBody:
-    """Motor hinge, deflection hinge and link of joint i; returns the link. A sliding joint slides on both sides."""
+    """Add motor hinge, deflection hinge and link of joint i; returns the link. A sliding joint slides on both sides."""
     joint, link, drive = robot.joints[i], robot.links[i], robot.drive
     sliding = robot.kinematics.is_sliding[i]
     hinge: dict[str, Any] = {

@@ -1,1 +1,1 @@
-"""From TOML to a description: rules, quantities with their origin, drafts, parameter files."""
+"""Reading of descriptions from TOML: rules, quantities with their origin, drafts, parameter files."""

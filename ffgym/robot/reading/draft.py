@@ -1,4 +1,4 @@
-"""A description that may lack entries: what it says, what it lacks, and what can be done with it."""
+"""Drafts: descriptions that may lack entries, with the capabilities that their entries allow."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ _POINTS = "work_area.positions."
 
 
 def assemble(get: Mapping[str, Any], types: tuple[str, ...]) -> dict[str, Any]:
-    """Numeric fields of a `RobotDescription` from values by entry; all that are required must be there."""
+    """Collect numeric fields of a `RobotDescription` from values by entry; all that are required must be there."""
     for path, missing in begun(get).items():
         raise FFGymError(f"{', '.join(missing)} is missing, which {path} needs.")
     bits = float(get["sensors.encoder_bits"])
@@ -96,7 +96,7 @@ NO_LIMIT = 1e6
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RobotDraft:
-    """What a file says about a robot. All that is there has been checked; nothing has to be there."""
+    """Draft of a robot, as a file gives it. All entries have been checked; none is required."""
 
     where: str
     """Name of the file or text, for messages."""
@@ -127,11 +127,11 @@ class RobotDraft:
         return self._without((*capability(name).needs, *also, *half_given))
 
     def can(self, name: str, *also: str) -> bool:
-        """Whether a capability works with what is there, and the entries `also` are there."""
+        """Tell if a capability works with the entries that exist, and the entries `also` exist."""
         return not self.lacks(name, *also)
 
     def complete(self) -> RobotDescription:
-        """The robot.
+        """Build the robot.
 
         Raises:
             FFGymError: if entries are missing; the message says which, and what does not work without them.
@@ -145,10 +145,10 @@ class RobotDraft:
                 f"`ffgym robot check {self.where}` says what works, and what would be proposed."
             )
         with errors_at(self.where):
-            return self._assembled({path: quantity.value for path, quantity in self.quantities.items()})
+            return self._assemble({path: quantity.value for path, quantity in self.quantities.items()})
 
     def description_for(self, name: str, *also: str) -> RobotDescription:
-        """A description that is good for one capability, and for what the entries `also` say.
+        """Build a description for one capability, and for the entries `also`.
 
         Entries that it lacks and the capability does not need are stand-ins, which the results do not depend on; they
         are not among its `quantities`.
@@ -170,7 +170,7 @@ class RobotDraft:
         return tuple(path for missing in begun(self.quantities).values() for path in missing)
 
     def _without(self, wanted: tuple[str, ...]) -> tuple[str, ...]:
-        """Those of `wanted` that are not there, each once; the gear ratios for those that wait for them."""
+        """List entries of `wanted` that are absent, each once; the gear ratios for those that wait for them."""
         paths = ("drive.gear_ratio" if path in self.waiting else path for path in wanted)
         points = {POSITIONS for path in self.quantities if path.startswith(f"{POSITIONS}.")}
         return tuple(dict.fromkeys(path for path in paths if path not in self.quantities and path not in points))
@@ -178,9 +178,9 @@ class RobotDraft:
     def _with_stand_ins(self) -> RobotDescription:
         unfinished = begun(self.quantities)
         values = {path: quantity.value for path, quantity in self.quantities.items() if path not in unfinished}
-        return self._assembled(stand_ins(values, len(self.joints)) | values)
+        return self._assemble(stand_ins(values, len(self.joints)) | values)
 
-    def _assembled(self, values: Mapping[str, Array]) -> RobotDescription:
+    def _assemble(self, values: Mapping[str, Array]) -> RobotDescription:
         return RobotDescription(
             name=self.name,
             title=self.title,

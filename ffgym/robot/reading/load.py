@@ -149,7 +149,7 @@ def with_parameters(robot: RobotDescription, path: str | Path) -> RobotDescripti
 
 def draft_with_numbers(draft: RobotDraft, tree: Mapping[str, Any]) -> RobotDraft:
     """Return a description that may lack entries with the numbers of parsed TOML tables, as in a parameter file."""
-    found = _parsed(tree, draft.description_for("kinematics"))
+    found = _parse(tree, draft.description_for("kinematics"))
     changed = replace(draft, quantities={**draft.quantities, **found})
     changed.check()
     return changed
@@ -157,7 +157,7 @@ def draft_with_numbers(draft: RobotDraft, tree: Mapping[str, Any]) -> RobotDraft
 
 def with_numbers(robot: RobotDescription, tree: Mapping[str, Any]) -> RobotDescription:
     """Return the robot with the numbers of parsed TOML tables, as in a parameter file, in place of its own."""
-    quantities = _parsed(tree, robot)
+    quantities = _parse(tree, robot)
     parts: dict[str, Any] = {}
     for group, attribute in GROUPS.items():
         found = {
@@ -176,7 +176,7 @@ def _check_head(head: Any, robot: RobotDescription) -> None:
         raise FFGymError(f"[parameters] are for robot {head['robot']!r}, not for {robot.name!r}.")
 
 
-def _parsed(tree: Mapping[str, Any], robot: RobotDescription) -> dict[str, Quantity]:
+def _parse(tree: Mapping[str, Any], robot: RobotDescription) -> dict[str, Quantity]:
     entries = {
         f"{group}.{name}": table
         for group, tables in tree.items()

@@ -1,4 +1,4 @@
-"""From the TOML of a description to a draft: every number that is there is checked, none has to be there."""
+"""Parser from the TOML of a description to a draft: every number is checked, none is required."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -33,7 +33,7 @@ _FROM_FILE = {"name", "title", "model"}
 
 
 def _head(head: Any, folder: Path) -> dict[str, Any]:
-    """Fields of a draft that the table [robot] of a description in `folder` gives, and its arm file if it names one."""
+    """Parse the table [robot] of a description in `folder`, and its arm file if it names one, as fields of a draft."""
     keys = set(head) if isinstance(head, dict) else set()
     from_file = "model" in keys
     needed, others = (_FROM_FILE, {"joints", "tool_frame", "looks"}) if from_file else (_NAMED, {"types"})
@@ -75,7 +75,7 @@ def _head(head: Any, folder: Path) -> dict[str, Any]:
 
 
 def _looks(look: Any, bodies: tuple[str, ...]) -> tuple[Geom, ...]:
-    """Primitives of the table [look] for a robot with these bodies."""
+    """Parse the primitives of the table [look] for a robot with these bodies."""
     unknown = sorted(set(_table("look", look)) - {"colours", "geoms"})
     if unknown:
         raise FFGymError(f"[look] has unknown entries {unknown}, may have colours and geoms.")
@@ -162,7 +162,7 @@ def _quantities(tree: dict[str, Any], types: tuple[str, ...]) -> tuple[dict[str,
 
 
 def _spring(name: str, table: Any, quantities: dict[str, Quantity], types: tuple[str, ...]) -> Spring:
-    """One spring; its numbers are added to `quantities`."""
+    """Parse one spring; its numbers are added to `quantities`."""
     path = f"springs.{name}"
     entries = dict(_table(path, table))
     bodies = _names(f"{path}.bodies", entries.pop("bodies", None))

@@ -20,15 +20,15 @@ OTHER_UNITS = {
 
 MOTOR, LINK = "motor", "link"
 SIDES = (MOTOR, LINK)
-"""Of a gearbox."""
+"""Side of a gearbox."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Rule:
-    """What a description must say about one quantity."""
+    """Rule of one quantity of a description."""
 
     meaning: str
-    """What it is, in a few words."""
+    """Meaning, in a few words."""
     shape: tuple[int | str, ...]
     """Wanted shape; 'N' stands for the number of joints."""
     unit: str
@@ -52,9 +52,9 @@ class Rule:
     optional: bool = False
     """True if a description may do without."""
     where: str = ""
-    """Where its numbers are found."""
+    """Documents in which its numbers are found."""
     typical: str = ""
-    """How large it usually is; empty where that says nothing."""
+    """Usual size; empty if it would not help."""
     sliding: str = ""
     """The same for a sliding joint, where its unit is another."""
 
@@ -112,7 +112,7 @@ def _per_joint(factors: Array, rule: Rule) -> Array:
 
 
 ORIGINS = ("sourced", "derived", "chosen", "fitted")
-"""How a number came to be; `fitted` is written by a script or an identification, which keeps the number it
+"""Origin of a number; `fitted` is written by a script or an identification, which keeps the number it
 replaced in `prior`, and may say in `interval` how sure it is."""
 
 
@@ -133,7 +133,7 @@ class Quantity:
     prior: Array | None = None
     """The numbers that a fit replaced, None if nothing was fitted."""
     prior_source: str | None = None
-    """Where those came from."""
+    """Source of the replaced numbers."""
     interval: Array | None = None
     """Lower and upper end of where a fit puts each number, shape (..., 2), 0 and inf where it says nothing; None if it
     says nothing at all."""
@@ -169,7 +169,7 @@ def parse_quantity(
         raise FFGymError(f"{path}: prior and prior_source belong to origin 'fitted', and to no other, got {origin}.")
     if "interval" in table and not fitted:
         raise FFGymError(f"{path}: interval belongs to origin 'fitted', and to no other, got {origin}.")
-    value = _checked_value(path, table["value"], rule, shape, factors)
+    value = _check_value(path, table["value"], rule, shape, factors)
     for key in ("source", "prior_source") if fitted else ("source",):
         if not isinstance(table[key], str) or not table[key].strip():
             raise FFGymError(f"{path}: {key} is {table[key]!r}, must say where the number comes from.")
@@ -185,7 +185,7 @@ def parse_quantity(
         side=rule.side,
         origin=origin,
         source=table["source"],
-        prior=_checked_value(path + ".prior", table["prior"], rule, shape, factors) if fitted else None,
+        prior=_check_value(path + ".prior", table["prior"], rule, shape, factors) if fitted else None,
         prior_source=table["prior_source"] if fitted else None,
         interval=ends,
     )
@@ -199,8 +199,8 @@ def _numbers(path: str, value: Any, shape: tuple[int, ...], *, infinite: bool) -
     return np.array(value, dtype=np.float64)
 
 
-def _checked_value(path: str, value: Any, rule: Rule, shape: tuple[int, ...], factors: Array) -> Array:
-    """Numbers in SI units, read-only."""
+def _check_value(path: str, value: Any, rule: Rule, shape: tuple[int, ...], factors: Array) -> Array:
+    """Check numbers and convert them to SI units, read-only."""
     array = _numbers(path, value, shape, infinite=rule.infinite)
     if np.any(array < rule.low) or (rule.open_low and np.any(array == rule.low)):
         raise FFGymError(f"{path} = {array.tolist()} must be {'>' if rule.open_low else '>='} {rule.low} {rule.unit}.")
@@ -212,7 +212,7 @@ def _checked_value(path: str, value: Any, rule: Rule, shape: tuple[int, ...], fa
 
 
 def _only_numbers(value: Any) -> bool:
-    """Whether nested lists hold nothing but numbers; NumPy would take the text '1' for one."""
+    """Tell if nested lists hold numbers alone; NumPy would take the text '1' for one."""
     if isinstance(value, list):
         return all(_only_numbers(entry) for entry in value)
     return isinstance(value, int | float) and not isinstance(value, bool)

@@ -1,4 +1,4 @@
-"""What a robot description must and may contain, and what can be done with it: `rules.toml` as tables."""
+"""Rules of robot descriptions: required and optional entries, and capabilities that need them; from `rules.toml`."""
 
 import tomllib
 from collections.abc import Mapping
@@ -16,9 +16,9 @@ class Capability:
     """A function of the library, or a group of them."""
 
     name: str
-    """For code and JSON."""
+    """Name in code and JSON."""
     title: str
-    """What works, in words."""
+    """Description of the capability, in words."""
     needs: tuple[str, ...]
     """Entries of the description without which it does not work; POSITIONS stands for one named point or more."""
 
@@ -32,7 +32,7 @@ _TABLES = tomllib.loads((resources.files(__package__) / "rules.toml").read_text(
 RULES: Mapping[str, Rule] = MappingProxyType(
     {f"{group}.{name}": _rule(rule) for group, rules in _TABLES["entry"].items() for name, rule in rules.items()}
 )
-"""What a description must contain; optional entries may be left out."""
+"""Rules of entries; optional entries may be left out."""
 
 REQUIRED = tuple(path for path, rule in RULES.items() if not rule.optional)
 """Entries without which a robot is not complete."""
@@ -41,10 +41,10 @@ POINT = _rule(_TABLES["point"])
 """A named point of the work area."""
 
 POSITIONS = "work_area.positions"
-"""Where named points stand."""
+"""Table of named points."""
 
 SPRING_RULES: Mapping[str, Rule] = MappingProxyType({name: _rule(rule) for name, rule in _TABLES["spring"].items()})
-"""What a table [springs.<name>] must contain, beside the names of the bodies that it joins."""
+"""Rules of a table [springs.<name>], beside the names of the bodies that it joins."""
 
 _GROUPS: Mapping[str, tuple[str, ...]] = {**_TABLES["groups"], "complete": REQUIRED}
 
@@ -56,17 +56,17 @@ CAPABILITIES: tuple[Capability, ...] = tuple(
     )
     for name, table in _TABLES["capability"].items()
 )
-"""Everything, from what needs least to what needs most."""
+"""Capabilities, from the fewest needs to the most."""
 
 
 def capability(name: str) -> Capability:
-    """The capability of that name."""
+    """Find the capability of that name."""
     for entry in CAPABILITIES:
         if entry.name == name:
             return entry
     raise FFGymError(f"Unknown capability {name!r}. Available: {', '.join(entry.name for entry in CAPABILITIES)}.")
 
 
-def needed_by(path: str) -> tuple[Capability, ...]:
-    """What does not work without an entry."""
+def list_capabilities_needing(path: str) -> tuple[Capability, ...]:
+    """List capabilities that do not work without an entry."""
     return tuple(entry for entry in CAPABILITIES if path in entry.needs)

@@ -1,4 +1,4 @@
-"""A table to fill in for a new robot: what is asked, where answers are found, and what can be proposed."""
+"""Template of a description for a new robot: entries to fill in, their usual sources, and proposals."""
 
 import lazy_loader
 

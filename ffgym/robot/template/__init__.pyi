@@ -1,5 +1,5 @@
 from .proposals import Proposal as Proposal
 from .proposals import propose as propose
-from .text import completed_text as completed_text
-from .text import filled_text as filled_text
+from .text import complete_text as complete_text
+from .text import fill_text as fill_text
 from .text import template as template

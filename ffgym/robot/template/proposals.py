@@ -29,7 +29,7 @@ CONTROL_DT = 4e-3
 LONGEST_STEP = 2.5e-4
 """Physics step [s] at which the built-in robot has converged (docs/physics.md)."""
 ENCODER_BITS = 16.0
-"""Of a usual resolver or encoder."""
+"""Resolution of a usual resolver or encoder."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -49,7 +49,7 @@ class _Thumb(NamedTuple):
 
     needs: tuple[str, ...]
     value: Callable[[Mapping[str, Array], int], Array]
-    """From what is known, by entry, and the number of joints."""
+    """Function from known entries and the number of joints."""
     source: str
 
 
@@ -89,11 +89,11 @@ _THUMBS: Mapping[str, _Thumb] = {
         f"largest whole part of control_dt up to {LONGEST_STEP * 1e3:g} ms, where the built-in robot has converged",
     ),
 }
-"""In an order in which a rule comes after those that give what it needs."""
+"""Rules of thumb, ordered so that each comes after those that it needs."""
 
 
 def propose(draft: RobotDraft) -> list[Proposal]:
-    """Numbers for entries that the draft lacks and that follow from those it has, or from one another."""
+    """Propose numbers for entries that the draft lacks and that follow from those it has, or from one another."""
     known = {path: quantity.value for path, quantity in draft.quantities.items()}
     lacking = set(draft.missing) - set(draft.waiting)
     found = []
@@ -105,7 +105,7 @@ def propose(draft: RobotDraft) -> list[Proposal]:
 
 
 def _servo_gains(draft: RobotDraft, lacking: set[str]) -> list[Proposal]:
-    """Servo gains by the inertia that each motor turns at home."""
+    """Propose servo gains by the inertia that each motor turns at home."""
     if not draft.can("motor_torque"):
         return []
     robot = draft.description_for("motor_torque")

@@ -16,23 +16,24 @@ from ffgym.robot.description import RobotDescription
 from ffgym.robot.reading.draft import RobotDraft, stand_ins
 from ffgym.robot.reading.load import GROUPS
 from ffgym.robot.reading.quantity import LINK, MOTOR, Rule, si_units
-from ffgym.robot.reading.rules import POINT, RULES, needed_by
+from ffgym.robot.reading.rules import POINT, RULES, list_capabilities_needing
 from ffgym.robot.template.proposals import Proposal
 
 MARK = "#? "
 """Begins the lines of an entry that waits for numbers; without it they are TOML."""
 _DIGITS = 5
-"""Of proposed numbers per joint; rules of thumb deserve no more. Single numbers are times, which must fit exactly."""
+"""Digits of proposed numbers per joint; rules of thumb deserve no more. Single numbers are times, which must fit
+exactly."""
 _SOURCE = "stand-in: nobody said it; what depends on it means nothing"
 _MODEL = re.compile(r'^(\s*model\s*=\s*)"([^"]*)"', re.MULTILINE)
 """The entry of [robot] that names the arm file."""
 
 
-def filled_entry(proposal: Proposal, rule: Rule, types: tuple[str, ...]) -> list[str]:
-    """Lines of an entry with its numbers, waiting if one of them is NaN."""
+def fill_entry(proposal: Proposal, rule: Rule, types: tuple[str, ...]) -> list[str]:
+    """Write lines of an entry with its numbers; it waits if one of them is NaN."""
     value = proposal.value
     entries = {
-        "value": _rounded(value.tolist()) if value.ndim else float(value),
+        "value": _round(value.tolist()) if value.ndim else float(value),
         "unit": single(si_units(rule, proposal.side, types)),
         "side": proposal.side,
         "origin": proposal.origin,
@@ -46,16 +47,16 @@ def filled_entry(proposal: Proposal, rule: Rule, types: tuple[str, ...]) -> list
 
 
 def empty_entry(path: str, rule: Rule, types: tuple[str, ...]) -> list[str]:
-    """Lines of an entry that waits for numbers."""
+    """Write lines of an entry that waits for numbers."""
     value = np.full(rule.shape_for(len(types)), np.nan)
-    lines = filled_entry(Proposal(path=path, value=value, source="?", origin="sourced", side=rule.side), rule, types)
+    lines = fill_entry(Proposal(path=path, value=value, source="?", origin="sourced", side=rule.side), rule, types)
     if rule.side == LINK and rule.gear_power is None:  # angles of joints are read in degrees
         lines[2] = lines[2].replace('"rad', '"deg')
     return lines
 
 
-def filled_text(toml: str, proposals: Sequence[Proposal], types: tuple[str, ...]) -> str:
-    """Text of a description with entries added, in place of their waiting lines or at the end; all else stays.
+def fill_text(toml: str, proposals: Sequence[Proposal], types: tuple[str, ...]) -> str:
+    """Add entries to the text of a description, in place of their waiting lines or at the end; all else stays.
 
     Args:
         toml: text of the description.
@@ -64,7 +65,7 @@ def filled_text(toml: str, proposals: Sequence[Proposal], types: tuple[str, ...]
     """
     lines = toml.splitlines()
     for proposal in proposals:
-        entry = filled_entry(proposal, RULES[proposal.path], types)
+        entry = fill_entry(proposal, RULES[proposal.path], types)
         head = f"{MARK}[{proposal.path}]"
         if head not in lines:
             lines += ["", *entry]
@@ -77,8 +78,8 @@ def filled_text(toml: str, proposals: Sequence[Proposal], types: tuple[str, ...]
     return "\n".join(lines) + "\n"
 
 
-def completed_text(toml: str, draft: RobotDraft, robot: RobotDescription, *, before: Path, folder: Path) -> str:
-    """Text of a description with stand-ins for all that it lacks, each of which says that it is one.
+def complete_text(toml: str, draft: RobotDraft, robot: RobotDescription, *, before: Path, folder: Path) -> str:
+    """Complete the text of a description by stand-ins for all absent entries, which are marked as such.
 
     Args:
         toml: text of the description.
@@ -102,12 +103,12 @@ def completed_text(toml: str, draft: RobotDraft, robot: RobotDescription, *, bef
         with suppress(ValueError):  # raised where it is on another drive
             file = Path(os.path.relpath(file, folder.resolve()))
         toml = f"{toml[: model.start()]}{model[1]}{toml_value(file.as_posix())}{toml[model.end() :]}"
-    return filled_text(toml, proposals, draft.types)
+    return fill_text(toml, proposals, draft.types)
 
 
-def _rounded(value: Any) -> Any:
-    """Nested lists of numbers to a few digits."""
-    return [_rounded(entry) for entry in value] if isinstance(value, list) else float(f"{value:.{_DIGITS}g}")
+def _round(value: Any) -> Any:
+    """Round nested lists of numbers to a few digits."""
+    return [_round(entry) for entry in value] if isinstance(value, list) else float(f"{value:.{_DIGITS}g}")
 
 
 _SIMULATED = "a simulator's number unless measured"
@@ -153,7 +154,7 @@ def template(
     """
     frame = tool_frame or next((usual for usual in TOOL_FRAMES if usual in arm.frames), None)
     given = set(arm.quantities) | (set(flange_at(arm, frame)) if frame else set())
-    hints = _hinted(arm)
+    hints = _list_hints(arm)
     blocks = {path: _block(path, rule, hints.get(path), arm.types) for path, rule in RULES.items() if path not in given}
     head = {"name": name, "title": name, "model": model, "joints": None if joints is None else list(joints)}
     head |= {"tool_frame": frame, "looks": None if looks else "none"}
@@ -175,8 +176,8 @@ def template(
     return "\n\n".join("\n".join(part) for part in parts) + "\n"
 
 
-def _hinted(arm: ArmFile) -> dict[str, Proposal]:
-    """Entries that the file hints at for some joints or all, by path; NaN stands for joints that it is silent about."""
+def _list_hints(arm: ArmFile) -> dict[str, Proposal]:
+    """List entries that the file hints at for some joints or all, by path; NaN stands for joints without a hint."""
     found = {}
     for path, (name, side, what) in _HINTS.items():
         value = np.array([getattr(hint, name) for hint in arm.hints], dtype=np.float64)  # None becomes NaN
@@ -187,7 +188,7 @@ def _hinted(arm: ArmFile) -> dict[str, Proposal]:
 
 
 def _head(name: str, arm: ArmFile, entries: Mapping[str, Any]) -> list[str]:
-    """How to fill the table in, and who the robot is."""
+    """Write instructions, and the table of the robot's names."""
     mark = MARK.strip()
     lines = _comment(
         f"{name}: a robot to fill in, from {Path(arm.path).name}. Lines that begin with '{mark}' wait for numbers: put "
@@ -204,7 +205,7 @@ def _head(name: str, arm: ArmFile, entries: Mapping[str, Any]) -> list[str]:
 
 
 def _block(path: str, rule: Rule, hint: Proposal | None, types: tuple[str, ...]) -> list[str]:
-    """Table of an entry, below what it is, how large it usually is, where it is found, and what it is for."""
+    """Write the table of an entry, below comments on its meaning, usual size, source and use."""
     size = " x ".join(map(str, rule.shape_for(len(types))))
     sides = f"; as it counts on the {rule.side} side, or on the other, said by side" if rule.gear_power else ""
     numbers = f"{size} numbers" if size else "One number"
@@ -213,14 +214,14 @@ def _block(path: str, rule: Rule, hint: Proposal | None, types: tuple[str, ...])
     sliding = rule.sliding if "slide" in types else ""
     typical = "; ".join(dict.fromkeys(filter(None, (hinged, sliding))))
     usual = f" Usual: {typical}." if typical else ""
-    titles, use = [entry.title for entry in needed_by(path)], "Optional."
+    titles, use = [entry.title for entry in list_capabilities_needing(path)], "Optional."
     if titles:
         more = f"; and {len(titles) - _SHOWN} more" if len(titles) > _SHOWN else ""
         use = f"{'Optional, for' if rule.optional else 'For'}: {'; '.join(titles[:_SHOWN])}{more}."
     return [
         f"# --- {path}: {rule.meaning}",
         *_comment(f"{numbers}{sides}.{usual} Where: {rule.where}. {use}"),
-        *(empty_entry(path, rule, types) if hint is None else filled_entry(hint, rule, types)),
+        *(empty_entry(path, rule, types) if hint is None else fill_entry(hint, rule, types)),
     ]
 
 

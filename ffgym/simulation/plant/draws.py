@@ -110,7 +110,7 @@ class PlantDistribution:
         drive, bodies = robot.drive, robot.bodies
         return replace(
             robot,
-            friction=robot.friction.scaled(coulomb=level, static=level, **factor),
+            friction=robot.friction.scale(coulomb=level, static=level, **factor),
             drive=replace(
                 drive,
                 joint_stiffness=drive.joint_stiffness * stiffness,

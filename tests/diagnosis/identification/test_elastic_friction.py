@@ -55,7 +55,7 @@ def test_a_record_that_begins_in_motion_counts_from_when_the_arm_no_longer_swing
 def test_both_joints_are_found_from_one_set_of_recordings(two_link, moving):
     speeds = (0.03, 0.08, 0.15, 0.25, 0.6, 3.0, 9.0)
     recordings = measured([*ladder(two_link, speeds=speeds), *moving], noise=0.02)
-    wrong = two_link.robot.friction.scaled(coulomb=0.7, static=1.2, bristle_stiffness=1.5, bristle_damping=0.5)
+    wrong = two_link.robot.friction.scale(coulomb=0.7, static=1.2, bristle_stiffness=1.5, bristle_damping=0.5)
     known = RigidArm(replace(two_link.robot, friction=wrong))
     found = identify_friction(friction_torques(known, recordings), n_resamples=60)
     for name, tolerance in zip(NAMES, (0.02, 0.02, 0.02, 0.15, 0.1, 0.1), strict=True):

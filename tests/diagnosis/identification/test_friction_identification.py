@@ -38,7 +38,7 @@ def exact(axis):
 @pytest.fixture(scope="module")
 def wrong(one_axis):
     """The model that is known before: older friction, and 5 % of the inertia missing, as thesis 6.1.2 estimates."""
-    friction = one_axis.friction.scaled(
+    friction = one_axis.friction.scale(
         coulomb=0.7, static=1.1, viscous=1.5, stribeck_velocity=1.4, bristle_stiffness=2.0, bristle_damping=0.5
     )
     bodies = replace(one_axis.bodies, inertia=one_axis.bodies.inertia * 0.95)

@@ -162,8 +162,8 @@ def test_impossible_parameters_are_named(one_axis, change, message):
 
 
 def test_scaling_changes_what_is_named_and_nothing_else(one_axis):
-    scaled = one_axis.friction.scaled(viscous=2.0)
+    scaled = one_axis.friction.scale(viscous=2.0)
     np.testing.assert_array_equal(scaled.viscous, 2 * one_axis.friction.viscous)
     np.testing.assert_array_equal(scaled.coulomb, one_axis.friction.coulomb)
     with pytest.raises(FFGymError, match=r"\['coulombs'\]"):
-        one_axis.friction.scaled(coulombs=2.0)
+        one_axis.friction.scale(coulombs=2.0)

@@ -14,7 +14,7 @@ from ffgym.robot import RigidArm, load_robot, parse_robot, resonances
 from ffgym.robot.reading import draft
 from ffgym.robot.reading.load import load_draft
 from ffgym.robot.reading.parse import parse_draft
-from ffgym.robot.reading.rules import CAPABILITIES, REQUIRED, RULES, capability, needed_by
+from ffgym.robot.reading.rules import CAPABILITIES, REQUIRED, RULES, capability, list_capabilities_needing
 
 NAME = "irb4600_60_205"
 TREE = tomllib.loads((resources.files("ffgym.robot") / "data" / f"{NAME}.toml").read_text(encoding="utf-8"))
@@ -50,7 +50,7 @@ def test_without_an_entry_exactly_those_functions_are_lost_that_need_it(path):
     lacking = draft_without(path)
     assert lacking.missing == (path,)
     lost = {entry.name for entry in CAPABILITIES if not lacking.can(entry.name)}
-    assert lost == {entry.name for entry in needed_by(path)}
+    assert lost == {entry.name for entry in list_capabilities_needing(path)}
     assert lost >= {"simulation", "circles"}
     for name in lost:
         assert lacking.lacks(name) == (path,)

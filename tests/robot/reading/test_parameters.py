@@ -53,7 +53,7 @@ def test_a_parameter_file_replaces_its_numbers_and_no_others(one_axis, tmp_path)
 
 
 def test_what_was_changed_in_the_program_stays(one_axis, tmp_path):
-    softer = replace(one_axis, friction=one_axis.friction.scaled(viscous=0.5))
+    softer = replace(one_axis, friction=one_axis.friction.scale(viscous=0.5))
     changed = with_parameters(softer, written(tmp_path, FRICTION))
     np.testing.assert_array_equal(changed.friction.viscous, softer.friction.viscous)
 

@@ -12,7 +12,7 @@ from ffgym.robot import RigidArm, RobotDraft, load_draft
 from ffgym.robot.arm_file import read_arm
 from ffgym.robot.reading.parse import parse_draft
 from ffgym.robot.reading.rules import REQUIRED, RULES
-from ffgym.robot.template import filled_text, propose, template
+from ffgym.robot.template import fill_text, propose, template
 from ffgym.robot.template.proposals import BRISTLE_TIME, DAMPING_TIME, PRESLIDING, STATIC_SHARE, STRIBECK_VELOCITY
 from tests.robot.template.arm_xml import ARM, NUMBERS, entry
 
@@ -47,7 +47,7 @@ def drafted(folder, text) -> RobotDraft:
 
 def filled(folder, text):
     draft = drafted(folder, text)
-    return filled_text(text, propose(draft), draft.types)
+    return fill_text(text, propose(draft), draft.types)
 
 
 def uncommented(text, path):
@@ -233,7 +233,7 @@ def test_the_proposed_physics_step_divides_any_control_step_and_is_short(control
         "servo.control_dt", control_dt, "s"
     )
     draft = parse_draft(text)
-    step = float(parse_draft(filled_text(text, propose(draft), draft.types)).quantities["simulation.physics_dt"].value)
+    step = float(parse_draft(fill_text(text, propose(draft), draft.types)).quantities["simulation.physics_dt"].value)
     assert abs(control_dt / step - round(control_dt / step)) < 1e-9
     assert 0 < step <= 2.5e-4 * (1 + 1e-9)
 

@@ -35,7 +35,7 @@ def with_old(laboratory, measured):
     """Function that puts the measured joint into the laboratory, with scaled parameters as the original ones."""
 
     def put(**factors):
-        prior = replace(measured.found.prior, friction=measured.found.friction.scaled(**factors))
+        prior = replace(measured.found.prior, friction=measured.found.friction.scale(**factors))
         laboratory.joint_1 = replace(measured, found=replace(measured.found, prior=prior))
         return laboratory
 
@@ -65,7 +65,7 @@ def test_a_joint_that_is_a_lugre_model_is_captured_at_every_speed(with_old):
 
 def test_a_model_that_is_wrong_is_no_good_fit(laboratory, measured, monkeypatch):
     laboratory.joint_1 = measured
-    wrong = measured.found.friction.scaled(coulomb=2.0, static=2.0)
+    wrong = measured.found.friction.scale(coulomb=2.0, static=2.0)
     monkeypatch.setattr(type(measured.found), "friction", wrong)
     for name in ("6.3-fit", "6.4-fit", "6.5-fit"):
         assert judge(CLAIMS[name], laboratory).verdict == "does not hold"

@@ -28,7 +28,7 @@ def worn(irb4600):
     """Another stiffness and friction, a payload, two effects of one kind, and a climate."""
     robot = replace(
         irb4600,
-        friction=irb4600.friction.scaled(coulomb=0.9),
+        friction=irb4600.friction.scale(coulomb=0.9),
         drive=replace(irb4600.drive, joint_stiffness=irb4600.drive.joint_stiffness * 1.1),
     )
     effects = (

@@ -83,5 +83,5 @@ def mistaken(robot, size=0.3, seed=0):
         inertia=bodies.inertia * (mass * factors())[:, None],
     )
     drive = replace(robot.drive, rotor_inertia=robot.drive.rotor_inertia * factors())
-    friction = robot.friction.scaled(coulomb=np.full(n, 1.4), static=np.full(n, 1.4), viscous=np.full(n, 0.7))
+    friction = robot.friction.scale(coulomb=np.full(n, 1.4), static=np.full(n, 1.4), viscous=np.full(n, 0.7))
     return replace(robot, bodies=links, drive=drive, friction=friction)
