@@ -22,7 +22,7 @@ from ffgym.robot import load_robot
 from ffgym.workcell import workcell
 from scripts.workcell.free import FREE, SPREAD, prior_trees, write_result
 from scripts.workcell.search import LAWS, SPEEDS, Objective, Point, search
-from scripts.workcell.table import measured_cells, summary, table
+from scripts.workcell.table import measure_cells, summary, table
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class Config:
 def main(config: Config) -> dict[str, float]:
     """Calibrate, or print the table; returns what was reached."""
     if config.table:
-        cells = measured_cells(workcell("thesis"), config.threads, print)
+        cells = measure_cells(workcell("thesis"), config.threads, print)
         print(table(cells))
         reached = summary(cells)
         for name, value in reached.items():

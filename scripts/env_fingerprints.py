@@ -16,7 +16,7 @@ from ffgym.envs.fingerprint import fingerprint
 
 @dataclass(frozen=True)
 class Config:
-    """Where to write."""
+    """Place of the fingerprints."""
 
     out: Path = Path(ffgym.envs.__file__).parent / "fingerprints.json"
     """File to write."""

@@ -23,7 +23,7 @@ from ffgym.simulation.protocols import plan_session, record
 from ffgym.simulation.protocols.mixtures import DiagnosisMotions
 from ffgym.workcell import SealedMachine, Workcell, workcell
 from ffgym.workcell.equations import GearLosses, TwoHarmonicRipple
-from scripts.exam.draw import TOOL_OFFSET, TORQUE_OFFSET, miscalibrated
+from scripts.exam.draw import TOOL_OFFSET, TORQUE_OFFSET, miscalibrate
 
 SAMPLE_TIME = 0.004
 """Sample time of the logs [s]: that of the thesis' robot."""
@@ -55,7 +55,7 @@ def example_cell(seed: int) -> Workcell:
     robot, rng = load_robot(EXAMPLE_ROBOT), np.random.default_rng(seed)
     machine = SealedMachine(
         label="example",
-        robot=miscalibrated(robot, rng),
+        robot=miscalibrate(robot, rng),
         effects=(
             TorqueOffset.on(robot, offset=TORQUE_OFFSET * robot.friction.coulomb * rng.standard_normal(robot.n_joints)),
             ToolFrame.on(robot, offset=TOOL_OFFSET * rng.standard_normal(3)),
@@ -84,7 +84,7 @@ def recordings(seed: int, only: Collection[int] | None = None) -> Iterator[Recor
         yield Recording(columns, replace(recording.header, provenance={"simulated": True}))
 
 
-def encoded(recording: Recording) -> bytes:
+def encode(recording: Recording) -> bytes:
     """Bytes of a compressed NPZ file in single precision; the clock stays in double."""
     columns = {n: v if n == "timestamp" else v.astype(np.float32) for n, v in recording.columns.items()}
     buffer = BytesIO()
@@ -97,7 +97,7 @@ def main(config: Config) -> list[Path]:
     places = []
     for recording in recordings(config.seed):
         place = config.out / f"{recording.header.segment.split('.')[-1]}.npz"
-        write_bytes(place, encoded(recording))
+        write_bytes(place, encode(recording))
         places.append(place)
     return places
 

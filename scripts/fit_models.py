@@ -20,7 +20,7 @@ COMMAND = "python -m scripts.fit_models"
 
 @dataclass(frozen=True)
 class Config:
-    """What to fit."""
+    """Models to fit."""
 
     work: Path = Path("out/fit_models")
     """Folder for recordings and models on the way."""

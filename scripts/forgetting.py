@@ -55,7 +55,7 @@ MLP_RATE = 0.01
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Curves:
-    """What a network says of one motor before and after the second stage, T speeds."""
+    """Torque of a network for one motor before and after the second stage, T speeds."""
 
     speed: Array
     """Motor speed [rad/s], ascending, shape (T,)."""

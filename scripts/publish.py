@@ -26,7 +26,7 @@ _NUMBERS = ("env_steps", "learning_curve")
 
 @dataclass(frozen=True)
 class Config:
-    """What to publish."""
+    """Policies to publish."""
 
     name: tyro.conf.Positional[str]
     """Of the row."""
@@ -84,7 +84,7 @@ def main(config: Config) -> ArtefactManifest:
 
 
 def command_of(name: str, training: Training, seeds: Sequence[int]) -> str:
-    """What trains policies again, and publishes them.
+    """Write the command that trains policies again, and publishes them.
 
     Raises:
         FFGymError: if options cannot ask for the training.

@@ -25,7 +25,7 @@ COMMAND = "python -m scripts.train_laws"
 
 @dataclass(frozen=True)
 class Config:
-    """What to train."""
+    """Laws to train."""
 
     agents: tuple[str, ...] = tuple(entry.name for entry in list_entries() if entry.learns)
     """Names in the catalogue."""
@@ -46,7 +46,7 @@ def main(config: Config) -> None:
     for plant in config.plants:
         rig = add_sensors(find_plant(plant).rig)
         learners: dict[tuple[str, int], tuple[int, Callable[[Trial], Learned]]] = {
-            (name, seed): (seed, partial(learned, name, rig, seed)) for name in config.agents for seed in config.seeds
+            (name, seed): (seed, partial(learn, name, rig, seed)) for name in config.agents for seed in config.seeds
         }
         found = learn_together(rig, learners)
         for name in config.agents:
@@ -54,7 +54,7 @@ def main(config: Config) -> None:
             store(name, plant, rig.fingerprint, own, config.out)
 
 
-def learned(name: str, rig: Rig, seed: int, trial: Trial) -> Learned:
+def learn(name: str, rig: Rig, seed: int, trial: Trial) -> Learned:
     """A member of the catalogue, trained."""
     counted = CountedTrial(trial)
     law = make_law(name, AgentSetting(arm=rig.arm, trial=counted, seed=seed))

@@ -25,7 +25,7 @@ from ffgym.cli.train_policy import options_of
 from ffgym.core.claims import claimed
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import made_folder
-from scripts.tuning import FAILED, Trial, Tune, checked, proposal, read_trials, write_trials
+from scripts.tuning import FAILED, Trial, Tune, check, proposal, read_trials, write_trials
 
 NUMBERS = "tuned.json"
 
@@ -36,7 +36,7 @@ def main(config: Tune) -> dict[str, Any]:
     Raises:
         FFGymError: if something is missing or makes no sense, the folder is of another search, or every trial failed.
     """
-    out, training = checked(config)
+    out, training = check(config)
     search = _search(config, training)
     with made_folder(out) as folder, claimed(folder):
         trials = read_trials(folder / NUMBERS, search)
@@ -45,7 +45,7 @@ def main(config: Tune) -> dict[str, Any]:
         best = _best(trials, config)
         write_trials(folder / NUMBERS, search, trials, best)
         for number in range(len(trials), config.trials):
-            trials.append(_tried(config, folder, number, proposal(config.space, trials, config.seed)))
+            trials.append(_try(config, folder, number, proposal(config.space, trials, config.seed)))
             best = _best(trials, config)
             write_trials(folder / NUMBERS, search, trials, best)
             told = trials[-1].failure or f"{trials[-1].value:+.4f}"
@@ -102,15 +102,15 @@ def _search(config: Tune, training: Training) -> dict[str, Any]:
     return plain
 
 
-def _tried(config: Tune, folder: Path, number: int, parameters: dict[str, float]) -> Trial:
-    """What hyper-parameters lead to; a file that cannot be read or written is no fault of theirs.
+def _try(config: Tune, folder: Path, number: int, parameters: dict[str, float]) -> Trial:
+    """Train with hyper-parameters; a file that cannot be read or written is no fault of theirs.
 
     Raises:
         FFGymError: of such a file.
     """
     trainings = {}
     for seed in config.seeds:  # a folder has the same name for the same training
-        training = config.tried_with(seed, parameters)
+        training = config.record_trial(seed, parameters)
         document = json.dumps(training.document(), sort_keys=True).encode()
         trainings[sha256(document).hexdigest()[:16]] = training
     failure = None
@@ -136,7 +136,7 @@ def _best(trials: Sequence[Trial], config: Tune) -> dict[str, Any] | None:
     if not good:
         return None
     best = min(good, key=lambda trial: trial.value)
-    training = config.tried_with(config.seeds[0], best.parameters)
+    training = config.record_trial(config.seeds[0], best.parameters)
     options = [*options_of(training, config.base), "--seed", str(training.seed)]
     return {"value": best.value, "parameters": best.parameters, "options": shlex.join(options)}
 

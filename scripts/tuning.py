@@ -84,7 +84,7 @@ SPACES: Mapping[str, Space] = MappingProxyType(
 
 
 def proposal(space: Space, trials: Sequence[Trial], seed: int) -> dict[str, float]:
-    """What to try after `trials`; these, the seed and nothing else decide it, so a search that was stopped goes on."""
+    """Propose parameters after `trials`; these, the seed and nothing else decide it, so a stopped search goes on."""
     import optuna
     from optuna.distributions import FloatDistribution
     from optuna.samplers import TPESampler
@@ -123,7 +123,7 @@ class Tune(PolicyOptions):
 
     @property
     def space(self) -> Space:
-        """What is searched for."""
+        """Space that is searched."""
         return {**SPACES[self.algorithm], "bound": (*self.bounds, False)}
 
     @property
@@ -131,7 +131,7 @@ class Tune(PolicyOptions):
         """Names of hyper-parameters that a search chooses."""
         return frozenset(SPACES[self.algorithm]) | {"final_learning_rate"}
 
-    def tried_with(self, seed: int, parameters: dict[str, float]) -> Training:
+    def record_trial(self, seed: int, parameters: dict[str, float]) -> Training:
         """Training with some of the space.
 
         Raises:
@@ -145,7 +145,7 @@ class Tune(PolicyOptions):
         return replace(plain, bound=parameters["bound"], steps=steps, hyperparameters=values)
 
 
-def checked(config: Tune) -> tuple[Path, Training]:
+def check(config: Tune) -> tuple[Path, Training]:
     """Folder of a search, and one of its trainings.
 
     Raises:
@@ -166,7 +166,7 @@ def checked(config: Tune) -> tuple[Path, Training]:
         if (name := change.partition("=")[0]) in config.searched:
             raise FFGymError(f"--set {change}: {name} is searched for, so that no value can be set; leave it out.")
     edges = [{name: limits[k] for name, limits in config.space.items()} for k in (0, 1)]
-    trainings = [config.tried_with(seed, edge) for seed in config.seeds for edge in edges]
+    trainings = [config.record_trial(seed, edge) for seed in config.seeds for edge in edges]
     if config.out is None:
         raise FFGymError("Say where trials go: --out FOLDER.")
     return config.out, trainings[0]

@@ -21,7 +21,7 @@ from ffgym.workcell import workcell
 
 @dataclass(frozen=True)
 class Config:
-    """Where and on what."""
+    """Machine, motions and place of the results."""
 
     out: Path
     """Folder of result files."""

@@ -41,12 +41,12 @@ def run(config: Demo) -> None:
     print(format_one_axis(one_axis))
     print(f"report: {page}", flush=True)
     if config.diagnosis:
-        write_numbers(config, numbers | {"diagnosis": diagnosis_document(_diagnosed(second))})
+        write_numbers(config, numbers | {"diagnosis": diagnosis_document(_diagnose(second))})
     print_places(numbers=config.json)
 
 
-def _diagnosed(file: Path) -> Diagnosis:
-    """What the nominal model of the example logs lacks: a page, and the findings in print."""
+def _diagnose(file: Path) -> Diagnosis:
+    """Diagnose the example logs: write a page, and print what their nominal model lacks."""
     with stages_bar("diagnosing the example logs") as tell:
         examined = examine(load_robot(EXAMPLE_ROBOT), example_logs(), seed=SEED, report=tell)
     diagnosis = examined.diagnosis

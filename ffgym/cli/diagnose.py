@@ -83,7 +83,7 @@ def _diagnose(config: Diagnose) -> None:
     origin["inputs"] = hash_inputs(_read_by(config))
     examined = replace(examined, diagnosis=replace(examined.diagnosis, provenance=origin))
     models = _models(config, examined, nominal, recordings)
-    replayed, closed_loop = _compared(config, models, examined, nominal, held_out)
+    replayed, closed_loop = _compare(config, models, examined, nominal, held_out)
     if replayed and not is_better(replayed) and examined.diagnosis.causes:
         examined = replace(examined, diagnosis=replace(examined.diagnosis, gains=False))
         _remove(config, EXTENDED)
@@ -203,7 +203,7 @@ def _remove(config: Diagnose, *names: str) -> None:
             (config.out / name).unlink(missing_ok=True)
 
 
-def _compared(
+def _compare(
     config: Diagnose,
     models: tuple[Machine, Machine],
     examined: Examination,

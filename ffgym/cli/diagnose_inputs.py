@@ -103,13 +103,13 @@ def _read(path: Path, columns: str | None, robot: RobotDescription) -> Sequence[
     if not path.exists():
         raise FFGymError(f"{path}: there is no such log. Check the path; it is relative to {Path.cwd()}.")
     if columns is None:
-        return [_opened(file) for file in (recording_files(path) if path.is_dir() else [path])]
+        return [_open(file) for file in (recording_files(path) if path.is_dir() else [path])]
     if path.is_dir() and (made := load_columns(columns)).is_for_recordings:
         return [correct_offsets(recording, made) for recording in read_folder(path)]
     return read_logs(path, columns, robot=robot)
 
 
-def _opened(path: Path) -> Recording | Stored:
+def _open(path: Path) -> Recording | Stored:
     """The recording in a file; its columns are not yet read if they can be read one at a time."""
     if path.suffix.lower() != SUFFIX:
         return read_recording(path)

@@ -50,11 +50,11 @@ def run(config: Identify) -> None:
     _check(config)
     if config.what == "friction":
         robot = load_described_robot(config.robot)
-        outcome = identified_friction(config, robot, read_logs(config, robot))
+        outcome = identify_friction_of(config, robot, read_logs(config, robot))
     else:
         draft = load_draft(config.robot)
         robot = draft.description_for("identification")
-        outcome = identified_rigid_body(config, draft, read_logs(config, robot, known=not draft.missing))
+        outcome = identify_rigid_body_of(config, draft, read_logs(config, robot, known=not draft.missing))
     info = provenance("ffgym identify", config, robot.name, None, config.seed)
     info["inputs"] = hash_inputs((*config.logs, *config.validate, config.robot, config.columns))
     # files first: nobody may read what is printed
@@ -158,7 +158,7 @@ class Outcome:
     """Report page, for the origin of the numbers."""
 
 
-def identified_friction(config: Identify, robot: RobotDescription, logs: LogSet) -> Outcome:
+def identify_friction_of(config: Identify, robot: RobotDescription, logs: LogSet) -> Outcome:
     """Identify friction from logs, and see how well it holds on those kept out."""
     low_pass, arm = LowPass(cutoff=CUTOFF_HZ if config.cutoff_hz is None else config.cutoff_hz), RigidArm(robot)
     recordings = (*logs.used, *logs.held_out)
@@ -233,7 +233,7 @@ def _numbers(report: FrictionReport) -> Mapping[str, Any]:
     }
 
 
-def identified_rigid_body(config: Identify, draft: RobotDraft, logs: LogSet) -> Outcome:
+def identify_rigid_body_of(config: Identify, draft: RobotDraft, logs: LogSet) -> Outcome:
     """Identify bodies, rotors and friction from logs, and see how well they predict those kept out.
 
     Args:

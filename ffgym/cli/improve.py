@@ -56,7 +56,7 @@ def run(config: Improve) -> None:
 
 
 def _plan(config: Improve) -> Plan:
-    """How to go about it; without a model to begin with, from the robot that the machine's controller knows."""
+    """Plan the rounds; without a model to begin with, from the robot that the machine's controller knows."""
     known = config.robot or (CONTROLLER if is_workcell(config.rig) else config.rig)
     reference = robot_reference(known) if is_machine_file(known) else known
     nominal, origins = Machine(robot=load_robot(reference)), tuple[Origin, ...]()

@@ -31,7 +31,7 @@ def check_laws(names: Sequence[str], option: str) -> list[str]:
 
 
 def setting_for(rig: Rig, references: Sequence[Reference], parameters: Path | None, n_threads: int) -> AgentSetting:
-    """What families make laws from: a machine on a rig, its motions, and the model that the agents have of it.
+    """Give families what they make laws from: a machine on a rig, its motions, and the agents' model of it.
 
     Args:
         rig: where motions are run, under a controller that stays what it is.

@@ -68,7 +68,7 @@ def run(config: Leaderboard) -> None:
 
 
 def _entrants(config: Leaderboard, registry: Registry) -> list[Entrant]:
-    """Who takes part; the zero action always does, as everything is told against it."""
+    """List the entrants; the zero action always takes part, as everything is told against it."""
     named = [name for name in config.agents if not name.endswith(".zip")]
     for name in named:
         check_choice("agent", name, [*GROUPS, *ENTRANTS])

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class PolicyOptions:
-    """What decides a policy, but its seed."""
+    """Options that decide a policy, but its seed."""
 
     algorithm: Literal["ppo", "sac", "tqc", "recurrent_ppo"] = "ppo"
     """Of stable-baselines3 and sb3-contrib."""
@@ -39,7 +39,7 @@ class PolicyOptions:
     """Hyper-parameters in place of those of the algorithm's file, e.g. gamma=0.95 hidden=[64,64]."""
 
     def with_seed(self, seed: int) -> "Training":
-        """What these options ask for.
+        """Make the training that these options describe, with a seed.
 
         Raises:
             FFGymError: if they make no training.
@@ -78,7 +78,7 @@ class Policy(PolicyOptions):
 
 @dataclass(frozen=True)
 class NetworkOptions:
-    """What is learned, on which motions, and how."""
+    """Options of a network: its task, its motions and its training."""
 
     network: Literal["static", "extended"] = "extended"
     """One B-spline network per motor, or two by the sign of the acceleration."""

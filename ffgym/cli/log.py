@@ -108,7 +108,7 @@ def check(config: CheckLogs) -> None:
         raise FFGymError("There is nothing to check: name at least one log.")
     inputs = (*config.logs, config.robot, config.columns)
     check_outputs({"--report": config.report, "--json": config.json}, inputs=inputs)
-    reports, wiring = _judged(config)
+    reports, wiring = _judge(config)
     info = provenance("ffgym log check", config, config.robot or "", None, None)
     info["inputs"] = hash_inputs((*config.logs, config.robot, config.columns))
     if config.report is not None:  # files first: nobody may read what is printed
@@ -130,9 +130,9 @@ def check(config: CheckLogs) -> None:
         raise FFGymError("Columns are not what they are called, see above; `ffgym diagnose --out` writes a map.")
 
 
-def _judged(config: CheckLogs) -> tuple[list[tuple[str, QualityReport]], tuple[Mistake, ...]]:
+def _judge(config: CheckLogs) -> tuple[list[tuple[str, QualityReport]], tuple[Mistake, ...]]:
     """File names, each with the report of a motion in it; and what is wired wrongly in all logs together."""
-    whose, robot = _described(config.robot)
+    whose, robot = _describe(config.robot)
     # recordings in a folder are files of their own; with a column map, a folder may be one log
     files: list[str] = []
     for path in config.logs:
@@ -149,7 +149,7 @@ def _judged(config: CheckLogs) -> tuple[list[tuple[str, QualityReport]], tuple[M
     return reports, wiring
 
 
-def _described(name: str | None) -> tuple[RobotDescription | None, RobotDescription | None]:
+def _describe(name: str | None) -> tuple[RobotDescription | None, RobotDescription | None]:
     """The robot that logs are of, and the one to judge them by: None if its description lacks entries."""
     if name is None:
         return None, None

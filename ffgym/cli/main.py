@@ -101,16 +101,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     0 is success, 1 a request that cannot be met (one line on stderr), 2 arguments that do not parse, 130 Ctrl-C.
     """
-    return _guarded(lambda: _run(list(sys.argv[1:] if arguments is None else arguments)))
+    return _guard(lambda: _run(list(sys.argv[1:] if arguments is None else arguments)))
 
 
 def run_command(command: type[Any], prog: str, arguments: Sequence[str] | None = None) -> int:
     """Run a command of the repository, named `prog` in its help, as `main` runs a subcommand; `run` does its work."""
     given = sys.argv[1:] if arguments is None else arguments
-    return _guarded(lambda: _work(command, lambda options: options.run(), prog, given))
+    return _guard(lambda: _work(command, lambda options: options.run(), prog, given))
 
 
-def _guarded(run: Callable[[], int]) -> int:
+def _guard(run: Callable[[], int]) -> int:
     """Exit code of `run`, with its errors as one line."""
     try:
         missing = [name for name in ("tyro", "rich") if not is_installed(name)]
@@ -153,7 +153,9 @@ def _run(given: list[str]) -> int:
     command, options = COMMANDS[name], given[len(name.split()) :]
     if {"--help", "-h"} & set(options):
         print(f"example: ffgym {name} {command.example}\n")
-    return _work(loaded(command.options), lambda chosen: loaded(command.work)(chosen), f"ffgym {name}", options)
+    return _work(
+        load_object(command.options), lambda chosen: load_object(command.work)(chosen), f"ffgym {name}", options
+    )
 
 
 def _overview(group: str = "") -> str:
@@ -178,7 +180,7 @@ def _work(options: type[Any], work: Callable[[Any], None], prog: str, arguments:
     return 0
 
 
-def loaded(place: str) -> Any:
+def load_object(place: str) -> Any:
     """A class or function of a module below ffgym.cli, imported when it is asked for."""
     module, _, name = place.partition(":")
     return getattr(import_module(f"ffgym.cli.{module}"), name)

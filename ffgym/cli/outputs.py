@@ -25,7 +25,7 @@ def need_extra(who: str, *packages: str, extra: str = "cli,report") -> None:
 
 
 def given_options(command: Any, names: Sequence[str]) -> list[str]:
-    """Those of the options `names` of a command that have another value than their default, as they are typed."""
+    """List those of the options `names` of a command that have another value than their default, as they are typed."""
     defaults = {field.name: field.default for field in fields(command)}
     return ["--" + name.replace("_", "-") for name in names if getattr(command, name) != defaults[name]]
 

@@ -67,7 +67,7 @@ def run(config: Record) -> None:
 
 
 def _rig(config: Record, robot: str) -> Rig:
-    """Where the motions are run, with what measures on a simulated robot."""
+    """Make the rig on which the motions are run, with the sensors of a simulated robot."""
     rig = make_rig(robot)
     if not isinstance(rig, SimulatedRig):
         if given := given_options(config, ("exact", "torque_noise_percent")):

@@ -69,7 +69,7 @@ def _check(config: Simulate, is_measured: bool) -> dict[str, Path]:
 
 
 def _rig(config: Simulate) -> Rig:
-    """Where the motion is run."""
+    """Make the rig on which the motion is run."""
     if is_workcell(config.robot):
         if given := given_options(config, ("flexible", "friction", "gravity", "springs")):
             raise FFGymError(f"{given[0]} has no effect on {config.robot}, which is what it is. Leave it out.")

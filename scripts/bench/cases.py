@@ -1,4 +1,4 @@
-"""What is measured: each part of the benchmark, and the rates and amounts that it is made of."""
+"""Cases of the benchmark: each part, and the rates and amounts that it is made of."""
 
 import subprocess
 import sys
@@ -91,7 +91,7 @@ def holding_rate(machine: Machine, copies: int, threads: int) -> Rate:
 
 
 def effect_ratios(name: str, repeats: int, threads: int) -> Iterator[Ratio]:
-    """What is left of the speed with one effect and with eight, for one machine and for 36."""
+    """Measure the share of the speed that is left with one effect and with eight, for one machine and for 36."""
     robot = load_robot(name)
     for copies in (1, 36):
         nominal = holding_rate(Machine(robot=robot), copies, threads)
@@ -293,15 +293,15 @@ _IMPORT = "import time; began = time.perf_counter(); import ffgym; print(time.pe
 
 def memory_of(name: str, n: int, wanted: float | None = None) -> Amount:
     """Peak of memory that `n` sub-environments add to the import: made, reset and stepped 50 times."""
-    return Amount(f"memory of {n} x {name}", _printed(_MEMORY, name, str(n)), "MiB", wanted)
+    return Amount(f"memory of {n} x {name}", _print(_MEMORY, name, str(n)), "MiB", wanted)
 
 
 def import_time(repeats: int) -> Amount:
     """Median time of `import ffgym`."""
-    return Amount("import ffgym", float(np.median([_printed(_IMPORT) for _ in range(repeats)])), "s", wanted=1.0)
+    return Amount("import ffgym", float(np.median([_print(_IMPORT) for _ in range(repeats)])), "s", wanted=1.0)
 
 
-def _printed(code: str, *arguments: str) -> float:
+def _print(code: str, *arguments: str) -> float:
     """Number that a program prints."""
     done = subprocess.run([sys.executable, "-c", code, *arguments], capture_output=True, text=True, check=True)
     return float(done.stdout)

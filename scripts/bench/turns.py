@@ -15,7 +15,7 @@ WIDE = 0.1
 
 @dataclass(frozen=True)
 class Ratio:
-    """How much faster one thing is than another, from pairs of measurements next to each other in time."""
+    """Ratio of two speeds, from pairs of measurements next to each other in time."""
 
     title: str
     """What is measured against what."""
@@ -34,7 +34,7 @@ class Ratio:
 
     @property
     def is_wide(self) -> bool:
-        """Whether the machine was too busy to trust the median."""
+        """Tell whether the machine was too busy to trust the median."""
         low, median, high = self.quartiles()
         return high - low > WIDE * median
 

@@ -36,7 +36,7 @@ class CurrentOffset(Sensor):
     """As torque, motor side [N m], shape (N,)."""
 
     def apply(self, recording: Recording, rng: np.random.Generator) -> Recording:
-        """See base class."""
+        """Round the resolver's angle and add noise to it."""
         names = [f"motor.effort.{joint}" for joint in recording.header.joints]
         return recording.with_columns(
             {name: recording[name] + more for name, more in zip(names, self.offset, strict=True)}

@@ -109,7 +109,7 @@ class Case:
 
     @property
     def is_poor(self) -> bool:
-        """Whether its log is of small circles alone."""
+        """Tell whether its log is of small circles alone."""
         return self.row in ("poor", "poor_clean")
 
     def generator(self, *more: int) -> np.random.Generator:
@@ -157,7 +157,7 @@ def draw_case(row: Row, number: int, *, seed: int, arm: RigidArm | None = None) 
 
 def draw_machine(robot: RobotDescription, rng: np.random.Generator) -> tuple[Machine, Array]:
     """A machine as its description is wrong of one, and the offset of its current sensors [N m], shape (N,)."""
-    physical = miscalibrated(robot, rng)
+    physical = miscalibrate(robot, rng)
     offset = TORQUE_OFFSET * robot.friction.coulomb * rng.standard_normal(robot.n_joints)
     reflector = ToolFrame.on(robot, offset=TOOL_OFFSET * rng.standard_normal(3))
     rise: Array = rng.uniform(*RISE, size=robot.n_joints)
@@ -165,7 +165,7 @@ def draw_machine(robot: RobotDescription, rng: np.random.Generator) -> tuple[Mac
     return Machine(robot=physical, effects=(reflector,), climate=climate), offset
 
 
-def miscalibrated(robot: RobotDescription, rng: np.random.Generator) -> RobotDescription:
+def miscalibrate(robot: RobotDescription, rng: np.random.Generator) -> RobotDescription:
     """A robot like `robot` whose masses, rotors, friction, stiffness and damping all are a little different."""
 
     def off(*shape: int) -> Array:
@@ -191,7 +191,7 @@ def miscalibrated(robot: RobotDescription, rng: np.random.Generator) -> RobotDes
 
 
 def errors_beside(hidden: Hidden, described: RobotDescription, machine: Machine, offset: Array) -> dict[str, float]:
-    """What errors of the description add to the numbers of an effect, by their names.
+    """Compute what errors of the description add to the numbers of an effect, by their names.
 
     One number of the machine is off by both, and nobody can tell them apart. The machine is that of the log, without
     the effect; `offset` is that of its current sensors, as torque, motor side [N m], shape (N,).
@@ -212,7 +212,7 @@ def errors_beside(hidden: Hidden, described: RobotDescription, machine: Machine,
 
 
 def _hidden(row: Row, number: int, seed: int, robot: RobotDescription, rng: np.random.Generator) -> tuple[Hidden, ...]:
-    """What is hidden: kinds in an order by chance, so that as many questions as there are kinds have each once."""
+    """Draw hidden effects: kinds in an order by chance, so that as many questions as there are kinds have each once."""
     kinds, _ = _ASKED[row]
     if not kinds:
         return ()

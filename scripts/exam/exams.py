@@ -124,15 +124,15 @@ class OwnExam(Exam):
     robot, part, counts = ROBOT, "exam", draw.COUNTS
 
     def table(self, marks: Sequence[Mark]) -> list[Line]:
-        """See base class."""
+        """Compute the figures of the exam on the built-in robot."""
         return table(marks)
 
     def paper(self, row: Row, number: int, seed: int) -> OwnPaper:
-        """See base class."""
+        """Draw a question about the built-in robot."""
         return hand_out(draw_case(row, number, seed=seed, arm=_arm(self.robot)))
 
     def extras(self, paper: Paper, answer: Diagnosis) -> dict[str, Any]:
-        """What a poor log's proposal resolves, and what a loud effect's model gains."""
+        """Record the motions that a poor log's answer proposes, and compute the gain of a loud effect's model."""
         assert isinstance(paper, OwnPaper)
         then = self._resolve(paper, answer) if paper.case.is_poor else None
         loudness = min((one.loudness for one in paper.truth), default=0.0)
@@ -142,7 +142,7 @@ class OwnExam(Exam):
         return {"then": then, "gain": gain}
 
     def _resolve(self, paper: OwnPaper, answer: Diagnosis) -> Outcome | None:
-        """What the diagnosis comes to with the motions that it proposes; None if it proposes none."""
+        """Diagnose again with the motions that an answer proposes; None if it proposes none."""
         if answer.separating_motion is None:
             return None
         case = paper.case
@@ -165,15 +165,15 @@ class IndependentExam(Exam):
     robot, part, prefix, counts, fingerprint = "drawn", "independent", "independent_", question.COUNTS, None
 
     def table(self, marks: Sequence[Mark]) -> list[Line]:
-        """See base class."""
+        """Compute the figures of the exam on drawn machines."""
         return independent_table(marks)
 
     def head(self, seed: int) -> dict[str, Any]:
-        """See base class."""
+        """Describe the exam in the first line of its marks; no robot of the project is in it."""
         return {"format": "ffgym-exam", "exam": "independent", "seed": seed, "versions": versions()}
 
     def paper(self, row: Row, number: int, seed: int) -> Paper:
-        """See base class."""
+        """Draw a question about a drawn machine."""
         return question.hand_out(row, number, seed=seed)
 
     def answer(self, paper: Paper) -> Diagnosis:

@@ -1,4 +1,4 @@
-"""What a diagnosis is good for: its extended model predicts motions that it has not seen, under the same controller."""
+"""Gain of a diagnosis: its extended model predicts motions that it has not seen, under the same controller."""
 
 from collections.abc import Sequence
 from dataclasses import replace

@@ -43,7 +43,7 @@ class Hidden:
         return effect.variant_of if isinstance(effect, Variant) else effect.name
 
     def clue(self, robot: RobotDescription) -> Clue | None:
-        """What an answer must say of an effect outside the library."""
+        """Make the clue of an effect outside the library."""
         effect = self.effect
         return effect.clue(tuple(robot.joints), self.joint) if isinstance(effect, Outsider) else None
 
@@ -62,7 +62,7 @@ class Hidden:
         return {name: value + self.beside.get(name, 0.0) for name, value in found.items()}
 
     def truth(self, robot: RobotDescription, loudness: float) -> Truth:
-        """What marks need of it."""
+        """Describe the hidden effect for the marks."""
         return Truth(
             effect=self.effect.name,
             answer=self.answer,

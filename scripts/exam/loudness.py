@@ -1,4 +1,4 @@
-r"""How loud a hidden effect is: how far what it adds to the residual stands above what noise makes of it.
+r"""Loudness of a hidden effect: the energy that it adds to the residual over that of the noise.
 
 .. math:: \chi_0 = 1 + \max_c \frac1R \sum_{m,i} \left( \frac{\Delta_{mic}}{n_{mc}} \right)^2
 
@@ -46,7 +46,7 @@ Rows = Mapping[Channel, Array]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Yardstick:
-    """What noise and calibration come to in the motions of an exam."""
+    """Noise and calibration errors in the motions of an exam."""
 
     rms: Mapping[Channel, Array]
     """Of noise, (M, C) by channel."""
@@ -102,28 +102,28 @@ class Listener:
             {key: rows * doubt.sigma for key, rows in doubt.column.parts.items()}
             for doubt in list_nuisance_parameters(self._run, ParameterPrior())
         ]
-        noise = self._counted(self._residual)
+        noise = self._count(self._residual)
         self._yardstick = yardstick_of(noise, self._valid, log.sampling.row_dt, nuisance_columns)
 
     def energy(self, effect: Effect) -> float:
         """Energy that an effect adds, in energies of the noise."""
         machine = replace(self._nominal, effects=(effect,))
-        added = self._yardstick.energy(self._changed(predict(replay(self._run.log, machine, self._run)), self._without))
+        added = self._yardstick.energy(self._change(predict(replay(self._run.log, machine, self._run)), self._without))
         if added > 0:
             return added
         log = self._log((effect,))
         residual = compute_residuals(log, predict(replay(log, self._nominal)))
-        return self._yardstick.energy(self._changed(residual, self._residual))
+        return self._yardstick.energy(self._change(residual, self._residual))
 
     def _log(self, effects: tuple[Effect, ...]) -> Log:
-        """With the same noise at all times."""
+        """Assemble a log with the same noise at all times."""
         machine = replace(self._nominal, effects=effects, climate=self._climate)
         return assemble_log(machine.robot, self._bench.record(machine, seed=_NOISE_SEED))
 
-    def _changed(self, one: Rows, other: Rows) -> Rows:
-        return self._counted({channel: values - other[channel] for channel, values in one.items()})
+    def _change(self, one: Rows, other: Rows) -> Rows:
+        return self._count({channel: values - other[channel] for channel, values in one.items()})
 
-    def _counted(self, rows: Rows) -> Rows:
+    def _count(self, rows: Rows) -> Rows:
         return {channel: np.where(self._valid[..., None], values, 0.0) for channel, values in rows.items()}
 
 

@@ -1,4 +1,4 @@
-"""What an answer is worth: whether it names what is hidden, names what is not there, or says that it cannot tell."""
+"""Marks of answers: right names, names of effects that are not there, and answers that it cannot be told."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -53,7 +53,7 @@ class SizeMark:
 
     @property
     def is_covered(self) -> bool:
-        """Whether the interval holds the true size."""
+        """Tell whether the interval holds the true size."""
         return self.interval[0] <= self.true <= self.interval[1]
 
 
@@ -68,7 +68,7 @@ class Said:
 
 @dataclass(frozen=True, kw_only=True)
 class Gain:
-    """What simulation and machine differ by, in full closed loop, on two motions that were not diagnosed."""
+    """Difference of simulation and machine, in full closed loop, on two motions that were not diagnosed."""
 
     leftover: float
     """Energy with the causes, over that of noise and calibration without anything hidden; worst joint or axis."""
@@ -112,17 +112,17 @@ class Mark:
 
     @property
     def loudness(self) -> float:
-        """Of the quieter one of hidden effects; 1 if nothing is hidden."""
+        """Loudness of the quieter one of hidden effects; 1 if nothing is hidden."""
         return min((truth.loudness for truth in self.truth), default=1.0)
 
     @property
     def names_wrongly(self) -> bool:
-        """Whether the answer is sure of something that is not there."""
+        """Tell whether the answer is sure of an effect that is not there."""
         return self.verdict == "named" and self.outcome in ("wrong", "surplus")
 
     @property
     def name(self) -> str:
-        """Of the question."""
+        """Name of the question."""
         return f"{self.row}-{self.number}"
 
 
@@ -156,7 +156,7 @@ def mark_of(paper: Paper, answer: Diagnosis, **more: Any) -> Mark:
 
 
 def outcome(answer: Diagnosis, hidden: Sequence[Truth]) -> Outcome:
-    """What an answer comes to."""
+    """Compare an answer with the hidden effects."""
     if answer.verdict in ("none", "unknown", "insufficient"):
         return answer.verdict
     named = [(_family(cause.effect), cause.joint) for cause in answer.causes]
@@ -181,7 +181,7 @@ def _family(effect: str) -> str:
 
 
 def finds(clue: Clue, patterns: Sequence[Pattern], joint: str, joints: Sequence[str]) -> bool:
-    """Whether the strongest pattern in the residual of one of the `joints` is what a clue asks for."""
+    """Tell whether the strongest pattern in the residual of one of the `joints` is the one that a clue asks for."""
     own = [pattern for pattern in patterns if pattern.component == joint]
     if not own:
         return False

@@ -16,7 +16,7 @@ from scripts.exam.exams import EXAMS, ExamName
 from scripts.exam.marks import Mark, read_marks
 from scripts.exam.paper import Row
 from scripts.exam.report import figures_text, misses_text, outcomes_figure, outcomes_text
-from scripts.tables.page import renewed
+from scripts.tables.page import renew
 
 PAGE = Path(__file__).parents[2] / "docs" / "bench_diagnosis.md"
 
@@ -26,7 +26,7 @@ DPI = 100
 
 @dataclass(frozen=True)
 class Config:
-    """Which exam, and where it goes."""
+    """Exam whose results are written, and their page."""
 
     seed: int = 7
     """Of the exam."""
@@ -56,7 +56,7 @@ def main(config: Config) -> str:
     text = "\n\n".join(
         [
             f"`python -m scripts.exam {which}--seed {config.seed} --jobs 2 --out exam`, {day}, diagnosis at commit "
-            f"{config.commit}: {_asked(marks, exam.counts)}.",
+            f"{config.commit}: {_count_asked(marks, exam.counts)}.",
             figures_text(exam.table(marks)),
             f"![Each answer over loudness](pictures/{part}.png)",
             outcomes_text(marks),
@@ -64,12 +64,12 @@ def main(config: Config) -> str:
             f"```text\n{misses_text(marks)}\n```",
         ]
     )
-    config.page.write_text(renewed(config.page.read_text(encoding="utf-8"), {part: text}), encoding="utf-8")
+    config.page.write_text(renew(config.page.read_text(encoding="utf-8"), {part: text}), encoding="utf-8")
     return text
 
 
-def _asked(marks: Sequence[Mark], whole_exam: Mapping[Row, int]) -> str:
-    """How much of a whole exam was asked."""
+def _count_asked(marks: Sequence[Mark], whole_exam: Mapping[Row, int]) -> str:
+    """Say how much of a whole exam was asked."""
     counts, whole = Counter(mark.row for mark in marks), sum(whole_exam.values())
     if all(counts[row] >= count for row, count in whole_exam.items()):
         more = len(marks) - whole

@@ -82,8 +82,8 @@ def markdown(head: Sequence[str], body: Sequence[Sequence[str]]) -> str:
     return "\n".join("| " + " | ".join(c.ljust(w) for c, w in zip(row, widths, strict=True)) + " |" for row in rows)
 
 
-def summed_up(mark: Mark) -> str:
-    """What an answer came to, in one of a few words.
+def sum_up(mark: Mark) -> str:
+    """Sum an answer up in one of a few words.
 
     Of nothing hidden, `none` is right; outside the library, an answer that is sure of no name.
     """
@@ -148,7 +148,7 @@ def _draw_row(axes: "Axes", place: int, marks: Sequence[Mark], x: Callable[[Mark
         if ends[lane] > along:
             lane = ends.index(min(ends))
         ends[lane] = along * 10**_NEAR
-        name = summed_up(mark)
+        name = sum_up(mark)
         marker, colour = _LOOKS[name]
         height = place + 0.8 * (lane / (_LANES - 1) - 0.5)
         order = 3 + list(_LOOKS).index(name)

@@ -130,7 +130,7 @@ def _cell(varied: Varied | None) -> str:
 def vary(setting: str, factor: float, seed: int) -> Varied:
     """Ask the short exam with one setting changed, and compare the answers with those of the defaults."""
     before = setting_values()[setting]
-    value = _changed(setting, before, factor)
+    value = _change(setting, before, factor)
     changed, largest, marks = list[str](), 0.0, list[Mark]()
     began, error = time.perf_counter(), ""
     for row, number, axes in QUESTIONS:
@@ -160,7 +160,7 @@ def vary(setting: str, factor: float, seed: int) -> Varied:
     )
 
 
-def _changed(setting: str, before: float, factor: float) -> float:
+def _change(setting: str, before: float, factor: float) -> float:
     """Value of a setting times a factor; whole numbers stay whole, and at least 1."""
     if isinstance(before, int):
         return max(1, round(before * factor))

@@ -75,12 +75,12 @@ class SizesExam(Exam):
 
     @property
     def prefix(self) -> str:  # type: ignore[override]
-        """See base class."""
+        """Beginning of the name of the file of marks: the robot and what its log depends on."""
         return f"sizes_{Path(self.robot).stem}_"
 
     @property
     def counts(self) -> Mapping[Row, int]:
-        """See base class."""
+        """Number of questions: all sizes of all effects."""
         return {"size": self.cases * self.steps * len(self.kinds)}
 
     @property
@@ -109,22 +109,22 @@ class SizesExam(Exam):
         return []
 
     def texts(self, marks: Sequence[Mark]) -> list[str]:
-        """See base class."""
+        """Write the table of sizes, the wrong names, and what no log of these motions shows."""
         wrong = [mark for mark in marks if mark.names_wrongly]
         found, (_, others) = detectable_sizes(marks, self.steps), judgeable(self)
-        return [sizes_text(found), misses_text(wrong), unjudged_text(others)]
+        return [sizes_text(found), misses_text(wrong), write_unjudged(others)]
 
     def picture(self, marks: Sequence[Mark]) -> "Figure":
-        """See base class."""
+        """Draw the answers over loudness."""
         return sizes_figure(marks)
 
     def document(self, marks: Sequence[Mark]) -> dict[str, Any]:
-        """See base class."""
+        """Collect the table of sizes for programs."""
         found, (_, others) = detectable_sizes(marks, self.steps), judgeable(self)
         return {"sizes": [asdict(one) for one in found], "not_judgeable": [asdict(one) for one in others]}
 
     def head(self, seed: int) -> dict[str, Any]:
-        """See base class."""
+        """Describe robot, protocol and noise in the first line of the marks."""
         path = Path(self.protocol or "")  # a file, which may change, or a name
         motions = repr(bench_of(self).protocols) + (path.read_text(encoding="utf-8") if path.is_file() else "")
         asked = {name: value for name, value in asdict(self).items() if name not in ("effects", "cases")}
@@ -140,7 +140,7 @@ class SizesExam(Exam):
         }
 
     def paper(self, row: Row, number: int, seed: int) -> OwnPaper:
-        """See base class."""
+        """Draw a question: an effect at one of its sizes."""
         (ladder, place), step = divmod(number // self.steps, len(EFFECTS)), number % self.steps
         kind, key = list(EFFECTS.values())[place], (seed, ROWS.index("size"), place)
         bench, listener = bench_of(self), listener_of(self)
@@ -320,7 +320,7 @@ def sizes_text(found: Sequence[Detectable]) -> str:
     return markdown(["effect", "joint", "size", "unit", "found from", "not at", "loudness", "found"], body)
 
 
-def unjudged_text(others: Sequence[UnjudgedEffect]) -> str:
+def write_unjudged(others: Sequence[UnjudgedEffect]) -> str:
     """Effects that no such log can show, by reason."""
     by_reason: dict[str, list[str]] = defaultdict(list)
     for one in others:

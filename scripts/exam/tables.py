@@ -136,7 +136,7 @@ def independent_table(marks: Sequence[Mark]) -> list[Line]:
         ),
         none_of(4, "outside: named", outside, lambda m: m.verdict == "named"),
         share(4, "outside, 10 and more: right variable or frequency", strange, lambda m: m.clue_found is True, 0.8),
-        *_covered(single),
+        *_count_covered(single),
         *_run(6, marks, marks, _SECONDS_OF_INDEPENDENT),
     ]
 
@@ -200,7 +200,7 @@ def _gain(gains: Sequence[Gain]) -> list[Line]:
 
 
 def _run(number: int, marks: Sequence[Mark], timed: Sequence[Mark], limit: float) -> list[Line]:
-    """Whether answers are the same twice, and how long those of `timed` take, which may be `limit` [s] at most."""
+    """Tell whether answers are the same twice, and how long those of `timed` take, of `limit` [s] at most."""
     repeated, seconds = [mark for mark in marks if mark.same_bytes is not None], [mark.seconds for mark in timed]
     most = max(seconds, default=np.nan)
     got = f"median {_median(seconds):.0f} s, longest {most:.0f} s"
@@ -210,7 +210,7 @@ def _run(number: int, marks: Sequence[Mark], timed: Sequence[Mark], limit: float
     ]
 
 
-def _covered(single: Sequence[Mark]) -> list[Line]:
+def _count_covered(single: Sequence[Mark]) -> list[Line]:
     """Intervals of the effects that were named, all of them and the effect that does worst."""
     by_effect: dict[str, list[SizeMark]] = defaultdict(list)
     for mark in single:

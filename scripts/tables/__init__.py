@@ -50,7 +50,7 @@ PAGES = {**DEFINED, **COMPUTED}
 
 @dataclass(frozen=True)
 class Config:
-    """Which pages, and where they go."""
+    """Pages to renew, and their place."""
 
     page: tuple[str, ...] = tuple(DEFINED)
     """Pages to renew, by their place in docs/; none given is all that follow from the code."""

@@ -87,7 +87,7 @@ def column_maps() -> Contents:
     for si, others in UNITS.items():
         also = [unit for unit, angle in COUNTS.items() if angle == si]
         units.append((f"`{si}`", ", ".join(f"`{unit}`" for unit in (si, *others, *also))))
-    parts = {name: _named("key", "meaning", meanings) for name, meanings in KEYS.items()}
+    parts = {name: _name("key", "meaning", meanings) for name, meanings in KEYS.items()}
     return Contents(parts=parts | {"units": markdown(("kept in", "may come in"), units)})
 
 
@@ -132,25 +132,25 @@ def quality() -> Contents:
 
 
 def motion_files() -> Contents:
-    """What a motion file may say, its parts and limits, and the built-in motions with the first comment of each."""
+    """List the entries, parts and limits of a motion file, and the built-in motions with their first comments."""
     files = sorted(builtin_files().items())
     comments = {
         name: re.search(r"^\s*[#!] (.*)$", file.read_text(encoding="utf-8"), flags=re.M) for name, file in files
     }
     return Contents(
         parts={
-            "head": _named("entry", "meaning", HEAD),
+            "head": _name("entry", "meaning", HEAD),
             "parts": "\n\n".join(
                 _section(kind, part.__doc__ or "", "entry", entries(part)) for kind, part in PARTS.items()
             ),
             "limits": _table("limit", fields(MotionLimits)),
-            "built-in": _named("name", "motion", {name: found[1] if found else "" for name, found in comments.items()}),
+            "built-in": _name("name", "motion", {name: found[1] if found else "" for name, found in comments.items()}),
         }
     )
 
 
 def protocols() -> Contents:
-    """What each protocol serves, how long it takes, and its settings."""
+    """List what each protocol serves, how long it takes, and its settings."""
     arms = [RigidArm(load_robot(name)) for name in _ROBOTS]
     rows = []
     for name, protocol in PROTOCOLS.items():
@@ -201,5 +201,5 @@ def _default(f: Field[Any]) -> str:
     return f"{f.default:g}" if isinstance(f.default, float) else str(f.default)
 
 
-def _named(name: str, meaning: str, meanings: Mapping[str, str]) -> str:
+def _name(name: str, meaning: str, meanings: Mapping[str, str]) -> str:
     return markdown((name, meaning), [(f"`{key}`", text) for key, text in meanings.items()])

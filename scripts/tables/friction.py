@@ -63,7 +63,7 @@ SEED = 0
 def coverage(
     robots: dict[str, int] = REPETITIONS, resamples: int = 200, physics_dt: float = 6.25e-5, record_dt: float = 5e-4
 ) -> Contents:
-    """How well friction is found again where it is known, and how often its intervals are right.
+    """Identify friction where it is known, and count how often intervals hold it.
 
     Args:
         robots: repetitions by robot, built-in or a path to a description.
@@ -86,9 +86,9 @@ def coverage(
         bodies = replace(robot.bodies, inertia=share * robot.bodies.inertia)
         drive = replace(robot.drive, rotor_inertia=share * robot.drive.rotor_inertia)
         model = RigidArm(replace(robot, bodies=bodies, drive=drive, friction=robot.friction.scale(**BEFORE)))
-        repeated = (_identified(model, exact, number, resamples) for number in range(repetitions))
+        repeated = (_identify(model, exact, number, resamples) for number in range(repetitions))
         found, ends = zip(*repeated, strict=True)
-        numbers[robot.name] = {"joints": list(joints), **counted(arm, np.stack(found), np.stack(ends))}
+        numbers[robot.name] = {"joints": list(joints), **count_covered(arm, np.stack(found), np.stack(ends))}
         # mean error, largest error, and how often the interval holds the truth
         rows = []
         for j, joint in enumerate(joints):
@@ -101,7 +101,7 @@ def coverage(
     return Contents(parts=parts, numbers=numbers)
 
 
-def _identified(model: RigidArm, exact: Sequence[Recording], number: int, resamples: int) -> tuple[Array, Array]:
+def _identify(model: RigidArm, exact: Sequence[Recording], number: int, resamples: int) -> tuple[Array, Array]:
     """Parameters found with other noise, (N, 6), and their intervals, (N, 6, 2)."""
     robot, bits = model.robot, model.robot.sensors.encoder_bits
     resolver = Resolver(bits=bits, noise=ANGLE_NOISE * 2 * np.pi / 2**bits)
@@ -115,7 +115,7 @@ def _identified(model: RigidArm, exact: Sequence[Recording], number: int, resamp
     return np.array(values), np.array(ends)
 
 
-def counted(arm: RigidArm, found: Array, ends: Array) -> dict[str, Any]:
+def count_covered(arm: RigidArm, found: Array, ends: Array) -> dict[str, Any]:
     """Errors and shares of intervals that hold the truth, for parameters (B, N, 6) and intervals (B, N, 6, 2)."""
     truth = np.stack([getattr(arm.robot.friction, name) for name in NAMES], axis=1)
     error = found / truth - 1

@@ -28,7 +28,7 @@ def elastic(
     speeds: Sequence[float] = SPEEDS,
     radii: Sequence[float] = RADII,
 ) -> Contents:
-    """What elastic feed-forward is worth, with a wrong model, and what limits it: mean RMS path error [mm]."""
+    """Compare elastic feed-forward with right and wrong models: mean RMS path error [mm]."""
     described = load_robot(robot)
     cases: dict[str, dict[str, tuple[RobotDescription, FeedForwardLaw]]] = {
         "law": {law.name: (described, law) for law in laws_of(described)},
@@ -93,7 +93,7 @@ def model(
     speeds: Sequence[float] = SPEEDS,
     radii: Sequence[float] = (0.001, 0.003),
 ) -> Contents:
-    """What feed-forward from a machine's own model gives back of what each effect takes: mean RMS path error [um].
+    """Compare feed-forward from a machine's own model with none, for each effect: mean RMS path error [um].
 
     Effects are put on the robot that the controller knows, one at a time, at a share of the strongest plausible size;
     those that no torque compensates are left out.

@@ -34,13 +34,13 @@ class Contents:
         """Renew the parts of a page, and the pictures that it shows from its folder pictures/."""
         text = read_text(page) if WHOLE not in self.parts else ""
         if self.parts:
-            write_text(page, renewed(text, self.parts))
+            write_text(page, renew(text, self.parts))
         for name, figure in self.pictures.items():
             if f"(pictures/{name}.png)" in text:
                 save_figure(figure, page.parent / "pictures" / f"{name}.png", DPI)
 
 
-def renewed(text: str, parts: Mapping[str, str]) -> str:
+def renew(text: str, parts: Mapping[str, str]) -> str:
     """Text of a page with its parts replaced.
 
     Raises:

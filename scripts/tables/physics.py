@@ -1,4 +1,4 @@
-"""How far the physics step is from the limit of small steps: docs/physics.md, in about half a minute."""
+"""Distance of the physics step from the limit of small steps: docs/physics.md, in about half a minute."""
 
 from collections.abc import Sequence
 from dataclasses import replace

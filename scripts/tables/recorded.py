@@ -48,7 +48,7 @@ SPREADS_OF_MASSES: Mapping[str, float | None] = {"near CAD": NEAR_CAD, "free": N
 """Spreads of masses by name; None is chosen from the fitted run."""
 
 
-def measured(machine: str, file: str) -> Recording:
+def measure(machine: str, file: str) -> Recording:
     """A published recording, e.g. of the 'emps' its file 'emps_id', of the 'kuka_kr300_2020' its run 'A'.
 
     Raises:
@@ -83,7 +83,7 @@ def torques(runs: tuple[str, ...] = ("A", "C"), cutoff: float = CUTOFF) -> Conte
 
 def torque_of(run: str, cutoff: float = CUTOFF) -> TorquePrediction:
     """Predictions of the motor torque of a run."""
-    recording = measured("kuka_kr300_2020", run)
+    recording = measure("kuka_kr300_2020", run)
     return predict_torque(load_robot(recording.header.robot), recording, KR300_FRICTION, cutoff)
 
 
@@ -101,8 +101,8 @@ def torque_table(prediction: TorquePrediction) -> str:
 
 def rigid_bodies() -> Contents:
     """Rigid-body identification of two recorded machines beside what was published of them."""
-    fits = emps_fits(measured("emps", "emps_id"))
-    run_a, run_c = (measured("kuka_kr300_2020", run) for run in ("A", "C"))
+    fits = emps_fits(measure("emps", "emps_id"))
+    run_a, run_c = (measure("kuka_kr300_2020", run) for run in ("A", "C"))
     return Contents(
         parts={
             "emps": _emps_table(fits),
@@ -231,7 +231,7 @@ def _spring_table(fits: Mapping[str, RigidBodyFit], run: Recording) -> str:
 
 
 def diagnosis() -> Contents:
-    """Where the model of the example logs is wrong, before and after the diagnosis."""
+    """Diagnose the example logs: where their model is wrong before and after."""
     examined = examine(load_robot(EXAMPLE_ROBOT), example_logs())
     assert examined.before is not None
     return Contents(pictures=diagnosis_pictures(examined.before, examined.after))

@@ -151,7 +151,7 @@ def reproduce(items: Sequence[Item], laboratory: Laboratory) -> Iterator[Reprodu
 
 
 def count(results: Sequence[Reproduced]) -> dict[Verdict, int]:
-    """How many claims have each verdict; verdicts that none has are left out."""
+    """Count the claims with each verdict; verdicts that none has are left out."""
     found = Counter(judgement.verdict for result in results for judgement in result.judgements)
     return {verdict: found[verdict] for verdict in VERDICTS if found[verdict]}
 

@@ -67,7 +67,7 @@ class Check:
 
     @property
     def true(self) -> bool:
-        """Whether the comparison comes out as the claim says."""
+        """Tell whether the comparison comes out as the claim says."""
         return self.value < self.limit
 
     @property
@@ -192,7 +192,7 @@ def number(entry: Any, cells: Cells, laboratory: Laboratory) -> Any:
     """Number that an entry of the table stands for, or one per random start; None where nothing can be measured."""
     if isinstance(entry, str):
         first, _, second = entry.rpartition(" - ")
-        return _named(first, cells) - _named(second, cells) if first else _named(second, cells)
+        return _name(first, cells) - _name(second, cells) if first else _name(second, cells)
     if not isinstance(entry, Mapping):
         return entry
     if "apart" in entry:
@@ -239,7 +239,7 @@ def _combinations(each: Cells, lists: Mapping[str, list[Any]]) -> Iterator[dict[
         yield found
 
 
-def _named(name: str, cells: Cells) -> float:
+def _name(name: str, cells: Cells) -> float:
     """Number of a cell, of a threshold, or as it is written."""
     value = cells.get(name, THRESHOLDS.get(name, name))
     return float(number(value, {}, measures.NOTHING) if isinstance(value, str) and value != name else value)

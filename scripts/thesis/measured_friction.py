@@ -36,7 +36,7 @@ RESAMPLES = 200
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MeasuredFriction:
-    """What was measured of some joints of a machine, and what was identified from part of it."""
+    """Friction of some joints of a machine as measured, and as identified from part of it."""
 
     joint: str
     """The joint that figures show."""
@@ -57,11 +57,11 @@ class MeasuredFriction:
 
     @property
     def known(self) -> dict[str, Array]:
-        """What was found about the model of the arm, which is no friction."""
+        """Errors of the model of the arm that were found, which are no friction."""
         return {"inertia_error": self.found.inertia_error, "offset": self.found.offset}
 
     def errors_of(self, model: str) -> dict[int, Validation]:
-        """What a model leaves of each record, by number; inertia error and offset count for all alike; found once."""
+        """Validate a model on each record, by number; inertia error and offset count for all alike; found once."""
         if model not in self._errors:
             found = self._errors[model] = {}
             for number, torque in self.records.items():

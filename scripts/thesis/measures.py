@@ -110,7 +110,7 @@ def kept(
     return 1 - gone(laboratory, of, law, "path", than, position, speed, radius)
 
 
-def published_gone(laboratory: Laboratory, of: str, law: str, speed: float) -> float | None:
+def measure_published(laboratory: Laboratory, of: str, law: str, speed: float) -> float | None:
     """Share of the published mean RMS path error that is gone."""
     [table] = circle_tables(getattr(laboratory, of).only(speeds=[speed]))
     return reduction(table.mean_published_rms(law), table.mean_published_rms("none"))
@@ -170,49 +170,49 @@ def sine_left(laboratory: Laboratory, of: str, law: str, frequency: float) -> fl
 
 def axis_miss(laboratory: Laboratory, of: str, law: str, frequency: float, above: float = -1.0) -> float:
     """RMS of friction minus added torque over RMS friction, where the motor is faster than `above` [rad/s]."""
-    recording, rows = _settled(laboratory, of, law, frequency)
+    recording, rows = _settle(laboratory, of, law, frequency)
     return float(friction_miss(recording, rows & (_speed_size(recording) > above))[0])
 
 
 def feedback(laboratory: Laboratory, of: str, law: str, frequency: float) -> float:
     """RMS feedback torque [N m], motor side."""
-    recording, rows = _settled(laboratory, of, law, frequency)
+    recording, rows = _settle(laboratory, of, law, frequency)
     return rms(recording.joint_array("feedback.effort")[rows, 0])
 
 
 def feedback_at_reversal(laboratory: Laboratory, of: str, law: str, frequency: float) -> float:
     """RMS feedback [N m] while the speed goes from negative to positive."""
-    recording, rows = _settled(laboratory, of, law, frequency)
+    recording, rows = _settle(laboratory, of, law, frequency)
     rises = np.gradient(recording.joint_array("reference.velocity")[:, 0]) > 0
     return rms(recording.joint_array("feedback.effort")[rows & (_speed_size(recording) < BEND) & rises, 0])
 
 
 def speed_of_largest_error(laboratory: Laboratory, of: str, law: str, frequency: float) -> float:
     """Motor speed without sign [rad/s] at which the motor error is largest."""
-    recording, rows = _settled(laboratory, of, law, frequency)
+    recording, rows = _settle(laboratory, of, law, frequency)
     return float(_speed_size(recording)[rows][np.abs(motor_error(recording)[rows, 0]).argmax()])
 
 
 def peak_near_rest(laboratory: Laboratory, of: str, frequency: float, law: str = "none") -> float:
     """Largest friction below BEND [N m]."""
-    recording, rows = _settled(laboratory, of, law, frequency)
+    recording, rows = _settle(laboratory, of, law, frequency)
     return float(np.abs(recording.joint_array("friction.effort")[rows & (_speed_size(recording) < BEND), 0]).max())
 
 
 def off_the_branches(laboratory: Laboratory, of: str, law: str, frequency: float) -> float:
     """RMS distance of a static law from the mean of both branches of friction below BEND [N m]."""
-    recording, _ = _settled(laboratory, of, law, frequency)
+    recording, _ = _settle(laboratory, of, law, frequency)
     up, down = _branches(recording, "friction.effort")
     return rms(np.mean(_branches(recording, "compensation.effort"), axis=0) - (up + down) / 2)
 
 
 def half_a_loop(laboratory: Laboratory, of: str, law: str, frequency: float) -> float:
     """Half the RMS distance of both branches of friction below BEND [N m]."""
-    up, down = _branches(_settled(laboratory, of, law, frequency)[0], "friction.effort")
+    up, down = _branches(_settle(laboratory, of, law, frequency)[0], "friction.effort")
     return rms((up - down) / 2)
 
 
-def _settled(laboratory: Laboratory, of: str, law: str, frequency: float) -> tuple[Recording, BoolArray]:
+def _settle(laboratory: Laboratory, of: str, law: str, frequency: float) -> tuple[Recording, BoolArray]:
     """The recording, and its rows after the start has settled, shape (T,)."""
     recording: Recording = getattr(laboratory, of).recordings[law, frequency]
     return recording, np.asarray(recording.t >= SETTLED)
@@ -364,7 +364,7 @@ def static_curve(laboratory: Laboratory, record: str) -> float:
 
 
 def static_of(laboratory: Laboratory, record: str) -> Misfit:
-    """What the static curve leaves of a record."""
+    """Compute what the static curve leaves of a record."""
     return static_misfit(laboratory.axis.friction, (laboratory.narx_records | laboratory.narx_reach)[record])
 
 

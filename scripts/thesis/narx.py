@@ -179,6 +179,6 @@ def fit_narx(
 
 
 def static_misfit(friction: LuGreParameters, samples: Samples) -> Misfit:
-    """How far the static curve is from the friction of a record: the floor that a network with memory must beat."""
+    """Compute the misfit of the static curve to a record: the floor that a network with memory must beat."""
     rows = samples.scored
     return Misfit.of(friction.steady_torque(samples.motor_dq)[rows], samples.torque[rows])

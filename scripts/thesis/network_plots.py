@@ -65,7 +65,7 @@ def training_figure(trainings: Mapping[str, Training], joints: Sequence[str]) ->
 
 
 def training_caption(trainings: Mapping[str, Training], joints: Sequence[str]) -> str:
-    """What the figure shows, and what is left after the last trial."""
+    """Write the caption of the figure, and what is left after the last trial."""
     ends = []
     for title, training in trainings.items():
         each = ", ".join(

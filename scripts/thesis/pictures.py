@@ -39,7 +39,7 @@ ITERATIONS = 15
 """As in thesis 5.3.1."""
 
 
-def _named(figure: ReportFigure, name: str, title: str) -> ReportFigure:
+def _name(figure: ReportFigure, name: str, title: str) -> ReportFigure:
     """Figure of a report under the name of the thesis' figure."""
     return replace(figure, name=name, title=title, thesis="")
 
@@ -47,13 +47,13 @@ def _named(figure: ReportFigure, name: str, title: str) -> ReportFigure:
 def axis_friction(laboratory: Laboratory, name: str, of: str, frequency: float) -> list[ReportFigure]:
     """Friction of one axis over speed, and what each law adds."""
     study = getattr(laboratory, of).only(frequencies=[frequency])
-    return [_named(one_axis_loops_figure(study), name, "Friction and added torque over speed")]
+    return [_name(one_axis_loops_figure(study), name, "Friction and added torque over speed")]
 
 
 def axis_outputs(laboratory: Laboratory, name: str, of: str, frequency: float) -> list[ReportFigure]:
     """Speed, error and feedback of one axis over time."""
     study = getattr(laboratory, of).only(frequencies=[frequency])
-    return [_named(one_axis_figure(study, frequency), name, "Speed, motor error and feedback before and after")]
+    return [_name(one_axis_figure(study, frequency), name, "Speed, motor error and feedback before and after")]
 
 
 def paths(laboratory: Laboratory, name: str, of: str, position: str, speed: float) -> list[ReportFigure]:
@@ -69,8 +69,8 @@ def network_paths(laboratory: Laboratory, name: str, of: str, position: str, spe
 
 def _paths(name: str, study: CircleStudy) -> list[ReportFigure]:
     return [
-        _named(paths_figure(study), f"{name}a", "Path of the tool"),
-        _named(motor_error_figure(study), f"{name}b", "RMS motor position error per joint"),
+        _name(paths_figure(study), f"{name}a", "Path of the tool"),
+        _name(motor_error_figure(study), f"{name}b", "RMS motor position error per joint"),
     ]
 
 
@@ -78,7 +78,7 @@ def joint_friction(laboratory: Laboratory, name: str, of: str, speed: float) -> 
     """Friction of each joint over speed at p1, what each law adds, and what dynamic LuGre would add."""
     study = getattr(laboratory, of).only(positions=["p1"], speeds=[speed])
     figure = joint_loops_figure(study, beside="lugre_dynamic")
-    return [_named(figure, name, "Friction and added torque of each joint over speed")]
+    return [_name(figure, name, "Friction and added torque of each joint over speed")]
 
 
 def training(laboratory: Laboratory, name: str, of: str) -> list[ReportFigure]:
@@ -210,11 +210,11 @@ def stability(laboratory: Laboratory, name: str) -> list[ReportFigure]:
     arm = RigidArm(laboratory.axis)
     trial = SimulatedTrial(arm=arm, n_threads=laboratory.n_threads)
     curves = learning_curves(StaticBSN.zero(1), trial, thesis_motions(arm)[0], RATES, ITERATIONS)
-    return [_named(learning_figure(curves), name, "Learning at several rates, predicted and simulated")]
+    return [_name(learning_figure(curves), name, "Learning at several rates, predicted and simulated")]
 
 
-def reidentified(laboratory: Laboratory, name: str, of: str) -> list[ReportFigure]:
+def draw_reidentified(laboratory: Laboratory, name: str, of: str) -> list[ReportFigure]:
     """Motor errors with old and with identified parameters."""
     study = getattr(laboratory, of)
     title = "RMS motor position error per joint, with old and with identified parameters"
-    return [_named(motor_error_figure(study), name, title)]
+    return [_name(motor_error_figure(study), name, title)]

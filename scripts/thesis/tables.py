@@ -86,7 +86,7 @@ def mean_rms(laboratory: Laboratory) -> dict[str, list[float]]:
 
 
 def agents(laboratory: Laboratory) -> Table:
-    """What each agent may know, how much it tried, and its mean path errors."""
+    """List what each agent may know, how much it tried, and its mean path errors."""
     errors = mean_rms(laboratory)
 
     def error(value: float, without: float) -> str:
@@ -159,7 +159,7 @@ def spread(values: Array) -> str:
     return f"{np.median(values):.1f} ({values.min():.1f} to {values.max():.1f})"
 
 
-def reidentified(laboratory: Laboratory, of: str) -> Table:
+def list_reidentified(laboratory: Laboratory, of: str) -> Table:
     """Mean path errors with old and with identified parameters."""
     study = getattr(laboratory, of)
     rows = []

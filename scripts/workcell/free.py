@@ -89,7 +89,7 @@ def applied(prior: Trees, x: Array) -> dict[File, dict[str, Any]]:
     return out
 
 
-def changed_entries() -> set[tuple[File, str]]:
+def list_changes() -> set[tuple[File, str]]:
     """Files and entries that the calibration changes."""
     return {(free.file, entry) for free in FREE for entry in free.entries}
 
@@ -109,7 +109,7 @@ def prior_trees(nominal: RobotDescription) -> dict[File, dict[str, Any]]:
         "machine": tomllib.loads((_FOLDER / "prior.toml").read_text(encoding="utf-8")),
         "controller": {},
     }
-    for file, entry in sorted(changed_entries()):
+    for file, entry in sorted(list_changes()):
         group, _, name = entry.partition(".")
         if entry in nominal.quantities:  # the others are in the file
             trees[file].setdefault(group, {})[name] = _table(nominal, entry)
@@ -136,7 +136,7 @@ def _table(nominal: RobotDescription, entry: str) -> dict[str, Any]:
 
 def write_result(prior: Trees, x: Array) -> None:
     """Write the machine's file and its controller's parameters with the free numbers `x` (K,) in them."""
-    trees = rounded(applied(prior, x))
+    trees = round_entries(applied(prior, x))
     _write(MACHINE, "machine", trees["machine"], prior)
     parameters = {
         "robot": "irb4600_60_205",
@@ -145,10 +145,10 @@ def write_result(prior: Trees, x: Array) -> None:
     _write(CONTROLLER, "controller", {"parameters": parameters, **trees["controller"]}, prior)
 
 
-def rounded(trees: Trees) -> dict[File, dict[str, Any]]:
+def round_entries(trees: Trees) -> dict[File, dict[str, Any]]:
     """The tables with changed numbers as they are written."""
     out: dict[File, dict[str, Any]] = dict(trees)
-    for file, entry in changed_entries():
+    for file, entry in list_changes():
         table = table_at(out[file], entry)
         table["value"] = _to_digits(table["value"])
     return out
@@ -161,7 +161,7 @@ def _to_digits(value: Any) -> Any:
 
 
 def _write(path: Path, file: File, tree: Mapping[str, Any], prior: Trees) -> None:
-    for changed_file, entry in changed_entries():
+    for changed_file, entry in list_changes():
         if changed_file == file:
             _mark_fitted(table_at(tree, entry), table_at(prior[file], entry))
     heads = [key for key in ("parameters", "workcell", "machine") if key in tree]
@@ -183,6 +183,6 @@ def _mark_fitted(table: dict[str, Any], before: Mapping[str, Any]) -> None:
 
 
 def _first_axis(value: Any) -> Any:
-    """Whether entries differ is asked per joint."""
+    """Tell per joint whether entries differ."""
     array = np.atleast_1d(np.asarray(value, dtype=np.float64))
     return array if array.ndim == 1 else array[:, 0]

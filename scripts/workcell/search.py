@@ -61,7 +61,7 @@ class Played(FeedForwardLaw):
     name: str = "played"
 
     def torque(self, reference: Reference) -> Array:
-        """See base class."""
+        """Return the torque of the commissioned feed-forward along a reference."""
         return self.torques[id(reference)]
 
 

@@ -21,7 +21,7 @@ FITTED = METHODS[:3]
 Say = Callable[[str], None]
 
 
-def measured_cells(cell: Workcell, n_threads: int, say: Say) -> list[StudyCell]:
+def measure_cells(cell: Workcell, n_threads: int, say: Say) -> list[StudyCell]:
     """Circles with all laws of the thesis on a workcell, as its tracker measures them.
 
     Networks are trained on the workcell as in thesis 5.4: at p1, at the speed at which they are judged.

@@ -9,7 +9,7 @@ import pytest
 
 from ffgym.cli.learning_options import Leaderboard
 from ffgym.cli.log_options import Diagnose, Identify
-from ffgym.cli.main import _MOVED, COMMANDS, loaded, main
+from ffgym.cli.main import _MOVED, COMMANDS, load_object, main
 from ffgym.cli.motion_options import Demo, Export
 from ffgym.core.errors import FFGymError
 from ffgym.core.version import __version__
@@ -284,7 +284,7 @@ def test_agents_and_parameters_that_are_not_there_are_one_line(arguments, messag
 
 def test_every_subcommand_has_options_and_a_function_that_takes_them():
     for command in COMMANDS.values():
-        options, work = loaded(command.options), loaded(command.work)
+        options, work = load_object(command.options), load_object(command.work)
         assert work.__annotations__ == {"config": options, "return": None}
 
 
@@ -305,8 +305,8 @@ def test_help_of_every_command_loads_next_to_nothing_of_the_package_and_no_libra
 
 def test_modules_of_commands_load_no_library_that_only_some_of_their_options_need():
     script = (
-        "import sys; from ffgym.cli.main import COMMANDS, loaded\n"
-        "for command in COMMANDS.values(): loaded(command.work)\n"
+        "import sys; from ffgym.cli.main import COMMANDS, load_object\n"
+        "for command in COMMANDS.values(): load_object(command.work)\n"
         "print([name for name in ('torch', 'stable_baselines3', 'matplotlib', 'jinja2', 'rich', 'imageio', 'ray') "
         "if name in sys.modules])"
     )

@@ -5,7 +5,7 @@ import pytest
 from ffgym.core.errors import FFGymError
 from scripts.exam.marks import Mark
 from scripts.exam.paper import Truth
-from scripts.exam.report import GOOD, PART, SILENT, TIE, WRONG, outcomes_figure, summed_up
+from scripts.exam.report import GOOD, PART, SILENT, TIE, WRONG, outcomes_figure, sum_up
 
 
 def mark(row="single", outcome="right", verdict="named", loudness=20.0, number=0):
@@ -44,7 +44,7 @@ def mark(row="single", outcome="right", verdict="named", loudness=20.0, number=0
     ],
 )
 def test_what_an_answer_is_summed_up_to(row, outcome, verdict, word):
-    assert summed_up(mark(row, outcome, verdict)) == word
+    assert sum_up(mark(row, outcome, verdict)) == word
 
 
 def test_each_answer_has_a_marker_at_its_loudness_and_none_hides_another():

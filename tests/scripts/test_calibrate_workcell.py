@@ -18,9 +18,9 @@ from scripts.workcell.free import (
     FREE,
     SPREAD,
     applied,
-    changed_entries,
+    list_changes,
     prior_trees,
-    rounded,
+    round_entries,
     table_at,
     write_result,
 )
@@ -39,7 +39,7 @@ def index_of(name):
 
 def test_free_numbers_have_names_of_their_own_and_change_entries_that_exist(prior):
     assert len({free.name for free in FREE}) == len(FREE)
-    for file, entry in changed_entries():
+    for file, entry in list_changes():
         assert table_at(prior[file], entry)["unit"]
 
 
@@ -70,7 +70,7 @@ def test_files_that_are_written_are_read_as_what_was_simulated(prior, irb4600, t
     monkeypatch.setattr(files, "CONTROLLER", controller)
     x = 0.5 * SPREAD * np.random.default_rng(0).uniform(-1, 1, len(FREE))
     write_result(prior, x)
-    simulated, tree = rounded(applied(prior, x)), tree_of(machine)
+    simulated, tree = round_entries(applied(prior, x)), tree_of(machine)
     cell, same = build("test", tree), build("test", simulated["machine"])
     np.testing.assert_array_equal(cell.machine.robot.friction.coulomb, same.machine.robot.friction.coulomb)
     np.testing.assert_array_equal(cell.machine.robot.bodies.inertia, same.machine.robot.bodies.inertia)

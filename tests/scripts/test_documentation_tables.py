@@ -12,7 +12,7 @@ from ffgym.core.errors import FFGymError
 from ffgym.effects import EFFECTS
 from ffgym.simulation.plant import Machine
 from scripts.tables import COMPUTED, DEFINED, PAGES, Config, friction, laws, main, recorded
-from scripts.tables.page import DOCS, Contents, renewed
+from scripts.tables.page import DOCS, Contents, renew
 from tests.diagnosis.residual_samples import made_up
 
 needs_data = pytest.mark.skipif(
@@ -37,7 +37,7 @@ def part_of(page, name):
 @pytest.mark.parametrize("page", DEFINED)
 def test_what_follows_from_the_code_is_current(page):
     text = (DOCS / page).read_text(encoding="utf-8")
-    assert text == renewed(text, DEFINED[page]().parts), "run: python -m scripts.tables"
+    assert text == renew(text, DEFINED[page]().parts), "run: python -m scripts.tables"
 
 
 def test_every_page_that_has_made_parts_is_registered():
@@ -48,10 +48,10 @@ def test_every_page_that_has_made_parts_is_registered():
 
 def test_a_part_is_replaced_between_its_marks_and_a_page_without_them_is_refused():
     page = "a\n<!-- laws -->\nold\n<!-- end -->\nb\n<!-- rows -->\n<!-- end -->\n"
-    text = renewed(page, {"laws": "new", "rows": "more"})
+    text = renew(page, {"laws": "new", "rows": "more"})
     assert text == "a\n<!-- laws -->\nnew\n<!-- end -->\nb\n<!-- rows -->\nmore\n<!-- end -->\n"
     with pytest.raises(FFGymError, match="lacks the marks"):
-        renewed("nothing here", {"laws": "new"})
+        renew("nothing here", {"laws": "new"})
 
 
 def test_the_command_renews_pages_and_writes_numbers_and_pictures(tmp_path, monkeypatch, irb4600, capsys):

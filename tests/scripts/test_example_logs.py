@@ -8,7 +8,7 @@ from ffgym.logs.quality import check_quality
 from ffgym.recordings.npz import decode
 from ffgym.robot import load_robot
 from ffgym.workcell import SealedMachine
-from scripts.example_logs import STEPS, Config, encoded, example_cell, recordings
+from scripts.example_logs import STEPS, Config, encode, example_cell, recordings
 
 SEED = Config().seed
 SHORTEST = 6
@@ -38,7 +38,7 @@ def test_the_script_makes_all_logs_again():
 
 def test_the_file_of_a_log_loses_nothing():
     log = example_logs()[SHORTEST]
-    assert decode(encoded(log)).equals(log)
+    assert decode(encode(log)).equals(log)
 
 
 def test_the_quality_gate_lets_the_logs_pass():

@@ -38,7 +38,7 @@ class Variant(Equation):
 
 @dataclass(frozen=True, kw_only=True)
 class Clue:
-    """What an answer must say of an effect that no library holds."""
+    """Answer that is asked for an effect that no library holds."""
 
     words: tuple[str, ...]
     """One of them must stand in the variable that a pattern names."""
@@ -57,7 +57,7 @@ class Outsider(Equation):
     share: Array
 
     def clue(self, joints: tuple[str, ...], joint: str) -> Clue:
-        """What an answer must name, for the effect on `joint` of a robot with these `joints`."""
+        """Make the clue of the effect on `joint` of a robot with these `joints`."""
         row = joints.index(joint)
         if self.words == TIME:
             line = 1 / self.period if hasattr(self, "period") else getattr(self, "frequency", None)
@@ -83,11 +83,11 @@ class _ByTorque(Equation, TorqueEffect):
     """Memory of a state at rest; None remembers nothing."""
 
     def initial_memory(self, state: State) -> Array:
-        """See base class."""
+        """Return the memory of the equation at rest."""
         return super().initial_memory(state) if self.start is None else np.asarray(type(self).start(state))  # type: ignore[misc]
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
-        """See base class."""
+        """Evaluate the equation for all joints, and move its memory on."""
         found = self._of(state) if self.start is None else self._of(state, memory, dt)
         torque, later = (found, memory) if self.start is None else found
         return torque if isinstance(torque, Torques) else Torques(**{self.acts_on: torque}), later
@@ -95,7 +95,7 @@ class _ByTorque(Equation, TorqueEffect):
 
 class _InDescription(Equation, NativeEffect):
     def in_description(self, robot: RobotDescription) -> RobotDescription:
-        """See base class."""
+        """Return the robot with the numbers that the equation gives."""
         changed: RobotDescription = self._of(robot)
         return changed
 
@@ -104,7 +104,7 @@ class _ByResolver(Equation, ResolverEffect):
     way_in: ClassVar[str] = "reading of the servo"
 
     def error(self, motor_angle: Array, motor_speed: Array) -> ResolverError:
-        """See base class."""
+        """Evaluate the error of the resolver angle."""
         angle, speed = self._of(motor_angle, motor_speed)
         return ResolverError(angle=angle, speed=speed)
 
@@ -168,7 +168,7 @@ def of_coulomb(low: float, high: float, source: str = "chosen", **more: Any) -> 
 
 
 def shape(meaning: str, unit: str, low: float, high: float, source: str = "chosen", **more: Any) -> Any:
-    """What an effect has beside its size."""
+    """Declare a number that an effect has beside its size."""
     return parameter(meaning, unit=unit, null=None, low=low, high=high, source=source, **more)
 
 

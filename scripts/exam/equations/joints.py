@@ -23,7 +23,7 @@ spring = partial(variant, side="link", acts_on="spring", needs_elasticity=True)
 link = partial(variant, side="link", acts_on="link")
 
 
-def _relaxed(state: State) -> Array:
+def _relax(state: State) -> Array:
     """Memory of one hysteresis at rest, shape (..., N, 1)."""
     return np.zeros((*state.motor_angle.shape, 1))
 
@@ -76,7 +76,7 @@ def quintic_spring(
 @spring(
     "torsional_hysteresis",
     r"\tau_l = -k\, (\delta + h z), \quad z' = (1 - z\, \mathrm{sgn}\, \dot\delta)\, \dot\delta / w",
-    start=_relaxed,
+    start=_relax,
 )
 def dahl_hysteresis(
     s: State,
@@ -231,7 +231,7 @@ def counterweight_linkage(
 @link(
     "cable_pull",
     r"\tau_{link} \mathrel{-}= h\, (z + r\, (q - q_0)), \quad z' = (1 - z\, \mathrm{sgn}\, \dot q)\, \dot q / w",
-    start=_relaxed,
+    start=_relax,
 )
 def smooth_cable(
     s: State,

@@ -73,7 +73,7 @@ class Bodies:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Pose:
-    """Where bodies are at joint positions q."""
+    """Places and orientations of bodies at joint positions q."""
 
     rotation: Array
     """Of each link in the world, shape (B, N, 3, 3)."""
@@ -97,7 +97,7 @@ def bodies_of(robot: RobotDescription, count: int = 1) -> Bodies:
         if tool.mass > 0:
             place = tool.position + rotation @ tool.com
             own = rotation @ matrix_of(tool.inertia) @ rotation.T
-            mass[-1], com[-1], inertia[-1] = joined((mass[-1], com[-1], inertia[-1]), (tool.mass, place, own))
+            mass[-1], com[-1], inertia[-1] = join((mass[-1], com[-1], inertia[-1]), (tool.mass, place, own))
 
     def many(values: Array) -> Array:
         return np.repeat(np.asarray(values, dtype=np.float64)[None], count, axis=0)
@@ -125,7 +125,7 @@ Body = tuple[float, Array, Array]
 """Mass [kg], centre of mass [m] (3,), inertia about it [kg m^2] (3, 3)."""
 
 
-def joined(one: Body, other: Body) -> Body:
+def join(one: Body, other: Body) -> Body:
     """Two bodies as one."""
     mass = one[0] + other[0]
     centre = (one[0] * one[1] + other[0] * other[1]) / mass
@@ -171,7 +171,7 @@ def mass_and_bias(bodies: Bodies, q: Array, dq: Array) -> tuple[Array, Array]:
     angular = (hinge[:, None] @ root).swapaxes(1, 2) * bodies.before
     rows = np.concatenate([linear * bodies.root_mass, angular], axis=2).reshape(count, n, -1)
     forces, moments = _newton_euler(bodies, pose, hinge, root, dq, None)
-    return rows @ rows.swapaxes(1, 2), _projected(linear, hinge, forces, moments)
+    return rows @ rows.swapaxes(1, 2), _project(linear, hinge, forces, moments)
 
 
 def inverse_dynamics(bodies: Bodies, q: Array, dq: Array, ddq: Array) -> Array:
@@ -179,7 +179,7 @@ def inverse_dynamics(bodies: Bodies, q: Array, dq: Array, ddq: Array) -> Array:
     pose = pose_of(bodies, q)
     linear, hinge = _linear(bodies, pose)
     root = pose.rotation @ bodies.square_root
-    return _projected(linear, hinge, *_newton_euler(bodies, pose, hinge, root, dq, ddq))
+    return _project(linear, hinge, *_newton_euler(bodies, pose, hinge, root, dq, ddq))
 
 
 def _times(matrix: Array, vector: Array) -> Array:
@@ -225,7 +225,7 @@ def _newton_euler(
     return forces, _times(inertia, spin_rate) + _times(own @ inertia, spin)
 
 
-def _projected(linear: Array, hinge: Array, forces: Array, moments: Array) -> Array:
+def _project(linear: Array, hinge: Array, forces: Array, moments: Array) -> Array:
     """Torques (B, N) of the joints that give forces and moments of the links."""
     carried = np.cumsum(moments[:, ::-1], axis=1)[:, ::-1]
     count, n = hinge.shape[:2]

@@ -56,7 +56,7 @@ class Contact:
         back = heading * np.log(2.0) * strength / self.stiffness
         return np.concatenate([bristles, self._slip(slid, back, strength)], axis=-1)
 
-    def moved(self, memory: Array, way: Array, strength: Array) -> tuple[Array, Array]:
+    def move(self, memory: Array, way: Array, strength: Array) -> tuple[Array, Array]:
         """Force [N m] and memory after a `way` [rad] in one direction, under a strength [N m]; shapes (B, N)."""
         end, before = np.sign(way) * strength, memory[..., 0]
         force = end + (before - end) * np.exp(-self.stiffness * np.abs(way) / strength)
@@ -110,7 +110,7 @@ class Continuous(Servo):
     integral: Array
 
     def torque(self, state: Array, half: int, orders: Orders, angle: Array, speed: Array) -> tuple[Array, Array]:
-        """See base class; the state is the integral part."""
+        """Compute the torque of a servo with an integral part, which is its state."""
         off = orders.position[half] - angle
         return self.position * off + self.speed * (orders.speed[half] - speed) + state, self.integral * off
 
@@ -151,20 +151,20 @@ class Cascade(Servo):
     _half: int = 0
 
     def begin(self, angle: Array, torque: Array, dt: float) -> None:
-        """See base class."""
+        """Begin at rest, with a history of angles that do not change."""
         self._every = round(self.period / dt)
-        self._angle, self._speed, self._integral = self._quantised(angle), np.zeros_like(angle), torque.copy()
+        self._angle, self._speed, self._integral = self._quantise(angle), np.zeros_like(angle), torque.copy()
         self._waiting, self._order, self._previous = deque([torque] * self.delay), torque, torque
 
-    def _quantised(self, angle: Array) -> Array:
+    def _quantise(self, angle: Array) -> Array:
         step = 2 * np.pi / self.steps_of_turn
         return np.asarray(np.floor(angle / step) * step + step / 2)
 
     def sample(self, k: int, orders: Orders, angle: Array) -> None:
-        """See base class."""
+        """Sample the angle, and compute the torque that is held until the next sample."""
         if k % self._every:
             return
-        seen = self._quantised(angle)
+        seen = self._quantise(angle)
         keep = np.exp(-2 * np.pi * self.corner * self.period)
         self._speed = keep * self._speed + (1 - keep) * (seen - self._angle) / self.period
         wanted = self.rate * (orders.position[2 * k] - self._angle) + self.share_ahead * orders.speed[2 * k]
@@ -175,7 +175,7 @@ class Cascade(Servo):
         self._previous, self._order, self._half = self._order, self._waiting.popleft(), 2 * k
 
     def torque(self, state: Array, half: int, orders: Orders, angle: Array, speed: Array) -> tuple[Array, Array]:
-        """See base class."""
+        """Return the torque that is held."""
         share = (half - self._half) / (2 * self._every)
         wanted = self._previous + share * (self._order - self._previous)
         return state, (wanted - state) / self.rise

@@ -11,7 +11,7 @@ from ffgym.core.errors import check_choice
 from ffgym.core.types import Array
 from ffgym.robot import RobotDescription
 from scripts.exam.equations import Clue
-from scripts.exam.independent.arm import joined
+from scripts.exam.independent.arm import join
 from scripts.exam.independent.machine import Numbers, with_fault
 from scripts.exam.independent.sensors import Columns, View
 from scripts.exam.paper import Truth
@@ -46,7 +46,7 @@ class Kind:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Shape:
-    """What of an effect is neither its place nor its size."""
+    """Numbers of an effect beside its place and its size."""
 
     cycles: float = 1.0
     """In a turn of the motor, or [1/rad] of the joint."""
@@ -77,7 +77,7 @@ class Concealed:
 
     @property
     def kind(self) -> Kind:
-        """What it is."""
+        """Kind of the effect."""
         return KINDS[self.name]
 
     @property
@@ -86,7 +86,7 @@ class Concealed:
         return self.kind.answer
 
     def clue(self, robot: RobotDescription) -> Clue | None:
-        """What an answer must say of an effect outside the library."""
+        """Make the clue of an effect outside the library."""
         if self.answer:
             return None
         if self.name == "neighbour":
@@ -102,7 +102,7 @@ class Concealed:
         return {name: float(value) + self.beside.get(name, 0.0) for name, value in numbers.items()}
 
     def truth(self, robot: RobotDescription, loudness: float) -> Truth:
-        """What marks need of it."""
+        """Describe the hidden effect for the marks."""
         return Truth(
             effect=self.name,
             answer=self.answer,
@@ -117,7 +117,7 @@ class Concealed:
         return self.kind.change(machine, self.index, self.size, self.shape)
 
 
-def concealed(name: str, robot: RobotDescription, rng: np.random.Generator, share: float = 1.0) -> Concealed:
+def conceal(name: str, robot: RobotDescription, rng: np.random.Generator, share: float = 1.0) -> Concealed:
     """An effect on a joint by chance, as large as a share of what is plausible.
 
     Raises:
@@ -217,11 +217,11 @@ def _heavier(machine: Changed, j: int, size: float, shape: Shape) -> Changed:
     mass, com, inertia = bodies.mass.copy(), bodies.com.copy(), bodies.inertia.copy()
     for b in range(len(mass)):
         last = (mass[b, -1], com[b, -1], inertia[b, -1])
-        mass[b, -1], com[b, -1], inertia[b, -1] = joined(last, (size, bodies.tool_point[b], np.zeros((3, 3))))
+        mass[b, -1], com[b, -1], inertia[b, -1] = join(last, (size, bodies.tool_point[b], np.zeros((3, 3))))
     return replace(numbers, bodies=replace(bodies, mass=mass, com=com, inertia=inertia)), view
 
 
-def _viewed(name: str) -> Change:
+def _change_view(name: str) -> Change:
     def change(machine: Changed, j: int, size: float, shape: Shape) -> Changed:
         numbers, view = machine
         value: Any = size if name == "latency" else getattr(view, name) + size * shape.way
@@ -231,15 +231,15 @@ def _viewed(name: str) -> Change:
 
 
 def _at_tracker(answer: str, full: float, name: str, numbers: Mapping[str, float | str]) -> Kind:
-    """How the tracker sees the tool."""
-    return Kind(answer, _up(full), _viewed(name), numbers, needs=("tracker",), at_machine=True)
+    """Make a kind that changes how the tracker sees the tool."""
+    return Kind(answer, _up(full), _change_view(name), numbers, needs=("tracker",), at_machine=True)
 
 
 def _vector(name: str) -> Mapping[str, str]:
     return {f"{name}.{axis}": axis for axis in "xyz"}
 
 
-def _described(answer: str, full: Full, change: Change, numbers: Mapping[str, float | str], *needs: str) -> Kind:
+def _change_number(answer: str, full: Full, change: Change, numbers: Mapping[str, float | str], *needs: str) -> Kind:
     """A number that is described."""
     return Kind(answer, full, change, numbers, needs=needs, of_number=True)
 
@@ -252,12 +252,16 @@ _PAYLOAD: Mapping[str, float | str] = {"mass": "size", "offset.x": 0.0, "offset.
 
 KINDS: Mapping[str, Kind] = MappingProxyType(
     {
-        "coulomb": _described("coulomb_level", _either(0.3), _larger("coulomb", "breakaway", of_coulomb=True), _CHANGE),
-        "viscous": _described("viscous_level", _either(0.5), _larger("viscous"), _CHANGE),
+        "coulomb": _change_number(
+            "coulomb_level", _either(0.3), _larger("coulomb", "breakaway", of_coulomb=True), _CHANGE
+        ),
+        "viscous": _change_number("viscous_level", _either(0.5), _larger("viscous"), _CHANGE),
         "peak": Kind(
             "stribeck_peak", _up(0.8), _larger("breakaway", of_coulomb=True), {"level": "size", "velocity": 0.0}
         ),
-        "presliding": _described("presliding", _up(1.5), _larger("presliding"), {"stiffness": "size", "damping": 0.0}),
+        "presliding": _change_number(
+            "presliding", _up(1.5), _larger("presliding"), {"stiffness": "size", "damping": 0.0}
+        ),
         "blocks": Kind("presliding", _up(1.0), _blocks),
         "asymmetry": Kind("asymmetry", _either(0.2), _fault("asymmetry"), {"coulomb": "size", "viscous": 0.0}),
         "load_share": Kind("load_friction", _up(0.15), _fault("load_share"), {"share": "size"}),
@@ -265,12 +269,12 @@ KINDS: Mapping[str, Kind] = MappingProxyType(
         "warm": Kind("temperature_friction", _up(0.8), _fault("warm"), needs=("temperature",)),
         "wear": Kind("coulomb_drift", _either(3.0), _fault("wear")),
         "waves": Kind("position_friction", _up(0.2), _fault("waves", cycles="wave_cycles"), {"share": "size", **_WAVE}),
-        "stiffness": _described("joint_stiffness", _either(0.3), _stiffness, _CHANGE, "elastic"),
+        "stiffness": _change_number("joint_stiffness", _either(0.3), _stiffness, _CHANGE, "elastic"),
         "growth": Kind("hardening", _up(1.0), _growth, needs=("elastic",)),
         "gap": Kind("backlash", _up(3e-4), _fault("gap"), {"half_gap": "size"}, needs=("elastic",)),
         "tooth": Kind("kinematic_error", _up(3e-4), _fault("tooth"), _ONCE, needs=("elastic",)),
         "payload": Kind("payload", _up(_payload), _heavier, _PAYLOAD, at_machine=True),
-        "rotor": _described("rotor_inertia", _either(0.2), _larger("rotor"), _CHANGE),
+        "rotor": _change_number("rotor_inertia", _either(0.2), _larger("rotor"), _CHANGE),
         "torque_error": Kind(
             "torque_constant",
             _either(0.1),

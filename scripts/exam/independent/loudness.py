@@ -13,7 +13,7 @@ from scipy.optimize import lsq_linear
 
 from ffgym.core.types import Array
 from scripts.exam.independent.arm import bodies_of, inverse_dynamics, pose_of
-from scripts.exam.independent.sensors import QUIET, TOOL_NOISE, TORQUE_NOISE, Exact, tracked
+from scripts.exam.independent.sensors import QUIET, TOOL_NOISE, TORQUE_NOISE, Exact, track
 from scripts.exam.independent.setup import REFLECTOR, Setup
 
 _BOUND = 4.0
@@ -54,7 +54,7 @@ def loudness(setup: Setup, without: Exact, with_effect: Exact, *, error: float =
 
 
 def _columns(setup: Setup, without: Exact, every: int) -> list[Array]:
-    """What each number of the description changes per standard deviation, shape (rows, torques and tool)."""
+    """Compute the change by each number of the description per standard deviation, shape (rows, torques and tool)."""
     robot, share, n = setup.robot, setup.share, setup.robot.n_joints
     ratio, friction = robot.drive.gear_ratio, robot.friction
     # the motion of all logs, of the robot as it is described
@@ -84,12 +84,12 @@ def _columns(setup: Setup, without: Exact, every: int) -> list[Array]:
     if not setup.columns.tracker:
         return torques
     # softer springs, and a reflector elsewhere
-    place = tracked(bodies, q[None], setup.view, 1.0)[0]
+    place = track(bodies, q[None], setup.view, 1.0)[0]
     moved = []
     for j in np.flatnonzero(~robot.drive.is_rigid).tolist():
         bent = q.copy()
         bent[:, j] += share * rigid[:, j] / robot.drive.joint_stiffness[j]
-        moved.append(tracked(bodies, bent[None], setup.view, 1.0)[0] - place)
+        moved.append(track(bodies, bent[None], setup.view, 1.0)[0] - place)
     turned = pose_of(bodies, q).rotation[:, -1] @ bodies.tool_rotation
     moved += [REFLECTOR * turned[:, :, axis] for axis in range(3)]
     return [

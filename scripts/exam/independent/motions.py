@@ -62,7 +62,7 @@ def _sines(t: Array, length: float, reach: Array, speed: Array, rng: np.random.G
 
 
 def _points(t: Array, length: float, reach: Array, speed: Array, rng: np.random.Generator) -> Array:
-    """From point to point, all joints arriving together, with constant speed between ramps."""
+    """Move from point to point, all joints arriving together, with constant speed between ramps."""
     count = int(rng.integers(3, 6))
     points = np.vstack([np.zeros(len(reach)), rng.uniform(-1, 1, (count, len(reach))) * reach, np.zeros(len(reach))])
     each = length / (count + 1)

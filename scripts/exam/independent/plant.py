@@ -38,7 +38,7 @@ Stage = tuple[Array, Array]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Course:
-    """What happened, at every recorded row; shape (T, B, N) each."""
+    """States and torques at every recorded row; shape (T, B, N) each."""
 
     q: Array
     """Behind springs [rad]."""
@@ -98,7 +98,7 @@ class Plant:
                 if not np.all(np.abs(state[2]) < _FAR):
                     raise FFGymError(f"The independent plant became unstable at {k * self.dt:.3f} s; soften its servo.")
             if k < steps:
-                state = self._stepped(state, 2 * k, orders, first[0])
+                state = self._step(state, 2 * k, orders, first[0])
         done = np.stack(rows, axis=1)
         return Course(q=done[0], dq=done[1], angle=done[2], speed=done[3], torque=done[4])
 
@@ -117,14 +117,14 @@ class Plant:
         self._load = holding
         return np.stack([link, still, angle, still, beside, holding / n.gear_ratio])
 
-    def _stepped(self, state: Array, half: int, orders: Orders, first: Array) -> Array:
+    def _step(self, state: Array, half: int, orders: Orders, first: Array) -> Array:
         h = self.dt
         second, _ = self.rates(state + h / 2 * first, half + 1, orders)
         third, _ = self.rates(state + h / 2 * second, half + 1, orders)
         fourth, _ = self.rates(state + h * third, half + 2, orders)
         after: Array = state + h / 6 * (first + 2 * (second + third) + fourth)
         strength = self._strength(after[0], after[2], after[3], half + 2)
-        _, self._memory = self.contact.moved(self._memory, after[2] - self._start, strength)
+        _, self._memory = self.contact.move(self._memory, after[2] - self._start, strength)
         return after
 
     def rates(self, state: Array, half: int, orders: Orders) -> Stage:
@@ -176,7 +176,7 @@ class Plant:
         return given
 
     def _strength(self, q: Array, angle: Array, speed: Array, half: int) -> Array:
-        """What the contact bears in the direction of the last movement [N m]."""
+        """Compute the torque that the contact bears in the direction of the last movement [N m]."""
         n, f = self.numbers, self._faults
         level = n.coulomb + (n.breakaway - n.coulomb) * np.exp(-((speed / n.stribeck) ** 2))
         if "asymmetry" in f:
@@ -193,7 +193,7 @@ class Plant:
     def _friction(self, q: Array, angle: Array, speed: Array, half: int) -> Array:
         n, f = self.numbers, self._faults
         strength = self._strength(q, angle, speed, half)
-        contact, _ = self.contact.moved(self._memory, angle - self._start, strength)
+        contact, _ = self.contact.move(self._memory, angle - self._start, strength)
         yielding = np.clip(1 - np.sign(speed) * contact / strength, 0.0, 2.0)
         viscous = n.viscous * speed
         if "bend" in f:

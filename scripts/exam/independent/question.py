@@ -9,11 +9,11 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError, check_choice, check_whole
 from ffgym.diagnosis.nuisance import ParameterPrior
-from scripts.exam.independent.hidden import KINDS, Concealed, concealed, possible
+from scripts.exam.independent.hidden import KINDS, Concealed, conceal, possible
 from scripts.exam.independent.loudness import loudness
 from scripts.exam.independent.machine import numbers_of
-from scripts.exam.independent.sensors import Exact, logged
-from scripts.exam.independent.setup import Setup, drawn_setup, simulated
+from scripts.exam.independent.sensors import Exact, record_log
+from scripts.exam.independent.setup import Setup, draw_setup, simulate_machines
 from scripts.exam.paper import Paper, Row
 
 COUNTS: Mapping[Row, int] = MappingProxyType({"clean": 200, "single": 180, "outside": 30})
@@ -49,15 +49,15 @@ def hand_out(row: Row, number: int, *, seed: int, **fixed: Any) -> IndependentPa
     check_choice("row of the second exam", row, ROWS)
     key = (_KEY, check_whole("seed", seed, low=0), ROWS.index(row), check_whole("number", number, low=0))
     rng = np.random.default_rng(key)
-    setup = drawn_setup(rng, **fixed)
+    setup = draw_setup(rng, **fixed)
     hidden, heard = None, 0.0
     if row == "clean":
-        (exact,) = simulated(setup, [(setup.numbers, setup.view)])
+        (exact,) = simulate_machines(setup, [(setup.numbers, setup.view)])
     else:
         name, setup = _kind(row, number, seed, setup, rng)
         hidden, without, exact = _draw_stable(name, setup, rng)
         heard = loudness(setup, without, exact, error=hidden.size if hidden.kind.of_number else 0.0)
-    log = logged(
+    log = record_log(
         setup.robot,
         exact,
         columns=setup.columns,
@@ -90,11 +90,11 @@ def _draw_stable(
         FFGymError: if the loop is unstable with all of so many draws.
     """
     share = float(np.exp(rng.uniform(np.log(_SMALLEST), 0.0)))
-    drawn = concealed(name, setup.robot, rng, share)
+    drawn = conceal(name, setup.robot, rng, share)
     hidden = replace(drawn, beside=_beside(drawn, setup))
     plain = (setup.numbers, setup.view)
     try:
-        without, exact = simulated(setup, [plain, hidden.on(plain)])
+        without, exact = simulate_machines(setup, [plain, hidden.on(plain)])
     except FFGymError:
         if draws == 1:
             raise
@@ -117,7 +117,7 @@ def _kind(row: Row, number: int, seed: int, setup: Setup, rng: np.random.Generat
 
 
 def _beside(hidden: Concealed, setup: Setup) -> dict[str, float]:
-    """What errors of the description add to the numbers of an effect, by their names."""
+    """Compute what errors of the description add to the numbers of an effect, by their names."""
     described, j = numbers_of(setup.robot), hidden.index
     if hidden.kind.of_number:
         off = getattr(setup.numbers, hidden.name)[0, j] / getattr(described, hidden.name)[0, j] - 1

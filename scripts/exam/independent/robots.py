@@ -22,14 +22,14 @@ _POSES = 8
 """Poses over which the load of a joint is taken."""
 
 
-def drawn_robot(n: int, *, elastic: bool, rng: np.random.Generator) -> RobotDescription:
+def draw_robot(n: int, *, elastic: bool, rng: np.random.Generator) -> RobotDescription:
     """Description of a robot of `n` joints; all of them rigid, or all elastic."""
     kinematics, bodies, tool = _arm(n, rng)
     home = rng.uniform(-0.4, 0.4, n)
     if n > 2:
         home[1:3] += (0.5, -0.9)
     motors = _motors(kinematics, bodies, tool, home, elastic, rng)
-    return _described(kinematics, bodies, tool, home, *motors, rng)
+    return _describe(kinematics, bodies, tool, home, *motors, rng)
 
 
 def _arm(n: int, rng: np.random.Generator) -> tuple[Kinematics, Links, Tool]:
@@ -116,7 +116,7 @@ def _load(
     friction = LuGreParameters(
         coulomb=one, static=one, viscous=one, stribeck_velocity=one, bristle_stiffness=one, bristle_damping=one
     )
-    bodies = bodies_of(_described(kinematics, links, tool, home, fake, friction, rng), _POSES)
+    bodies = bodies_of(_describe(kinematics, links, tool, home, fake, friction, rng), _POSES)
     q = home + rng.uniform(-0.6, 0.6, (_POSES, n))
     still = np.zeros_like(q)
     matrix, _ = mass_and_bias(bodies, q, still)
@@ -124,7 +124,7 @@ def _load(
     return np.einsum("bii->bi", matrix).mean(axis=0), np.abs(holding).max(axis=0)
 
 
-def _described(
+def _describe(
     kinematics: Kinematics,
     links: Links,
     tool: Tool,

@@ -1,4 +1,4 @@
-"""What is logged of a course: encoders, currents and a tracker, with noise of several kinds, in columns by choice."""
+"""Sensors of a course: encoders, currents and a tracker, with noise of several kinds, in columns by choice."""
 
 from dataclasses import dataclass, field
 from typing import Literal, get_args
@@ -37,7 +37,7 @@ _MEMORY = 0.006
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class View:
-    """How the tracker sees the tool, other than where it is described; nothing by default."""
+    """Errors with which the tracker sees the tool; nothing by default."""
 
     offset: Array = field(default_factory=lambda: np.zeros(3))
     """Of the reflector, in the axes of the flange [m]."""
@@ -51,7 +51,7 @@ class View:
 
 @dataclass(frozen=True, kw_only=True)
 class Columns:
-    """What a log has beside angles and torques of the motors."""
+    """Columns of a log beside angles and torques of the motors."""
 
     tracker: bool
     set_points: bool
@@ -60,7 +60,7 @@ class Columns:
     temperature: bool
 
 
-def tracked(bodies: Bodies, q: Array, view: View, dt: float) -> Array:
+def track(bodies: Bodies, q: Array, view: View, dt: float) -> Array:
     """Positions (T, B, 3) of the tool along joint positions (T, B, N), as a tracker sees them without noise."""
     if view.latency:
         t = np.arange(len(q)) * dt
@@ -76,7 +76,7 @@ def tracked(bodies: Bodies, q: Array, view: View, dt: float) -> Array:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Exact:
-    """What sensors without noise would log of the motions of one machine; shape (T, M, N), or (T, M, 3) of the tool."""
+    """Readings of sensors without noise along the motions of one machine; shape (T, M, N), or (T, M, 3) of the tool."""
 
     dt: float
     angle: Array
@@ -89,7 +89,7 @@ class Exact:
     temperature: Array
 
 
-def logged(
+def record_log(
     robot: RobotDescription,
     exact: Exact,
     *,

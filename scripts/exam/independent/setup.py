@@ -12,8 +12,8 @@ from scripts.exam.independent.drive import Cascade, Contact, Continuous, Orders,
 from scripts.exam.independent.machine import Numbers, side_by_side, unsure
 from scripts.exam.independent.motions import KINDS, motion
 from scripts.exam.independent.plant import Plant
-from scripts.exam.independent.robots import drawn_robot
-from scripts.exam.independent.sensors import NOISES, Columns, Exact, Noise, View, tracked
+from scripts.exam.independent.robots import draw_robot
+from scripts.exam.independent.sensors import NOISES, Columns, Exact, Noise, View, track
 
 Control = Literal["documented", "cascade", "early"]
 CONTROLS: tuple[Control, ...] = get_args(Control)
@@ -56,7 +56,7 @@ _PAUSE = (20.0, 120.0)
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Setup:
-    """How a log comes about, without effects and without noise."""
+    """Machine, controller, motions and sensors of a log, without effects and without noise."""
 
     robot: RobotDescription
     """What is told of the machine."""
@@ -81,7 +81,7 @@ class Setup:
 
     @property
     def label(self) -> str:
-        """Of its conditions, in words."""
+        """Conditions of the log, in words."""
         columns = [name for name in ("tracker", "set_points", "feedback") if getattr(self.columns, name)]
         kind = "rigid" if self.robot.drive.is_rigid.all() else "elastic"
         return ", ".join(
@@ -96,7 +96,7 @@ class Setup:
         )
 
 
-def drawn_setup(
+def draw_setup(
     rng: np.random.Generator,
     *,
     n: int | None = None,
@@ -112,7 +112,7 @@ def drawn_setup(
     """A machine of `n` joints by chance, with `count` motions of a `duration` [s]; what is given is not drawn."""
     n = int(rng.choice([1, 1, 2, 2, 3, 4, 6, 6, 7])) if n is None else n
     elastic = bool(rng.random() < 0.6) if elastic is None else elastic
-    robot = drawn_robot(n, elastic=elastic, rng=rng)
+    robot = draw_robot(n, elastic=elastic, rng=rng)
     share = float(rng.choice([SHARE, SHARE, SHARE, LOOSE])) if share is None else share
     reach = rng.uniform(0.25, 0.7, n) * (1.0 if n < 3 else 0.8)
     kinds = [*KINDS, *rng.choice(KINDS, size=max(0, count - len(KINDS)))][:count]
@@ -139,8 +139,8 @@ def drawn_setup(
     )
 
 
-def simulated(setup: Setup, machines: list[tuple[Numbers, View]]) -> list[Exact]:
-    """What exact sensors would log of machines in the place of that of a setup, in one run of the plant.
+def simulate_machines(setup: Setup, machines: list[tuple[Numbers, View]]) -> list[Exact]:
+    """Simulate exact readings of machines in the place of that of a setup, in one run of the plant.
 
     Raises:
         FFGymError: if a machine becomes unstable.
@@ -180,7 +180,7 @@ def simulated(setup: Setup, machines: list[tuple[Numbers, View]]) -> list[Exact]
             ahead=orders.ahead[rows][:, own],
             set_point=shown[0][:, own],
             set_speed=shown[1][:, own],
-            tool=tracked(side_by_side([machine] * count).bodies, course.q[first:, own], view, setup.row_dt),
+            tool=track(side_by_side([machine] * count).bodies, course.q[first:, own], view, setup.row_dt),
             temperature=np.broadcast_to(20.0 + setup.warming, angle.shape),
         )
         found.append(exact)

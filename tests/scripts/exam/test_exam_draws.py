@@ -7,7 +7,7 @@ import pytest
 
 from ffgym.core.errors import FFGymError
 from ffgym.effects import EFFECTS
-from scripts.exam.draw import COUNTS, LOUDEST, QUIETEST, SPREAD, draw_case, errors_beside, miscalibrated
+from scripts.exam.draw import COUNTS, LOUDEST, QUIETEST, SPREAD, draw_case, errors_beside, miscalibrate
 from scripts.exam.equations import OUTSIDERS, VARIANTS
 from scripts.exam.hidden import Hidden, drawn
 
@@ -60,7 +60,7 @@ def test_nothing_is_hidden_in_a_clean_machine_but_errors_of_calibration(arm, irb
 
 def test_errors_of_calibration_have_the_spread_that_is_said(irb4600):
     rng = np.random.default_rng(1)
-    robots = [miscalibrated(irb4600, rng) for _ in range(100)]
+    robots = [miscalibrate(irb4600, rng) for _ in range(100)]
     for part, name in (("friction", "viscous"), ("drive", "joint_stiffness"), ("bodies", "mass")):
         nominal = getattr(getattr(irb4600, part), name)
         off = np.array([getattr(getattr(robot, part), name) / nominal - 1 for robot in robots])

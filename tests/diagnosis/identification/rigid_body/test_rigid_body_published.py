@@ -16,7 +16,7 @@ from scripts.tables.recorded import (
     doubtful_axis,
     emps_fits,
     kr300_fits,
-    measured,
+    measure,
     model_of,
     numbers_of,
     spring_fits,
@@ -29,12 +29,12 @@ pytestmark = pytest.mark.skipif(
 
 @pytest.fixture(scope="module")
 def emps():
-    return measured("emps", "emps_id")
+    return measure("emps", "emps_id")
 
 
 @pytest.fixture(scope="module")
 def runs():
-    return {run: measured("kuka_kr300_2020", run) for run in ("A", "C")}
+    return {run: measure("kuka_kr300_2020", run) for run in ("A", "C")}
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,7 @@ from scripts.exam.independent.arm import bodies_of, inverse_dynamics, mass_and_b
 from scripts.exam.independent.drive import Cascade, Contact, Continuous, Orders
 from scripts.exam.independent.machine import numbers_of, side_by_side, unsure, with_fault
 from scripts.exam.independent.plant import Plant
-from scripts.exam.independent.robots import drawn_robot
+from scripts.exam.independent.robots import draw_robot
 
 
 @pytest.fixture
@@ -21,7 +21,7 @@ def rng():
 
 def arm_of_three_kinds(rng):
     """A drawn robot with a sliding joint between hinges."""
-    robot = drawn_robot(4, elastic=False, rng=rng)
+    robot = draw_robot(4, elastic=False, rng=rng)
     known = robot.kinematics
     kinematics = Kinematics(
         position=known.position,
@@ -35,7 +35,7 @@ def arm_of_three_kinds(rng):
 
 @pytest.mark.parametrize("name", ["one_axis", "two_link", "irb4600_60_205", "slide", "drawn"])
 def test_torques_of_a_rigid_arm_are_those_of_the_simulation(name, rng):
-    drawn = {"slide": arm_of_three_kinds, "drawn": lambda rng: drawn_robot(7, elastic=True, rng=rng)}
+    drawn = {"slide": arm_of_three_kinds, "drawn": lambda rng: draw_robot(7, elastic=True, rng=rng)}
     robot = drawn[name](rng) if name in drawn else load_robot(name)
     q, dq, ddq = rng.uniform(-1, 1, (3, 20, robot.n_joints))
     bodies, theirs = bodies_of(robot, 20), RigidArm(robot)
@@ -111,7 +111,7 @@ def total_energy(numbers, course):
 
 @pytest.mark.parametrize("elastic", [False, True])
 def test_an_arm_without_friction_keeps_its_energy(elastic, rng):
-    robot = drawn_robot(3, elastic=elastic, rng=rng)
+    robot = draw_robot(3, elastic=elastic, rng=rng)
     numbers, servo = free(robot)
     course = let_go(numbers, servo, rng.uniform(-0.5, 0.5, (1, 3)), 0.0005, 800, 40)
     found = total_energy(numbers, course)
@@ -121,7 +121,7 @@ def test_an_arm_without_friction_keeps_its_energy(elastic, rng):
 
 
 def test_the_integrator_is_of_fourth_order(rng):
-    robot = drawn_robot(2, elastic=True, rng=rng)
+    robot = draw_robot(2, elastic=True, rng=rng)
     numbers, servo = free(robot)
     q = np.array([[0.3, -0.4]])
     ends = [
@@ -148,7 +148,7 @@ def servo_of(robot, shape):
 
 
 def test_springs_carry_gravity_at_rest(rng):
-    robot = drawn_robot(2, elastic=True, rng=rng)
+    robot = draw_robot(2, elastic=True, rng=rng)
     numbers = numbers_of(robot)
     numbers = replace(numbers, damping=numbers.damping * 10)
     course = still(robot, numbers, servo_of(robot, numbers.shape))
@@ -162,7 +162,7 @@ def test_springs_carry_gravity_at_rest(rng):
 
 
 def test_play_gives_way_by_its_width(rng):
-    robot = drawn_robot(1, elastic=True, rng=rng)
+    robot = draw_robot(1, elastic=True, rng=rng)
     plain = replace(numbers_of(robot), damping=numbers_of(robot).damping * 10)
     loose = with_fault(plain, 0, gap=2e-4)
     both = side_by_side([plain, loose])
@@ -177,34 +177,34 @@ def test_play_gives_way_by_its_width(rng):
 def test_friction_goes_from_one_sliding_direction_to_the_other_as_it_is_described(blocks):
     stiffness, strength = np.array([[70.0]]), np.array([[0.5]])
     surface = contact_of(stiffness, blocks)
-    _, memory = surface.moved(surface.at_rest(np.ones((1, 1)), strength), np.array([[-1.0]]), strength)
+    _, memory = surface.move(surface.at_rest(np.ones((1, 1)), strength), np.array([[-1.0]]), strength)
     for k in range(1, 40):
-        force, memory = surface.moved(memory, np.array([[0.001]]), strength)
+        force, memory = surface.move(memory, np.array([[0.001]]), strength)
         assert force.item() == pytest.approx(0.5 - np.exp(-70.0 * 0.001 * k / 0.5), abs=0.006)
 
 
 def test_the_way_of_bristles_can_be_cut_into_pieces():
     surface, strength = contact_of(np.array([[70.0]])), np.array([[0.5]])
-    whole, _ = surface.moved(np.zeros((1, 1, 1)), np.array([[0.01]]), strength)
+    whole, _ = surface.move(np.zeros((1, 1, 1)), np.array([[0.01]]), strength)
     memory = np.zeros((1, 1, 1))
     for _ in range(10):
-        force, memory = surface.moved(memory, np.array([[0.001]]), strength)
+        force, memory = surface.move(memory, np.array([[0.001]]), strength)
     np.testing.assert_allclose(force, whole, rtol=1e-12)
 
 
 def test_blocks_and_bristles_stand_side_by_side():
     stiffness, strength, way = np.full((1, 2), 70.0), np.full((1, 2), 0.5), np.full((1, 2), 0.004)
     surface = Contact(stiffness=stiffness, has_blocks=np.array([[False, True]]))
-    force, _ = surface.moved(surface.at_rest(np.ones((1, 2)), strength), -way, strength)
+    force, _ = surface.move(surface.at_rest(np.ones((1, 2)), strength), -way, strength)
     for column, blocks in enumerate((False, True)):
         alone = contact_of(stiffness, blocks)
-        expected, _ = alone.moved(alone.at_rest(np.ones((1, 2)), strength), -way, strength)
+        expected, _ = alone.move(alone.at_rest(np.ones((1, 2)), strength), -way, strength)
         assert force[0, column] == expected[0, column]
     assert force[0, 0] != force[0, 1]
 
 
 def test_a_cascade_brings_motors_to_their_set_points(rng):
-    robot = drawn_robot(2, elastic=True, rng=rng)
+    robot = draw_robot(2, elastic=True, rng=rng)
     numbers = numbers_of(robot)
     shape = numbers.shape
     servo = Cascade(
@@ -229,7 +229,7 @@ def test_a_cascade_brings_motors_to_their_set_points(rng):
 
 def test_friction_that_depends_on_direction_does_so_by_the_same_torque_at_any_speed(rng):
     """Forwards and backwards, fast and slowly, beside a machine whose friction does not depend on direction."""
-    robot = drawn_robot(1, elastic=False, rng=rng)
+    robot = draw_robot(1, elastic=False, rng=rng)
     plain = numbers_of(robot)
     both = side_by_side([plain, with_fault(plain, 0, asymmetry=-0.1)])
     steps, dt = 3000, 0.0005
@@ -251,7 +251,7 @@ def test_friction_that_depends_on_direction_does_so_by_the_same_torque_at_any_sp
 
 def test_what_is_recorded_of_a_motor_is_what_its_resolver_reads(rng):
     """Of a rigid joint, whose true angle is that of the link."""
-    robot = drawn_robot(1, elastic=False, rng=rng)
+    robot = draw_robot(1, elastic=False, rng=rng)
     numbers = with_fault(numbers_of(robot), 0, resolver=2e-3)
     shape, dt = numbers.shape, 0.0005
     rate = np.full((4001, *shape), 0.2) * robot.kinematics.max_speed * numbers.gear_ratio
@@ -265,7 +265,7 @@ def test_what_is_recorded_of_a_motor_is_what_its_resolver_reads(rng):
 
 
 def test_an_uncertain_machine_is_off_by_the_share_that_is_told(rng):
-    robot = drawn_robot(6, elastic=True, rng=rng)
+    robot = draw_robot(6, elastic=True, rng=rng)
     nominal = numbers_of(robot)
     off = np.concatenate([unsure(robot, 0.02, rng).viscous / nominal.viscous - 1 for _ in range(200)])
     assert np.std(off) == pytest.approx(0.02, rel=0.1)

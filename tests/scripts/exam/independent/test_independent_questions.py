@@ -8,15 +8,15 @@ import pytest
 from ffgym.core.errors import FFGymError
 from ffgym.effects import EFFECTS
 from scripts.exam.independent import question, setup
-from scripts.exam.independent.hidden import KINDS, concealed, possible
+from scripts.exam.independent.hidden import KINDS, conceal, possible
 from scripts.exam.independent.loudness import loudness
 from scripts.exam.independent.machine import numbers_of
 from scripts.exam.independent.motions import KINDS as MOTIONS
 from scripts.exam.independent.motions import motion
 from scripts.exam.independent.question import _beside, hand_out
-from scripts.exam.independent.robots import drawn_robot
+from scripts.exam.independent.robots import draw_robot
 from scripts.exam.independent.sensors import Columns, View, _drawn
-from scripts.exam.independent.setup import CONTROLS, EARLY, drawn_setup, simulated
+from scripts.exam.independent.setup import CONTROLS, EARLY, draw_setup, simulate_machines
 
 ALL = Columns(tracker=True, set_points=True, feedback=True, speed=True, temperature=True)
 SHORT = {"count": 1, "duration": 1.0}
@@ -35,7 +35,7 @@ def rng():
 
 def setup_of(rng, **more):
     known = {"n": 1, "elastic": True, "control": "documented", "columns": ALL, "noise": "white", "row_dt": 0.005}
-    return drawn_setup(rng, **(known | SHORT | more))
+    return draw_setup(rng, **(known | SHORT | more))
 
 
 def test_a_question_depends_on_nothing_but_its_number_and_the_seed():
@@ -48,7 +48,7 @@ def test_a_question_depends_on_nothing_but_its_number_and_the_seed():
 
 
 def test_machines_and_logs_are_of_all_kinds(rng):
-    drawn = [drawn_setup(rng, count=1, duration=0.7) for _ in range(80)]
+    drawn = [draw_setup(rng, count=1, duration=0.7) for _ in range(80)]
     assert {machine.robot.n_joints for machine in drawn} == {1, 2, 3, 4, 6, 7}
     assert {machine.robot.drive.is_rigid.all() for machine in drawn} == {True, False}
     assert {machine.control for machine in drawn} == set(CONTROLS)
@@ -75,7 +75,7 @@ def test_motions_stay_within_reach_and_speed_and_begin_and_end_at_rest(kind, rng
 
 def test_set_points_of_an_early_log_lead_by_what_it_says(rng):
     machine = setup_of(rng, control="early", elastic=False)
-    (exact,) = simulated(machine, [(machine.numbers, machine.view)])
+    (exact,) = simulate_machines(machine, [(machine.numbers, machine.view)])
     rows = round(EARLY / machine.row_dt)
     late = np.abs(exact.set_point[:-rows] - exact.angle[rows:]).max()
     assert late < 0.1 * np.abs(exact.set_point - exact.angle).max()
@@ -84,17 +84,17 @@ def test_set_points_of_an_early_log_lead_by_what_it_says(rng):
 def test_machines_side_by_side_do_as_alone(rng):
     machine = setup_of(rng)
     other = numbers_of(machine.robot)
-    _, beside = simulated(machine, [(machine.numbers, machine.view), (other, View())])
-    (alone,) = simulated(machine, [(other, View())])
+    _, beside = simulate_machines(machine, [(machine.numbers, machine.view), (other, View())])
+    (alone,) = simulate_machines(machine, [(other, View())])
     np.testing.assert_allclose(beside.torque, alone.torque, rtol=1e-9, atol=1e-12)
     np.testing.assert_allclose(beside.tool, alone.tool, atol=1e-12)
 
 
 def test_each_effect_changes_the_log_and_has_a_name_in_the_library_or_a_clue(rng):
     machine = setup_of(rng, n=2, count=1)
-    all_hidden = [concealed(name, machine.robot, rng) for name in KINDS]
+    all_hidden = [conceal(name, machine.robot, rng) for name in KINDS]
     plain = (machine.numbers, machine.view)
-    without, *others = simulated(machine, [plain, *(hidden.on(plain) for hidden in all_hidden)])
+    without, *others = simulate_machines(machine, [plain, *(hidden.on(plain) for hidden in all_hidden)])
     scale = machine.robot.friction.coulomb
     for hidden, exact in zip(all_hidden, others, strict=True):
         torque = np.abs((exact.torque - without.torque) / scale).max()
@@ -108,7 +108,7 @@ def test_each_effect_changes_the_log_and_has_a_name_in_the_library_or_a_clue(rng
 
 
 def test_effects_that_a_machine_cannot_have_are_not_hidden(rng):
-    rigid = drawn_robot(1, elastic=False, rng=rng)
+    rigid = draw_robot(1, elastic=False, rng=rng)
     shown = possible(rigid, replace(ALL, tracker=False, temperature=False))
     assert not {"gap", "stiffness", "latency", "warm", "neighbour"} & set(shown)
     assert {"coulomb", "brake"} <= set(shown)
@@ -123,10 +123,10 @@ def test_an_error_of_the_description_is_not_loud():
 def test_a_number_within_its_calibration_is_not_loud_where_another_effect_is(share, is_loud, rng):
     """Coulomb friction that is a tenth higher, of a machine whose numbers are known to 0.5 % or to 5 %."""
     machine = setup_of(rng, n=1, count=2, elastic=False, share=share, noise="quiet")
-    hidden = replace(concealed("coulomb", machine.robot, rng), size=0.1)
+    hidden = replace(conceal("coulomb", machine.robot, rng), size=0.1)
     assert hidden.kind.of_number
     plain = (machine.numbers, machine.view)
-    without, exact = simulated(machine, [plain, hidden.on(plain)])
+    without, exact = simulate_machines(machine, [plain, hidden.on(plain)])
     assert (loudness(machine, without, exact, error=hidden.size) > 10) == is_loud
     assert loudness(machine, without, exact) > 10
 
@@ -135,7 +135,7 @@ def test_a_number_within_its_calibration_is_not_loud_where_another_effect_is(sha
 def test_the_true_size_of_a_number_is_by_how_much_the_machine_differs_from_its_description(name, rng):
     """By the effect and by the error of the description, which nobody can tell apart."""
     machine = setup_of(rng, share=0.05)
-    alone = concealed(name, machine.robot, rng)
+    alone = conceal(name, machine.robot, rng)
     hidden = replace(alone, beside=_beside(alone, machine))
     true = hidden.on((machine.numbers, machine.view))[0]
     off = getattr(true, name)[0, 0] / getattr(numbers_of(machine.robot), name)[0, 0] - 1
@@ -152,7 +152,7 @@ def test_noise_has_unit_size_and_the_memory_that_it_is_said_to_have(noise, memor
 
 def test_an_effect_with_which_a_machine_does_not_hold_is_drawn_anew(monkeypatch):
     """A lag of the torque as long as the delays of its loop made a question end the exam."""
-    drawn, held = [], setup.simulated
+    drawn, held = [], setup.simulate_machines
 
     def unstable_at_first(machine, machines):
         drawn.append(machines)
@@ -160,7 +160,7 @@ def test_an_effect_with_which_a_machine_does_not_hold_is_drawn_anew(monkeypatch)
             raise FFGymError("The independent plant became unstable.")
         return held(machine, machines)
 
-    monkeypatch.setattr(question, "simulated", unstable_at_first)
+    monkeypatch.setattr(question, "simulate_machines", unstable_at_first)
     paper = hand_out("single", 3, seed=1, n=1, **SHORT)
     assert len(drawn) == 3
     assert len(paper.truth) == 1
