@@ -143,7 +143,7 @@ def _read(path: Path, columns: str | None, robot: RobotDescription) -> list[Reco
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Outcome:
+class IdentifyOutcome:
     """One identification; every kind of it gives one to `ffgym identify`."""
 
     title: str
@@ -158,7 +158,7 @@ class Outcome:
     """Report page, for the origin of the numbers."""
 
 
-def identify_friction_of(config: Identify, robot: RobotDescription, logs: LogSet) -> Outcome:
+def identify_friction_of(config: Identify, robot: RobotDescription, logs: LogSet) -> IdentifyOutcome:
     """Identify friction from logs, and see how well it holds on those kept out."""
     low_pass, arm = LowPass(cutoff=CUTOFF_HZ if config.cutoff_hz is None else config.cutoff_hz), RigidArm(robot)
     recordings = (*logs.used, *logs.held_out)
@@ -184,7 +184,7 @@ def identify_friction_of(config: Identify, robot: RobotDescription, logs: LogSet
     report = FrictionReport(
         identification=found, used=used, held_out=held_out, before=before, after=after, doubts=logs.doubts
     )
-    return Outcome(
+    return IdentifyOutcome(
         title=f"LuGre friction of {robot.title}, identified",
         text=format_friction(report),
         quantities=friction_quantities(found),
@@ -233,7 +233,7 @@ def _numbers(report: FrictionReport) -> Mapping[str, Any]:
     }
 
 
-def identify_rigid_body_of(config: Identify, draft: RobotDraft, logs: LogSet) -> Outcome:
+def identify_rigid_body_of(config: Identify, draft: RobotDraft, logs: LogSet) -> IdentifyOutcome:
     """Identify bodies, rotors and friction from logs, and see how well they predict those kept out.
 
     Args:
@@ -250,7 +250,7 @@ def identify_rigid_body_of(config: Identify, draft: RobotDraft, logs: LogSet) ->
     with progress_bar("identifying", "resamples") as progress:
         fit = identify_rigid_body(robot, logs.used, options, progress)
     report = RigidBodyReport(fit=fit, held_out=logs.held_out, doubts_of_logs=logs.doubts)
-    return Outcome(
+    return IdentifyOutcome(
         title=f"Rigid body of {robot.title}, identified",
         text=format_rigid_body(report),
         quantities=fit.quantities,

@@ -66,7 +66,7 @@ class PolicyOptions:
 
 
 @dataclass(frozen=True)
-class Policy(PolicyOptions):
+class PolicyTraining(PolicyOptions):
     """Train a residual policy at position p1, on robots drawn around the nominal one; go on where it was stopped."""
 
     seed: int = 0

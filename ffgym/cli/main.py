@@ -62,7 +62,10 @@ COMMANDS = {
     ),
     "improve": Command("log_options:Improve", "improve:run", "what a diagnosed model gains in control", "machine.toml"),
     "train policy": Command(
-        "learning_options:Policy", "train_policy:run", "a residual policy on a law", "--algorithm ppo --out mine"
+        "learning_options:PolicyTraining",
+        "train_policy:run",
+        "a residual policy on a law",
+        "--algorithm ppo --out mine",
     ),
     "train bspline": Command(
         "learning_options:BSpline", "train_bspline:bspline", "a B-spline network, trial by trial", "--out network.npz"

@@ -6,7 +6,7 @@ import tyro
 
 from ffgym.agents.residual.hyperparameters import hyperparameters
 from ffgym.agents.residual.plan import Training
-from ffgym.cli.learning_options import Policy, PolicyOptions
+from ffgym.cli.learning_options import PolicyOptions, PolicyTraining
 from ffgym.cli.outputs import check_outputs, given_folder, need_extra, print_places, provenance, write_numbers
 from ffgym.cli.progress import progress_bar
 from ffgym.core.errors import FFGymError
@@ -51,7 +51,7 @@ def need_training() -> None:
     need_extra("ffgym train policy", *PACKAGES, extra="rl")
 
 
-def run(config: Policy) -> None:
+def run(config: PolicyTraining) -> None:
     """Check, train, print."""
     need_training()
     out = given_folder(config.out, "the policy goes")

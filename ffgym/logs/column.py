@@ -51,7 +51,7 @@ DRIVING = ("A", "mA", "V", "mV", "%")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Column:
+class MappedColumn:
     """One family or column of a recording; the fields are the keys [columns] of keys.toml."""
 
     source: str | tuple[str, ...] = ""
@@ -106,11 +106,11 @@ class Column:
         return not plain or self.twos_complement is not None or bool(self.times)
 
 
-def parse_column(table: Any, where: str) -> Column:
+def parse_column(table: Any, where: str) -> MappedColumn:
     """Column of a TOML table that messages call `where`."""
     entries = check_table(table, "columns", where)
     with errors_at(where):
-        return Column(**{key: _READERS[key](key, value) for key, value in entries.items()})
+        return MappedColumn(**{key: _READERS[key](key, value) for key, value in entries.items()})
 
 
 def _text(key: str, value: Any) -> str:

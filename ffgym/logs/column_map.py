@@ -11,7 +11,7 @@ from typing import Any
 from ffgym.core.errors import FFGymError, check_number, errors_at
 from ffgym.core.files import read_text, write_text
 from ffgym.core.toml import parse_toml, toml_key, toml_value
-from ffgym.logs.column import Column, check_truth, parse_column
+from ffgym.logs.column import MappedColumn, check_truth, parse_column
 from ffgym.logs.keys import KEYS, check_table
 from ffgym.logs.text_layout import TextLayout
 from ffgym.recordings.rewiring import Rewire, Rewiring
@@ -35,7 +35,7 @@ class ColumnMap:
     """Built-in robot, path, or with joints in `header` just a name; empty if the caller says which."""
     header: Mapping[str, Any] = field(default_factory=dict)
     """Fields of the recording's header that the map sets."""
-    columns: Mapping[str, Column]
+    columns: Mapping[str, MappedColumn]
     """Family or column -> where its numbers are."""
     layout: TextLayout = field(default_factory=TextLayout)
     """Of a text file."""
@@ -175,7 +175,7 @@ def _check_filled_in(tree: Mapping[str, Any], path: str = "") -> None:
             raise FFGymError(f"{here} = '?' is still to be filled in, or to be taken away.")
 
 
-def _parse_families(tables: Any) -> dict[str, Column]:
+def _parse_families(tables: Any) -> dict[str, MappedColumn]:
     """Columns by family."""
     if not isinstance(tables, dict) or not tables:
         raise FFGymError('[columns] is missing: it holds a table like [columns."motor.position"] for each family.')
@@ -259,7 +259,10 @@ def write_corrected(
             none = Rewire.none(len(rewire.source))
             changed = [key for key in KEYS["rewire"] if getattr(rewire, key) != getattr(none, key)]
             tree["rewire"][name] = {key: list(getattr(rewire, key)) for key in changed}
-    head = ["# Column map with corrections that a fit of the wiring of the logs found:", *(f"# - {n}" for n in notes)]
+    head = [
+        "# Column map with corrections that a fit of the wiring of the logs found:",
+        *(f"# - {n}" for n in notes),
+    ]
     write_text(path, "\n".join([*head, "", *_table_lines("", tree)]) + "\n")
 
 

@@ -13,7 +13,7 @@ from ffgym.logs.column import Resample, conversion
 from ffgym.logs.column_map import ColumnMap
 from ffgym.logs.contents import Contents
 from ffgym.logs.entries import TIMESTAMP, Entries, Entry, entries_of, place_of
-from ffgym.logs.motions import Motion, motions_of
+from ffgym.logs.motions import LoggedMotion, motions_of
 from ffgym.logs.si import to_kept_side, to_si
 from ffgym.recordings import Header, Recording
 
@@ -67,7 +67,9 @@ def recordings_of(contents: Contents, columns: ColumnMap, header: Header) -> lis
     return [_recording(contents, columns, entries, header, motion) for motion in motions]
 
 
-def _recording(contents: Contents, columns: ColumnMap, entries: Entries, header: Header, motion: Motion) -> Recording:
+def _recording(
+    contents: Contents, columns: ColumnMap, entries: Entries, header: Header, motion: LoggedMotion
+) -> Recording:
     """Recording of one motion."""
     with errors_at(place_of(TIMESTAMP)):
         every = _rows(contents, entries, motion)
@@ -94,7 +96,7 @@ def _recording(contents: Contents, columns: ColumnMap, entries: Entries, header:
 
 
 def _at_rows(
-    contents: Contents, entry: Entry, header: Header, motion: Motion, rows: Rows, ordered: BoolArray
+    contents: Contents, entry: Entry, header: Header, motion: LoggedMotion, rows: Rows, ordered: BoolArray
 ) -> tuple[Array, BoolArray]:
     """SI numbers of an entry on the side of the file, (T, P), for those rows of the file that are `ordered`.
 
@@ -162,7 +164,7 @@ def _longest_increasing(t: Array) -> BoolArray:
     return kept
 
 
-def _rows(contents: Contents, entries: Entries, motion: Motion) -> Rows:
+def _rows(contents: Contents, entries: Entries, motion: LoggedMotion) -> Rows:
     """Rows of a motion: at the readings of their clock, or at a constant rate from 0 on."""
     timestamp = entries.timestamp
     if entries.times is not None:

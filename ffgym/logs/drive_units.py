@@ -7,7 +7,7 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError, errors_at
 from ffgym.core.types import Array
-from ffgym.logs.column import Column
+from ffgym.logs.column import MappedColumn
 from ffgym.logs.column_map import ColumnMap
 from ffgym.logs.entries import TIMESTAMP, place_of
 from ffgym.logs.si import each, target_of
@@ -44,7 +44,7 @@ def with_drive_units(columns: ColumnMap, header: Header, robot: RobotDescription
     return replace(columns, columns=found), replace(header, meta=meta)
 
 
-def _numbers(column: Column, entry: str, robot: RobotDescription | None) -> Array:
+def _numbers(column: MappedColumn, entry: str, robot: RobotDescription | None) -> Array:
     """Torque per unit of each joint, (N,)."""
     numbers: Array | None = None if robot is None else getattr(robot.drive, entry)
     if numbers is None:
@@ -62,7 +62,7 @@ def _numbers(column: Column, entry: str, robot: RobotDescription | None) -> Arra
     return numbers
 
 
-def _as_torque(column: Column, factors: Array) -> Column:
+def _as_torque(column: MappedColumn, factors: Array) -> MappedColumn:
     """The entry with `factors` (P,) in its scale and offset, so that it gives motor torques [N m]."""
     if isinstance(column.scale, str) or isinstance(column.offset, str):
         raise FFGymError(

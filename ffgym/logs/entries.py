@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ffgym.core.errors import FFGymError, errors_at
-from ffgym.logs.column import AXES, Column
+from ffgym.logs.column import AXES, MappedColumn
 from ffgym.logs.column_map import ColumnMap, builtin_columns, load_columns
 from ffgym.logs.contents import Contents
 from ffgym.logs.si import Target, target_of
@@ -41,7 +41,7 @@ class Gathered:
 class Entry:
     """One entry of the map, and its arrays."""
 
-    column: Column
+    column: MappedColumn
     target: Target
     values: Gathered
     clock: Gathered | None
@@ -52,7 +52,7 @@ class Entry:
 class Entries:
     """All entries of a map that a file has arrays for."""
 
-    timestamp: Column
+    timestamp: MappedColumn
     """How the times of the rows are known."""
     times: Gathered | None
     """Them, one part; None for a constant rate."""
@@ -101,7 +101,7 @@ def entries_of(contents: Contents, columns: ColumnMap, header: Header) -> Entrie
     return Entries(timestamp=timestamp, times=times, others=others, left_out=left_out)
 
 
-def _times(contents: Contents, timestamp: Column) -> Gathered | None:
+def _times(contents: Contents, timestamp: MappedColumn) -> Gathered | None:
     """Times of the rows; None for a constant rate."""
     if timestamp.resample or timestamp.optional or timestamp.side or timestamp.parts:
         raise FFGymError("the clock of the rows has no resample, optional, side or parts.")
@@ -114,7 +114,7 @@ def _times(contents: Contents, timestamp: Column) -> Gathered | None:
     return _gather(contents, timestamp, timestamp.source, 1)
 
 
-def _source_names(column: Column, target: Target, joints: Sequence[str]) -> tuple[str, ...] | str:
+def _source_names(column: MappedColumn, target: Target, joints: Sequence[str]) -> tuple[str, ...] | str:
     """One name, or one for each part where the entry lists them or has a place for the joint."""
     source = column.source
     if isinstance(source, tuple) or not _PLACE.search(source):
@@ -136,7 +136,7 @@ def _is_there(names: tuple[str, ...] | str, contents: Contents) -> bool:
 
 
 def _entry(
-    contents: Contents, column: Column, target: Target, names: tuple[str, ...] | str, timestamp: Column
+    contents: Contents, column: MappedColumn, target: Target, names: tuple[str, ...] | str, timestamp: MappedColumn
 ) -> Entry:
     """An entry with the arrays `names`, and the clock that it has of its own."""
     if column.rate_hz is not None:
@@ -159,7 +159,9 @@ def _entry(
     return Entry(column=column, target=target, values=values, clock=_clock(contents, column, target, values, timestamp))
 
 
-def _clock(contents: Contents, column: Column, target: Target, values: Gathered, timestamp: Column) -> Gathered | None:
+def _clock(
+    contents: Contents, column: MappedColumn, target: Target, values: Gathered, timestamp: MappedColumn
+) -> Gathered | None:
     """Times of samples that are not those of the rows."""
     source = timestamp.source if isinstance(timestamp.source, str) else ""
     if not column.resample:
@@ -185,10 +187,10 @@ def _clock(contents: Contents, column: Column, target: Target, values: Gathered,
 def _one_per_row(contents: Contents, name: str) -> Gathered:
     """Array of one number per row, in one motion or several."""
     axes = ("motion", "time") if contents.numbers(name).ndim == 2 else ("time",)
-    return _gather(contents, Column(source=name, unit="1", axes=axes), name, 1)
+    return _gather(contents, MappedColumn(source=name, unit="1", axes=axes), name, 1)
 
 
-def _gather(contents: Contents, column: Column, names: tuple[str, ...] | str, n_parts: int) -> Gathered:
+def _gather(contents: Contents, column: MappedColumn, names: tuple[str, ...] | str, n_parts: int) -> Gathered:
     """Numbers of the arrays `names` for the `n_parts` columns of an entry."""
     if isinstance(names, str):
         first, values = names, _all_parts(contents, column, names, n_parts)
@@ -198,7 +200,7 @@ def _gather(contents: Contents, column: Column, names: tuple[str, ...] | str, n_
     return Gathered(values=values, stacked=stacked, stream=contents.streams.get(first))
 
 
-def _all_parts(contents: Contents, column: Column, name: str, n_parts: int) -> NDArray[Any]:
+def _all_parts(contents: Contents, column: MappedColumn, name: str, n_parts: int) -> NDArray[Any]:
     """One array with all parts, or those that the entry picks."""
     array, axes = contents.numbers(name), column.axes
     if axes is None:
@@ -223,7 +225,7 @@ def _all_parts(contents: Contents, column: Column, name: str, n_parts: int) -> N
     return values
 
 
-def _side_by_side(contents: Contents, column: Column, names: tuple[str, ...], n_parts: int) -> NDArray[Any]:
+def _side_by_side(contents: Contents, column: MappedColumn, names: tuple[str, ...], n_parts: int) -> NDArray[Any]:
     """One array for each part."""
     if len(names) != n_parts:
         raise FFGymError(f"source lists {len(names)} arrays, must be {n_parts}, one for each column.")
@@ -253,7 +255,7 @@ def fitting_maps(contents: Contents) -> list[str]:
     return [name for name, columns in maps.items() if all(c.optional or _may_be_there(c, contents) for c in columns)]
 
 
-def _may_be_there(column: Column, contents: Contents) -> bool:
+def _may_be_there(column: MappedColumn, contents: Contents) -> bool:
     """Tell whether the file has arrays for an entry, of one joint at least."""
     if isinstance(column.rate_hz, str):
         return column.rate_hz in contents.arrays

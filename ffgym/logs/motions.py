@@ -15,7 +15,7 @@ from ffgym.logs.entries import Gathered
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Motion:
+class LoggedMotion:
     """Place of one motion in the arrays of a file."""
 
     segment: str
@@ -44,7 +44,7 @@ class Motion:
         return values
 
 
-def motions_of(contents: Contents, columns: ColumnMap, segment: str, arrays: Iterable[Gathered]) -> list[Motion]:
+def motions_of(contents: Contents, columns: ColumnMap, segment: str, arrays: Iterable[Gathered]) -> list[LoggedMotion]:
     """Motions in a file whose entries have these arrays; `segment` names a single one, and begins names of several."""
     counts = {len(gathered.values) for gathered in arrays if gathered.stacked}
     if len(counts) > 1:
@@ -72,7 +72,7 @@ def motions_of(contents: Contents, columns: ColumnMap, segment: str, arrays: Ite
     several = len(places) > 1 or columns.names
     segments = [f"{segment}_{label}" if several else segment for label in labels]
     metas = [_meta(contents, columns.meta, k, len(places)) for k in range(len(places))]
-    return [Motion(segment=s, meta=m, **place) for s, m, place in zip(segments, metas, places, strict=True)]
+    return [LoggedMotion(segment=s, meta=m, **place) for s, m, place in zip(segments, metas, places, strict=True)]
 
 
 def _cuts(name: str, splitting: NDArray[Any]) -> list[slice]:

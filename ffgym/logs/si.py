@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
-from ffgym.logs.column import Column, conversion, si_of
+from ffgym.logs.column import MappedColumn, conversion, si_of
 from ffgym.logs.contents import Contents
 from ffgym.recordings import FAMILIES, Family, Header
 from ffgym.recordings.schema import USER_PREFIX, closest
@@ -44,14 +44,14 @@ class Target:
             return header.position_side
         return "link" if header.torque_semantics == "link_side" else "motor"
 
-    def file_side(self, header: Header, column: Column) -> str | None:
+    def file_side(self, header: Header, column: MappedColumn) -> str | None:
         """Side of the numbers in the file."""
         kept = self.kept_side(header)
         if column.side and kept is None:
             raise FFGymError(f"side = {column.side!r} has no meaning for {self.key}; leave it out.")
         return column.side or kept
 
-    def units(self, header: Header, column: Column) -> tuple[str, ...]:
+    def units(self, header: Header, column: MappedColumn) -> tuple[str, ...]:
         """SI unit of each column, on the side of the file; for columns of the user's own that of the entry's unit."""
         if self.family is None:
             return tuple(si_of(unit, column.counts_per_turn) for unit in each("unit", column.unit, len(self.columns)))
@@ -62,7 +62,7 @@ class Target:
         return tuple(_SLIDE_UNITS.get(self.family.unit, self.family.unit) if s else self.family.unit for s in slides)
 
 
-def target_of(key: str, column: Column, joints: Sequence[str]) -> Target:
+def target_of(key: str, column: MappedColumn, joints: Sequence[str]) -> Target:
     """Columns that the entry `key` fills on a robot with `joints`."""
     if key.startswith(USER_PREFIX):
         names = tuple(f"{key}.{part}" for part in column.parts) or (key,)
@@ -90,7 +90,7 @@ def each(name: str, given: Any, n_parts: int) -> tuple[Any, ...]:
     return given if len(given) == n_parts else given * n_parts
 
 
-def to_si(values: NDArray[Any], column: Column, units: tuple[str, ...], contents: Contents) -> Array:
+def to_si(values: NDArray[Any], column: MappedColumn, units: tuple[str, ...], contents: Contents) -> Array:
     """Return sign * (unit (scale * values + offset)) in `units`, float64, shape (T, P) like `values`.
 
     Counts in two's complement get their sign first.
@@ -138,7 +138,7 @@ def _constants(name: str, given: float | tuple[float, ...] | str, n_parts: int, 
     return constants
 
 
-def to_kept_side(values: Array, target: Target, column: Column, header: Header) -> Array:
+def to_kept_side(values: Array, target: Target, column: MappedColumn, header: Header) -> Array:
     """Numbers (T, P) on the side of the gearbox on which the recording keeps them."""
     kept, side = target.kept_side(header), target.file_side(header, column)
     if kept == side or target.joints is None or target.family is None:

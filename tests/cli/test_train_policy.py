@@ -5,7 +5,7 @@ import json
 import pytest
 
 from ffgym.agents.residual.policy import load_policy
-from ffgym.cli.learning_options import Policy
+from ffgym.cli.learning_options import PolicyTraining
 from ffgym.cli.main import main
 
 FEW = ["--set", "n_envs=2", "n_steps=8", "batch_size=8", "segment_steps=16", "n_epochs=2"]
@@ -39,20 +39,20 @@ def test_what_is_trained_must_be_said(capsys):
 
 
 def test_options_make_the_training():
-    training = Policy(algorithm="recurrent_ppo", nominal=True, set=("lstm_cells=4",)).with_seed(3)
+    training = PolicyTraining(algorithm="recurrent_ppo", nominal=True, set=("lstm_cells=4",)).with_seed(3)
     assert training.seed == 3
     assert not training.factored
     assert not training.randomization
     assert training.hyperparameters["lstm_cells"] == 4
-    assert Policy(robot="one_axis").with_seed(0).robot == "one_axis"
-    assert Policy().with_seed(0).factored
-    assert not Policy(joint=True).with_seed(0).factored
+    assert PolicyTraining(robot="one_axis").with_seed(0).robot == "one_axis"
+    assert PolicyTraining().with_seed(0).factored
+    assert not PolicyTraining(joint=True).with_seed(0).factored
 
 
 def test_a_machine_file_is_kept_with_the_training(tmp_path):
     file = tmp_path / "machine.toml"
     file.write_text('[machine]\ntitle = "mine"\nrobot = "irb4600_60_205"\n')
-    training = Policy(base=f"model:{file}").with_seed(0)
+    training = PolicyTraining(base=f"model:{file}").with_seed(0)
     assert (training.base, training.machine) == ("model", file.read_text())
 
 

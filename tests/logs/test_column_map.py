@@ -11,7 +11,7 @@ from log_samples import CLOCK, LOG, N_ROWS, POSITION, arrays, column_map, refuse
 
 from ffgym.core.errors import FFGymError
 from ffgym.logs import Contents, builtin_columns, load_columns, parse_columns, read_log
-from ffgym.logs.column import _READERS, COUNTS, UNITS, Column, conversion
+from ffgym.logs.column import _READERS, COUNTS, UNITS, MappedColumn, conversion
 from ffgym.logs.column_map import column_map_of
 from ffgym.logs.convert import recordings_of
 from ffgym.logs.drive_units import with_drive_units
@@ -22,7 +22,7 @@ from ffgym.recordings import Header, Rewire
 
 
 def test_every_key_is_explained_and_read():
-    assert set(KEYS["columns"]) == set(_READERS) == {f.name for f in fields(Column)}
+    assert set(KEYS["columns"]) == set(_READERS) == {f.name for f in fields(MappedColumn)}
     assert set(KEYS["file"]) == {f.name for f in fields(TextLayout)}
     assert set(KEYS["rewire"]) == {f.name for f in fields(Rewire)}
     assert set(KEYS["log"]) - {"base", "trim"} == {f.name for f in fields(Header)} - {

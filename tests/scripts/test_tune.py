@@ -10,7 +10,7 @@ import sys
 import pytest
 import tyro
 
-from ffgym.cli.learning_options import Policy
+from ffgym.cli.learning_options import PolicyTraining
 from ffgym.core.claims import claimed
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import write_bytes
@@ -168,7 +168,7 @@ def test_the_best_trial_has_options_that_train_it_again(algorithm, tmp_path, cal
     best = main(config)
     assert capsys.readouterr().out.splitlines()[-1] == f"ffgym train policy {best['options']} --out FOLDER"
     assert written(tmp_path)["best"] == best
-    said = tyro.cli(Policy, args=shlex.split(best["options"]))
+    said = tyro.cli(PolicyTraining, args=shlex.split(best["options"]))
     wanted = min(calls, key=lambda training: (training.number("gamma") - 0.9) ** 2)
     assert said.with_seed(said.seed).document() == wanted.document()
     assert said.with_seed(said.seed).number("final_learning_rate") == 0.1 * best["parameters"]["learning_rate"]

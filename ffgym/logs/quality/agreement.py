@@ -6,8 +6,8 @@ from typing import get_args
 import numpy as np
 
 from ffgym.logs.quality.check import ROWS, Seen, check, late
-from ffgym.logs.quality.kinship import Kind, Signals, channel_of, columns_of, motion_signals, torque_signals
-from ffgym.logs.quality.log import Log, NotJudgedError
+from ffgym.logs.quality.kinship import Kind, TorqueSignals, channel_of, columns_of, motion_signals, torque_signals
+from ffgym.logs.quality.log import CheckedLog, NotJudgedError
 
 _CURRENT_LOOP = 5e-4
 """Difference [s] between the delays of joints that their drives may make: current loops have 300 Hz and more."""
@@ -19,10 +19,10 @@ _COPY = 0.995
 """Correlation of motor and set-point from which on a delay between them is one: what else differs may look like it."""
 
 
-def _judge(kind: Kind) -> Callable[[Log], Iterator[Seen]]:
+def _judge(kind: Kind) -> Callable[[CheckedLog], Iterator[Seen]]:
     """Judge of the columns that do not fit in one way."""
 
-    def judge(log: Log) -> Iterator[Seen]:
+    def judge(log: CheckedLog) -> Iterator[Seen]:
         groups = [signals for signals in (motion_signals(log), torque_signals(log)) if len(signals.values) > 1]
         if not groups:
             raise NotJudgedError("no two columns say the same of a joint that moves")
@@ -37,7 +37,7 @@ KINDS = tuple(check(_judge(kind), kind) for kind in get_args(Kind))
 
 
 @check
-def _lag(log: Log) -> Iterator[Seen]:
+def _lag(log: CheckedLog) -> Iterator[Seen]:
     """Columns of one machine part: measured ones, torques, set-points."""
     judged = False
     for signals in (motion_signals(log), torque_signals(log)):
@@ -55,7 +55,7 @@ def _lag(log: Log) -> Iterator[Seen]:
 
 
 @check
-def _torque_lag_apart(log: Log) -> Iterator[Seen]:
+def _torque_lag_apart(log: CheckedLog) -> Iterator[Seen]:
     """Torques of which those of one joint are late."""
     signals, judged = torque_signals(log), False
     within = max(_ROWS * log.dt, _CURRENT_LOOP)
@@ -75,7 +75,7 @@ def _torque_lag_apart(log: Log) -> Iterator[Seen]:
         raise NotJudgedError("no two columns say the same of the torques of two joints")
 
 
-def _pairs(signals: Signals) -> list[tuple[str, str]]:
+def _pairs(signals: TorqueSignals) -> list[tuple[str, str]]:
     """Families, each with the one that it is compared with: the first of its channel, else the motors'."""
     pairs = []
     for family in signals.values:
@@ -88,7 +88,7 @@ def _pairs(signals: Signals) -> list[tuple[str, str]]:
 
 
 @check
-def _reference_lag(log: Log) -> Iterator[Seen]:
+def _reference_lag(log: CheckedLog) -> Iterator[Seen]:
     """Measured against planned motion; a servo cannot be ahead by more than its feed-forward's error."""
     signals, names = motion_signals(log), ("motor.position", "reference.position")
     if not set(names) <= set(signals.values):

@@ -9,7 +9,7 @@ import scipy
 
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.logs.quality.check import ROWS, Seen, check
-from ffgym.logs.quality.log import Log
+from ffgym.logs.quality.log import CheckedLog
 from ffgym.logs.quality.signals import TINY, smallest_step
 
 REACH = 10
@@ -77,7 +77,7 @@ def outlier_ratio(x: Array, resolution: float) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class Column:
+class CellColumn:
     """A column without its missing samples."""
 
     family: str
@@ -91,7 +91,7 @@ class Column:
 
 
 @lru_cache(maxsize=4)
-def columns_of(log: Log) -> tuple[Column, ...]:
+def columns_of(log: CheckedLog) -> tuple[CellColumn, ...]:
     """Columns of the schema with samples enough; what columns of the user's own may do is not known."""
     found = []
     for family in log.families:
@@ -102,12 +102,12 @@ def columns_of(log: Log) -> tuple[Column, ...]:
         steps = {name: smallest_step(x, _STEPS) for name, x in values.items()}
         for name, rows in seen.items():
             if len(rows) > 2 * REACH:
-                found.append(Column(family, name, rows, values[name], steps[name] or max(steps.values())))
+                found.append(CellColumn(family, name, rows, values[name], steps[name] or max(steps.values())))
     return tuple(found)
 
 
 @check
-def _spike(log: Log) -> Iterator[Seen]:
+def _spike(log: CheckedLog) -> Iterator[Seen]:
     for column in columns_of(log):
         ratio = outlier_ratio(column.values, column.resolution)
         worst = int(np.argmax(ratio))
@@ -118,7 +118,7 @@ def _spike(log: Log) -> Iterator[Seen]:
 
 
 @check
-def _jump(log: Log) -> Iterator[Seen]:
+def _jump(log: CheckedLog) -> Iterator[Seen]:
     for column in columns_of(log):
         if column.family not in _CONTINUOUS:
             continue
@@ -137,7 +137,7 @@ they do not change, and more in some places than in others."""
 
 
 @check
-def _noise_burst(log: Log) -> Iterator[Seen]:
+def _noise_burst(log: CheckedLog) -> Iterator[Seen]:
     for column in columns_of(log):
         joint = log.joint_of(column.name)
         counts = log.recording.valid[:, log.joints.index(joint)] if joint else np.ones(len(log.t), dtype=np.bool_)
@@ -147,7 +147,7 @@ def _noise_burst(log: Log) -> Iterator[Seen]:
             yield Seen(float(ratios[worst]), (column.name,), joint, {"t": log.t[column.rows[worst * BURST]]})
 
 
-def burst_ratios(column: Column, counts: BoolArray) -> Array:
+def burst_ratios(column: CellColumn, counts: BoolArray) -> Array:
     """Noise of each `BURST` rows over that usual in a column; 0 where not all rows `counts` (T,); empty if short."""
     x = column.values
     if len(x) < 8 * BURST:

@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ffgym.logs.quality.log import Log, NotJudgedError
+from ffgym.logs.quality.log import CheckedLog, NotJudgedError
 
 Verdict = Literal["ok", "flagged", "refused", "not judged"]
 """`refused`: what depends on it must not be computed; `flagged`: it can, but the reader has to know."""
@@ -112,7 +112,7 @@ class Check:
     """One question to a recording. A figure is bad when it is above its limits."""
 
     name: str
-    judge: Callable[[Log], Iterable[Seen]]
+    judge: Callable[[CheckedLog], Iterable[Seen]]
     figure: str
     """What the number is."""
     unit: str
@@ -127,7 +127,7 @@ class Check:
     every: bool = False
     """Keep figures that are in order, all of them; else only the worst is kept."""
 
-    def findings(self, log: Log) -> tuple[Finding, ...]:
+    def findings(self, log: CheckedLog) -> tuple[Finding, ...]:
         """Check a recording."""
         try:
             found = tuple(self._finding(log, entry) for entry in self.judge(log))
@@ -138,7 +138,7 @@ class Check:
             return found
         return bad or (max(found, key=lambda finding: finding.value or 0.0),)
 
-    def _finding(self, log: Log, seen: Seen) -> Finding:
+    def _finding(self, log: CheckedLog, seen: Seen) -> Finding:
         verdict: Verdict = "ok"
         limit = self.flag
         if self.refuse is not None and seen.value > self.refuse:
@@ -162,7 +162,7 @@ class Check:
         )
 
 
-def check(judge: Callable[[Log], Iterable[Seen]], name: str = "") -> Check:
+def check(judge: Callable[[CheckedLog], Iterable[Seen]], name: str = "") -> Check:
     """The check whose figure a function computes; its name, or `name`, is that of the entry in checks.toml."""
     name = name or judge.__name__.removeprefix("_")
     return Check(name=name, judge=judge, **ROWS[name])

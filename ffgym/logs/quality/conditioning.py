@@ -20,7 +20,7 @@ from ffgym.logs.quality.cells import (
     outlier_ratio,
 )
 from ffgym.logs.quality.even import add_note, bridge_gaps, count, is_smooth, mask_columns, on_even_clock
-from ffgym.logs.quality.log import RESTING, Log, NotJudgedError
+from ffgym.logs.quality.log import RESTING, CheckedLog, NotJudgedError
 from ffgym.logs.quality.rows import copies
 from ffgym.logs.quality.signals import stretches
 from ffgym.logs.quality.values import stuck_stretches
@@ -96,7 +96,7 @@ def without_copies(recording: Recording) -> Recording:
     A logger writes such rows that polls faster than the controller computes.
     """
     try:
-        found = copies(Log(recording))
+        found = copies(CheckedLog(recording))
     except NotJudgedError:
         return recording
     if not found:
@@ -119,7 +119,7 @@ def without_spikes(recording: Recording) -> Recording:
     """
     repair = _Repair(recording)
     odd = np.zeros_like(repair.masked)
-    for column in columns_of(Log(recording)):
+    for column in columns_of(CheckedLog(recording)):
         found = np.flatnonzero(outlier_ratio(column.values, column.resolution) > SPIKE)
         # rows that stick out alone, if they are few
         apart = np.diff(found, prepend=-np.inf, append=np.inf) > REACH
@@ -148,7 +148,7 @@ def without_stops(recording: Recording) -> Recording:
 
     No model of the motion has the robot's own stops.
     """
-    log, repair = Log(recording), _Repair(recording)
+    log, repair = CheckedLog(recording), _Repair(recording)
     if not log.excited.any() or log.dt > _SLOW:
         return recording
     for rows in _abrupt_stops(log):
@@ -161,7 +161,7 @@ def without_stops(recording: Recording) -> Recording:
     return repair.made(*repair.texts)
 
 
-def _abrupt_stops(log: Log) -> list[slice]:
+def _abrupt_stops(log: CheckedLog) -> list[slice]:
     """Rows from where an abrupt stop begins to brake to the end of the rest after it."""
     # change of the mean speed from `width` rows before to as many after each row
     q, width = log.q[:, log.excited], log.rows(_WINDOW)
@@ -190,7 +190,7 @@ def _abrupt_stops(log: Log) -> list[slice]:
 def without_stuck(recording: Recording) -> Recording:
     """The log with stuck columns bridged; where a position is not known, no torque counts, as it depends on all."""
     repair = _Repair(recording)
-    for stretch in stuck_stretches(Log(recording)):
+    for stretch in stuck_stretches(CheckedLog(recording)):
         bad = np.zeros(len(recording), dtype=np.bool_)
         bad[stretch.rows] = True
         repair.bridge(stretch.name, bad)
@@ -203,7 +203,7 @@ def without_stuck(recording: Recording) -> Recording:
 def without_bursts(recording: Recording) -> Recording:
     """The log with a mask over stretches of a column that are far noisier than the rest of it."""
     repair = _Repair(recording)
-    for column in columns_of(Log(recording)):
+    for column in columns_of(CheckedLog(recording)):
         if FAMILIES[column.family].parts != "joint" or FAMILIES[column.family].may_miss:
             continue
         j = recording.header.joints.index(column.name.rpartition(".")[2])

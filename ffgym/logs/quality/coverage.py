@@ -10,7 +10,7 @@ import numpy as np
 from ffgym.core.errors import check_choice
 from ffgym.core.types import Array
 from ffgym.logs.quality.check import Finding, Seen, check, load_table
-from ffgym.logs.quality.log import Log, NotJudgedError
+from ffgym.logs.quality.log import CheckedLog, NotJudgedError
 from ffgym.logs.quality.signals import stretches
 from ffgym.logs.quality.torque import model_of
 
@@ -30,7 +30,7 @@ FIGURES = (
 """Figures of coverage; joints that do not move have zeros."""
 
 
-def figures(log: Log, name: str) -> Array:
+def figures(log: CheckedLog, name: str) -> Array:
     """A figure of every joint, (N,)."""
     if not log.has_positions:
         raise NotJudgedError("there are no positions")
@@ -50,7 +50,7 @@ def figures(log: Log, name: str) -> Array:
 
 
 @lru_cache(maxsize=4)
-def _motion_figures(log: Log) -> dict[str, Array]:
+def _motion_figures(log: CheckedLog) -> dict[str, Array]:
     """Figures of the motion of every joint, (N,) each."""
     found = {name: np.zeros(len(log.joints)) for name in FIGURES}
     for j in np.flatnonzero(log.excited).tolist():
@@ -75,8 +75,8 @@ def _motion_figures(log: Log) -> dict[str, Array]:
     return found
 
 
-def _judge(name: str) -> Callable[[Log], Iterator[Seen]]:
-    def judge(log: Log) -> Iterator[Seen]:
+def _judge(name: str) -> Callable[[CheckedLog], Iterator[Seen]]:
+    def judge(log: CheckedLog) -> Iterator[Seen]:
         for joint, value in zip(log.joints, figures(log, name).tolist(), strict=True):
             yield Seen(value, joint=joint)
 
@@ -106,7 +106,7 @@ NEEDS: Mapping[str, Need] = MappingProxyType({name: Need(**row) for name, row in
 """Uses of a log by name."""
 
 
-def need_findings(log: Log, needs: Iterable[str], others: Sequence[Finding]) -> tuple[Finding, ...]:
+def need_findings(log: CheckedLog, needs: Iterable[str], others: Sequence[Finding]) -> tuple[Finding, ...]:
     """List the needs that a log does not meet: refused if no joint serves, flagged for joints that do not.
 
     Of what checks found, the `others`, some uses bear less.
@@ -122,7 +122,7 @@ def need_findings(log: Log, needs: Iterable[str], others: Sequence[Finding]) -> 
     return tuple(found)
 
 
-def _columns(log: Log, name: str, need: Need) -> list[Finding]:
+def _columns(log: CheckedLog, name: str, need: Need) -> list[Finding]:
     absent = [family for family in need.columns if not log.recording.has(family)]
     if absent:
         return [_refuse(name, f"{', '.join(absent)} is missing, {name} needs it ({need.why}). Log it.", tuple(absent))]
@@ -138,7 +138,7 @@ def _refuse(name: str, message: str, columns: tuple[str, ...] = ()) -> Finding:
     return Finding(check=f"need_{name}", verdict="refused", message=message, columns=columns)
 
 
-def _coverage(log: Log, name: str, need: Need) -> list[Finding]:
+def _coverage(log: CheckedLog, name: str, need: Need) -> list[Finding]:
     short = np.zeros(len(log.joints), dtype=np.bool_)
     texts = []
     for figure, least in need.least.items():

@@ -7,7 +7,7 @@ import scipy
 
 from ffgym.core.measures import rms
 from ffgym.core.types import Array, BoolArray
-from ffgym.logs.quality.log import Log
+from ffgym.logs.quality.log import CheckedLog
 from ffgym.logs.quality.rows import long_intervals
 from ffgym.logs.quality.signals import TINY, grid_step, has_two_rates, is_even, longest_interval
 from ffgym.recordings import Header, Recording, clip_phases
@@ -99,7 +99,7 @@ class Times:
     """Whether steps of the clock were taken out."""
 
 
-def times_of(log: Log) -> Times:
+def times_of(log: CheckedLog) -> Times:
     """When the rows of a log were sampled, as its positions say: of possible times, those at which they are smooth.
 
     A controller that stamps its rows right is believed, however unevenly it is read. Stamps of a clock that is coarse,
@@ -157,7 +157,7 @@ def on_even_clock(recording: Recording, period: float | None = None) -> Recordin
     recording = _longest_part(recording)
     if len(recording) < 8 or is_even(recording.t):
         return recording
-    times = times_of(Log(recording))
+    times = times_of(CheckedLog(recording))
     times = times if period is None else replace(times, period=period)
     n = int(np.floor((times.s[-1] - times.s[0]) / times.period * (1 + 1e-12) + 1e-6)) + 1
     t = times.s[0] + times.period * np.arange(n)

@@ -12,7 +12,7 @@ from ffgym.logs.quality.check import SEVERITY, STAGE_ROWS, Check, Finding, Quali
 from ffgym.logs.quality.conditioning import condition
 from ffgym.logs.quality.coverage import need_findings
 from ffgym.logs.quality.even import notes_of
-from ffgym.logs.quality.log import Log
+from ffgym.logs.quality.log import CheckedLog
 from ffgym.logs.quality.signals import EVEN, is_even
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
@@ -60,11 +60,11 @@ def check_quality(
     if not isinstance(recording, Recording):
         raise FFGymError(f"recording must be a Recording, got {type(recording).__name__}; read_recording makes one.")
     made = condition(recording)
-    log = Log(made, robot)
+    log = CheckedLog(made, robot)
     findings = _found(log, accept)
     findings += need_findings(log, needs, [finding for finding in findings if finding.check not in accept])
     if made is not recording:
-        mended = _list_repairs(Log(recording, robot), findings)
+        mended = _list_repairs(CheckedLog(recording, robot), findings)
         findings = [*mended, *(f for f in findings if f.check not in {finding.check for finding in mended})]
     return QualityReport(
         robot=recording.header.robot,
@@ -76,7 +76,7 @@ def check_quality(
     )
 
 
-def _found(log: Log, accept: Collection[str]) -> list[Finding]:
+def _found(log: CheckedLog, accept: Collection[str]) -> list[Finding]:
     """Findings of all checks, stage by stage; those of checks that are overruled stop none."""
     findings: list[Finding] = []
     stopped = ""
@@ -94,7 +94,7 @@ def _found(log: Log, accept: Collection[str]) -> list[Finding]:
     return findings
 
 
-def _list_repairs(log: Log, others: Sequence[Finding]) -> list[Finding]:
+def _list_repairs(log: CheckedLog, others: Sequence[Finding]) -> list[Finding]:
     """Flag what conditioning repaired: findings on the log as it came that are none any more.
 
     Those of the first stage that has any: rows of an uneven clock, for one, seem to stick out.

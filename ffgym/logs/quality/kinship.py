@@ -10,7 +10,7 @@ import numpy as np
 
 from ffgym.core.types import Array, BoolArray
 from ffgym.logs.quality.check import Seen
-from ffgym.logs.quality.log import EXCITED, Log
+from ffgym.logs.quality.log import EXCITED, CheckedLog
 from ffgym.logs.quality.signals import compare, correlations
 
 Kind = Literal["units", "side", "sign", "permutation", "scale", "agreement"]
@@ -65,7 +65,7 @@ _OTHERWISE = "another scale or zero point"
 
 
 @dataclass(frozen=True, eq=False)
-class Signals:
+class TorqueSignals:
     """Signals of one quantity, by family: of two that disagree the first is believed."""
 
     joints: tuple[str, ...]
@@ -200,7 +200,7 @@ def explain(slope: float, ratio: float, tolerance: float) -> tuple[Kind, str]:
 
 
 @lru_cache(maxsize=4)
-def motion_signals(log: Log) -> Signals:
+def motion_signals(log: CheckedLog) -> TorqueSignals:
     """All that says how the joints move, as link-side positions."""
     moved = [np.ptp(x, axis=0) > EXCITED for x in log.motions.values()]
     judged = np.any(moved, axis=0) if moved else np.zeros(len(log.joints), dtype=np.bool_)
@@ -208,7 +208,7 @@ def motion_signals(log: Log) -> Signals:
 
 
 @lru_cache(maxsize=4)
-def torque_signals(log: Log) -> Signals:
+def torque_signals(log: CheckedLog) -> TorqueSignals:
     """Collect the signals of the motor torque: measured, commanded, sum of the parts of the command."""
     there = {f: log.recording.joint_array(f) for f in (*_WHOLE, *_PARTS) if log.recording.has(f)}
     values = {family: x for family, x in there.items() if family in _WHOLE}
@@ -219,8 +219,10 @@ def torque_signals(log: Log) -> Signals:
     return _signals(log, values, 0.0, moves & log.excited, noisy=True)
 
 
-def _signals(log: Log, values: Mapping[str, Array], slack: float, judged: BoolArray, *, noisy: bool) -> Signals:
+def _signals(
+    log: CheckedLog, values: Mapping[str, Array], slack: float, judged: BoolArray, *, noisy: bool
+) -> TorqueSignals:
     window = min(log.rows(_WINDOW), len(log.t) - 1)
     lags = min(max(3, round(LAG_SPAN / log.dt)), len(log.t) // 4)
     ratio = np.asarray(log.recording.header.gear_ratio)
-    return Signals(log.joints, values, ratio, judged, window=window, lags=lags, slack=slack, noisy=noisy)
+    return TorqueSignals(log.joints, values, ratio, judged, window=window, lags=lags, slack=slack, noisy=noisy)

@@ -47,7 +47,7 @@ class NotJudgedError(Exception):
 
 
 @dataclass(frozen=True, eq=False)
-class Log:
+class CheckedLog:
     """One recording, and the robot it is said to be of."""
 
     recording: Recording

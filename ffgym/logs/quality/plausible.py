@@ -6,7 +6,7 @@ import numpy as np
 
 from ffgym.core.measures import rms
 from ffgym.logs.quality.check import Seen, check
-from ffgym.logs.quality.log import Log, NotJudgedError
+from ffgym.logs.quality.log import CheckedLog, NotJudgedError
 from ffgym.recordings import FAMILIES
 from ffgym.recordings.stretch import is_stretch
 from ffgym.robot import RobotDescription
@@ -21,21 +21,21 @@ _REACH = 20.0
 """Distance [m] that no slide moves by."""
 
 
-def _robot(log: Log) -> RobotDescription:
+def _robot(log: CheckedLog) -> RobotDescription:
     if log.robot is None:
         raise NotJudgedError("no robot is given")
     return log.robot
 
 
 @check
-def _robot_name(log: Log) -> Iterator[Seen]:
+def _robot_name(log: CheckedLog) -> Iterator[Seen]:
     robot, header = _robot(log), log.recording.header
     other = (robot.name != header.robot) + (robot.joints != header.joints)
     yield Seen(float(other), words={"said": ", ".join(header.joints), "described": ", ".join(robot.joints)})
 
 
 @check
-def _joint_count(log: Log) -> Iterator[Seen]:
+def _joint_count(log: CheckedLog) -> Iterator[Seen]:
     robot, header = _robot(log), log.recording.header
     wrong = len(header.joints) != robot.n_joints or header.joint_types != robot.kinematics.types
     said, described = ", ".join(header.joint_types), ", ".join(robot.kinematics.types)
@@ -43,7 +43,7 @@ def _joint_count(log: Log) -> Iterator[Seen]:
 
 
 @check
-def _gear_ratio(log: Log) -> Iterator[Seen]:
+def _gear_ratio(log: CheckedLog) -> Iterator[Seen]:
     robot, header = _robot(log), log.recording.header
     if len(header.joints) != robot.n_joints:
         raise NotJudgedError("the number of joints differs")
@@ -53,7 +53,7 @@ def _gear_ratio(log: Log) -> Iterator[Seen]:
 
 
 @check
-def _payload(log: Log) -> Iterator[Seen]:
+def _payload(log: CheckedLog) -> Iterator[Seen]:
     robot, load = _robot(log), log.recording.header.payload
     if load is None or robot.tool is None or load["mass"] == 0 or robot.tool.mass == 0:
         raise NotJudgedError("the header has no payload, or the robot no tool with a mass")
@@ -62,14 +62,14 @@ def _payload(log: Log) -> Iterator[Seen]:
 
 
 @check
-def _torque_semantics(log: Log) -> Iterator[Seen]:
+def _torque_semantics(log: CheckedLog) -> Iterator[Seen]:
     if not log.recording.has("motor.effort"):
         raise NotJudgedError("there is no motor.effort")
     yield Seen(float(log.recording.header.torque_semantics == "unspecified"), ("motor.effort",))
 
 
 @check
-def _joint_range(log: Log) -> Iterator[Seen]:
+def _joint_range(log: CheckedLog) -> Iterator[Seen]:
     positions = [name for name in log.motion_families if name.endswith("position")]
     if not positions:
         raise NotJudgedError("there are no positions")
@@ -90,7 +90,7 @@ def _joint_range(log: Log) -> Iterator[Seen]:
 
 
 @check
-def _joint_speed(log: Log) -> Iterator[Seen]:
+def _joint_speed(log: CheckedLog) -> Iterator[Seen]:
     if log.robot is None or not log.is_described or not log.has_positions:
         raise NotJudgedError("it needs the robot and positions")
     for j, joint in enumerate(log.joints):
@@ -100,7 +100,7 @@ def _joint_speed(log: Log) -> Iterator[Seen]:
 
 
 @check
-def _temperature(log: Log) -> Iterator[Seen]:
+def _temperature(log: CheckedLog) -> Iterator[Seen]:
     if not log.recording.has("temperature"):
         raise NotJudgedError("there is no temperature")
     for _, j, name, values in log.joint_columns(("temperature",)):
@@ -112,7 +112,7 @@ def _temperature(log: Log) -> Iterator[Seen]:
 
 
 @check
-def _tool_reach(log: Log) -> Iterator[Seen]:
+def _tool_reach(log: CheckedLog) -> Iterator[Seen]:
     families = [name for name in ("tcp.position", "tcp_reference.position") if log.recording.has(name)]
     if not families:
         raise NotJudgedError("there is no tool position")
@@ -122,7 +122,7 @@ def _tool_reach(log: Log) -> Iterator[Seen]:
 
 
 @check
-def _phases(log: Log) -> Iterator[Seen]:
+def _phases(log: CheckedLog) -> Iterator[Seen]:
     if not log.has_positions or not log.recording.header.phases:
         raise NotJudgedError("there are no phases, or no positions")
     top, margin = np.abs(log.dq).max(axis=0), log.rows(0.05)
@@ -137,7 +137,7 @@ def _phases(log: Log) -> Iterator[Seen]:
 
 
 @check
-def _ends_in_motion(log: Log) -> Iterator[Seen]:
+def _ends_in_motion(log: CheckedLog) -> Iterator[Seen]:
     if not log.excited.any():
         raise NotJudgedError("no joint moves")
     if is_stretch(log.recording):

@@ -7,7 +7,7 @@ import numpy as np
 
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.logs.quality.check import Seen, check
-from ffgym.logs.quality.log import Log, NotJudgedError
+from ffgym.logs.quality.log import CheckedLog, NotJudgedError
 from ffgym.logs.quality.signals import longest_interval, smallest_step, stretches
 from ffgym.recordings.schema import VALID
 
@@ -27,7 +27,7 @@ _MEASURED = ("motor.position", "motor.velocity", "motor.effort", "link.position"
 
 
 @check
-def _size(log: Log) -> Iterator[Seen]:
+def _size(log: CheckedLog) -> Iterator[Seen]:
     for name, values in log.recording.columns.items():
         if name != "timestamp":
             words = {"name": name, "unit": log.recording.unit(name)}
@@ -35,12 +35,12 @@ def _size(log: Log) -> Iterator[Seen]:
 
 
 @check
-def _clock_unit(log: Log) -> Iterator[Seen]:
+def _clock_unit(log: CheckedLog) -> Iterator[Seen]:
     yield Seen(log.dt, _CLOCK)
 
 
 @check
-def _dropped_samples(log: Log) -> Iterator[Seen]:
+def _dropped_samples(log: CheckedLog) -> Iterator[Seen]:
     """Rows that are missing, over rows that there should be; clock jumps, over which nothing moves, are not meant."""
     steps, moved = long_intervals(log)
     steps = steps[moved]
@@ -50,7 +50,7 @@ def _dropped_samples(log: Log) -> Iterator[Seen]:
 
 
 @check
-def _clock_jump(log: Log) -> Iterator[Seen]:
+def _clock_jump(log: CheckedLog) -> Iterator[Seen]:
     steps, moved = long_intervals(log)
     jumps = steps[~moved]
     jump = float(np.diff(log.t)[jumps].max() - log.dt) if jumps.size else 0.0
@@ -58,7 +58,7 @@ def _clock_jump(log: Log) -> Iterator[Seen]:
     yield Seen(jump / log.dt, _CLOCK, words={"jump": jump, "where": where})
 
 
-def long_intervals(log: Log) -> tuple[IntArray, BoolArray]:
+def long_intervals(log: CheckedLog) -> tuple[IntArray, BoolArray]:
     """Rows before intervals that are too long, and whether the joints moved as far as their speed and the clock say."""
     steps = np.flatnonzero(np.diff(log.t) > longest_interval(log.t))
     moved = np.ones(len(steps), dtype=np.bool_)
@@ -74,14 +74,14 @@ def long_intervals(log: Log) -> tuple[IntArray, BoolArray]:
 
 
 @check
-def _clock_jitter(log: Log) -> Iterator[Seen]:
+def _clock_jitter(log: CheckedLog) -> Iterator[Seen]:
     intervals = np.diff(log.t)
     regular = intervals[intervals < longest_interval(log.t)]
     yield Seen(float(np.std(np.diff(regular)) / np.sqrt(2) / log.dt) if len(regular) > 1 else 0.0, _CLOCK)
 
 
 @check
-def _clock_drift(log: Log) -> Iterator[Seen]:
+def _clock_drift(log: CheckedLog) -> Iterator[Seen]:
     if len(log.t) < 200:
         raise NotJudgedError(f"{len(log.t)} rows are too few, 200 are needed")
     blocks = [float(np.median(block)) for block in np.array_split(np.diff(log.t), 10)]
@@ -89,7 +89,7 @@ def _clock_drift(log: Log) -> Iterator[Seen]:
     yield Seen((high - low) / log.dt, _CLOCK, words={"low": low, "high": high})
 
 
-def _table(log: Log) -> Array:
+def _table(log: CheckedLog) -> Array:
     """All columns but the clocks that change, side by side, (T, C); missing samples are zeros."""
     columns = [
         np.nan_to_num(values)
@@ -103,7 +103,7 @@ def _table(log: Log) -> Array:
     return np.ascontiguousarray(np.stack(columns, axis=1) + 0.0)
 
 
-def _passing(log: Log, before: int, after: int) -> bool:
+def _passing(log: CheckedLog, before: int, after: int) -> bool:
     """Tell whether a position goes on alike, by more than `_ALIVE` steps, into row `before` and out to row `after`.
 
     Noise in coarse columns repeats by chance where a joint turns round or rests; a joint on its way never does.
@@ -117,7 +117,7 @@ def _passing(log: Log, before: int, after: int) -> bool:
     return not families
 
 
-def copies(log: Log) -> list[slice]:
+def copies(log: CheckedLog) -> list[slice]:
     """Stretches of rows that repeat the row before them in motion."""
     table = _table(log)
     equal = np.concatenate([[False], np.all(table[1:] == table[:-1], axis=1)])
@@ -130,7 +130,7 @@ def copies(log: Log) -> list[slice]:
 
 
 @check
-def _repeated_rows(log: Log) -> Iterator[Seen]:
+def _repeated_rows(log: CheckedLog) -> Iterator[Seen]:
     found = copies(log)
     where = f", first at {log.t[found[0].start]:.4g} s" if found else ""
     rows = sum(rows.stop - rows.start for rows in found)
@@ -138,7 +138,7 @@ def _repeated_rows(log: Log) -> Iterator[Seen]:
 
 
 @check
-def _repeated_block(log: Log) -> Iterator[Seen]:
+def _repeated_block(log: CheckedLog) -> Iterator[Seen]:
     table = _table(log)
     longest, first, second = _longest_copy(table)
     words = {"first": log.t[first], "second": log.t[second]}
@@ -165,7 +165,7 @@ def _longest_copy(table: Array) -> tuple[int, int, int]:
 
 
 @check
-def _copied_column(log: Log) -> Iterator[Seen]:
+def _copied_column(log: CheckedLog) -> Iterator[Seen]:
     for family in _MEASURED:
         if log.recording.has(family):
             for (one, x), (other, y) in combinations(log.columns(family).items(), 2):
@@ -177,13 +177,13 @@ def _copied_column(log: Log) -> Iterator[Seen]:
 
 
 @check
-def _masked(log: Log) -> Iterator[Seen]:
+def _masked(log: CheckedLog) -> Iterator[Seen]:
     shares = 1.0 - log.recording.valid.mean(axis=0)
     for joint, share in zip(log.joints, shares.tolist(), strict=True):
         yield Seen(share, (f"{VALID}.{joint}",), joint)
 
 
 @check
-def _nothing_left(log: Log) -> Iterator[Seen]:
+def _nothing_left(log: CheckedLog) -> Iterator[Seen]:
     share = 1.0 - float(log.recording.valid.any(axis=1).mean())
     yield Seen(share, tuple(f"{VALID}.{joint}" for joint in log.joints))

@@ -9,7 +9,7 @@ import scipy
 
 from ffgym.core.types import Array, IntArray
 from ffgym.logs.quality.check import Seen, check, late
-from ffgym.logs.quality.log import Log, NotJudgedError
+from ffgym.logs.quality.log import CheckedLog, NotJudgedError
 from ffgym.logs.quality.signals import TINY
 from ffgym.robot import resonances
 
@@ -38,7 +38,7 @@ _LARGEST_SWING = 5.0
 
 
 @dataclass(frozen=True, eq=False)
-class Fit:
+class ToolFit:
     """The measured tool path as a scaled, turned and shifted copy of the path that the joints make."""
 
     scale: float
@@ -55,7 +55,7 @@ class Fit:
 
 
 @lru_cache(maxsize=4)
-def _fit(log: Log) -> Fit:
+def _fit(log: CheckedLog) -> ToolFit:
     measured, planned, rows = _paths(log)
     if np.ptp(planned, axis=0).max() < _TRAVEL:
         raise NotJudgedError("the tool does not move")
@@ -70,7 +70,7 @@ def _fit(log: Log) -> Fit:
     later, earlier = (slice(max(x, 0), len(rows) + min(x, 0)) for x in (lag, -lag))
     at_once, moved = _register(measured, planned), _register(measured[later], planned[earlier])
     scale, angle, left, straight = moved if moved[2] < 0.7 * at_once[2] else at_once
-    return Fit(
+    return ToolFit(
         scale=scale,
         angle=np.nan if straight or left > 0.2 else angle,
         offset=float(np.linalg.norm(measured.mean(axis=0) - planned.mean(axis=0))),
@@ -97,7 +97,7 @@ def _register(measured: Array, planned: Array) -> tuple[float, float, float, boo
     return scale, angle, left, bool(extents[1] < 0.2 * extents[0])
 
 
-def _paths(log: Log) -> tuple[Array, Array, IntArray]:
+def _paths(log: CheckedLog) -> tuple[Array, Array, IntArray]:
     """Measured and planned tool positions [m], (R, 3) each, and their rows."""
     if not log.recording.has("tcp.position"):
         raise NotJudgedError("there is no tcp.position")
@@ -121,7 +121,7 @@ def _speed(path: Array, dt: float) -> Array:
 
 
 @check
-def _tracker_scale(log: Log) -> Iterator[Seen]:
+def _tracker_scale(log: CheckedLog) -> Iterator[Seen]:
     fit, swing = _fit(log), 1.0
     if log.robot is not None and log.is_described and not log.robot.drive.is_rigid.all():
         # a mass on a spring follows 1 / (1 - (f / f_1)^2) times as far; springs may be half as stiff as described
@@ -134,12 +134,12 @@ def _tracker_scale(log: Log) -> Iterator[Seen]:
 
 
 @check
-def _tracker_motion(log: Log) -> Iterator[Seen]:
+def _tracker_motion(log: CheckedLog) -> Iterator[Seen]:
     yield Seen(_fit(log).left, _COLUMNS)
 
 
 @check
-def _tracker_frame(log: Log) -> Iterator[Seen]:
+def _tracker_frame(log: CheckedLog) -> Iterator[Seen]:
     fit = _fit(log)
     if np.isnan(fit.angle):
         raise NotJudgedError("the tool moves too straight, or not as the joints do")
@@ -147,7 +147,7 @@ def _tracker_frame(log: Log) -> Iterator[Seen]:
 
 
 @check
-def _tracker_lag(log: Log) -> Iterator[Seen]:
+def _tracker_lag(log: CheckedLog) -> Iterator[Seen]:
     fit = _fit(log)
     if fit.left > 0.5:
         raise NotJudgedError("the tool does not move as the joints do")
@@ -157,7 +157,7 @@ def _tracker_lag(log: Log) -> Iterator[Seen]:
 
 
 @check
-def _tracker_clock(log: Log) -> Iterator[Seen]:
+def _tracker_clock(log: CheckedLog) -> Iterator[Seen]:
     if not log.recording.has("tcp.timestamp"):
         raise NotJudgedError("there is no tcp.timestamp")
     rows = np.flatnonzero(np.isfinite(log.recording["tcp.timestamp"]))
@@ -170,7 +170,7 @@ def _tracker_clock(log: Log) -> Iterator[Seen]:
     yield Seen(1.0 if backwards else abs(rate - 1), ("tcp.timestamp",), words=words)
 
 
-def first_resonance(log: Log) -> float:
+def first_resonance(log: CheckedLog) -> float:
     """First resonance of the arm on its springs [Hz], in the middle of the log."""
     if log.robot is None or not log.has_positions or not log.is_described:
         raise NotJudgedError("it needs the robot and positions")
@@ -179,7 +179,7 @@ def first_resonance(log: Log) -> float:
     return float(resonances(log.arm, log.q[len(log.q) // 2])[0])
 
 
-def bandwidth(log: Log) -> tuple[float, str]:
+def bandwidth(log: CheckedLog) -> tuple[float, str]:
     """Frequency [Hz] below which 90 % of the power of the speed lie, and the joint where that is highest."""
     if not log.excited.any():
         raise NotJudgedError("no joint moves")
@@ -196,13 +196,13 @@ def bandwidth(log: Log) -> tuple[float, str]:
 
 
 @check
-def _rate_for_resonance(log: Log) -> Iterator[Seen]:
+def _rate_for_resonance(log: CheckedLog) -> Iterator[Seen]:
     first, rate = first_resonance(log), 1 / log.dt
     words = {"rate": rate, "samples": rate / first, "first": first}
     yield Seen(_SAMPLES * first / rate, ("timestamp",), words=words)
 
 
 @check
-def _rate_for_motion(log: Log) -> Iterator[Seen]:
+def _rate_for_motion(log: CheckedLog) -> Iterator[Seen]:
     held, joint = bandwidth(log)
     yield Seen(_SAMPLES * held * log.dt, ("timestamp",), joint, {"held": held, "samples": 1 / (held * log.dt)})

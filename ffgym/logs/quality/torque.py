@@ -11,7 +11,7 @@ from ffgym.core.measures import interpolate, rms
 from ffgym.core.types import Array, BoolArray
 from ffgym.logs.preparation import convert_to_motor_side
 from ffgym.logs.quality.check import Seen, check
-from ffgym.logs.quality.log import Log, NotJudgedError
+from ffgym.logs.quality.log import CheckedLog, NotJudgedError
 from ffgym.logs.quality.signals import TINY, average
 from ffgym.robot import RigidArm, RobotDescription
 
@@ -61,7 +61,7 @@ class Model:
 
 
 @lru_cache(maxsize=4)
-def model_of(log: Log) -> Model:
+def model_of(log: CheckedLog) -> Model:
     """The description's torque beside the recorded one."""
     q, dq, ddq, robot = log.smooth_q, log.dq, log.ddq, log.robot
     if robot is None or not log.has_positions or not log.is_described:
@@ -84,7 +84,7 @@ def model_of(log: Log) -> Model:
     )
 
 
-def _measure(log: Log, robot: RobotDescription) -> Array:
+def _measure(log: CheckedLog, robot: RobotDescription) -> Array:
     """Recorded motor torque [N m], (T, N)."""
     header = log.recording.header
     if not log.recording.has("motor.effort") or header.torque_semantics == "unspecified":
@@ -98,7 +98,7 @@ def _size(values: Array) -> float:
 
 
 @check
-def _torque_units(log: Log) -> Iterator[Seen]:
+def _torque_units(log: CheckedLog) -> Iterator[Seen]:
     model = model_of(log)
     for j in model.joints:
         rows = model.counted[:, j]
@@ -113,7 +113,7 @@ def _torque_units(log: Log) -> Iterator[Seen]:
 
 
 @check
-def _torque_permutation(log: Log) -> Iterator[Seen]:
+def _torque_permutation(log: CheckedLog) -> Iterator[Seen]:
     model = model_of(log)
     joints = model.joints
     if len(joints) < 2:
@@ -140,7 +140,7 @@ def _left(model: Model, i: int, j: int) -> float:
 
 
 @check
-def _torque_model(log: Log) -> Iterator[Seen]:
+def _torque_model(log: CheckedLog) -> Iterator[Seen]:
     model, shares = model_of(log), {}
     for j in model.joints:
         rows = model.counted[:, j]
@@ -151,7 +151,7 @@ def _torque_model(log: Log) -> Iterator[Seen]:
 
 
 @check
-def _saturation(log: Log) -> Iterator[Seen]:
+def _saturation(log: CheckedLog) -> Iterator[Seen]:
     semantics = log.recording.header.torque_semantics
     if log.robot is None or not log.recording.has("motor.effort") or not log.is_described:
         raise NotJudgedError("it needs the robot and motor.effort")
@@ -166,7 +166,7 @@ def _saturation(log: Log) -> Iterator[Seen]:
 
 
 @check
-def _gravity_direction(log: Log) -> Iterator[Seen]:
+def _gravity_direction(log: CheckedLog) -> Iterator[Seen]:
     model = model_of(log)
     heavy = [j for j in model.joints if _size(model.gravity[:, j]) > 0.3 * _size(model.measured[:, j])]
     if not heavy or not np.any(model.robot.gravity):

@@ -13,7 +13,7 @@ import scipy
 from ffgym.core.types import Array, BoolArray
 from ffgym.logs.quality.check import ROWS, Seen, check, late
 from ffgym.logs.quality.kinship import LAG_SPAN
-from ffgym.logs.quality.log import RESTING, SMOOTHING, Log, NotJudgedError
+from ffgym.logs.quality.log import RESTING, SMOOTHING, CheckedLog, NotJudgedError
 from ffgym.logs.quality.signals import TINY, average
 
 _PERIOD = 0.004
@@ -112,7 +112,7 @@ class TorqueParts:
 
 
 @lru_cache(maxsize=4)
-def torque_parts(log: Log) -> TorqueParts:
+def torque_parts(log: CheckedLog) -> TorqueParts:
     """Motion and torque of a log."""
     if not log.has_positions or not log.recording.has("motor.effort"):
         raise NotJudgedError("motor.effort or all positions are missing")
@@ -153,7 +153,7 @@ def orthonormal(columns: Array) -> Array:
 
 
 @check
-def _torque_lag(log: Log) -> Iterator[Seen]:
+def _torque_lag(log: CheckedLog) -> Iterator[Seen]:
     parts = torque_parts(log)
     dt = float(np.median(np.diff(parts.t)))
     reach = min(max(3, round(LAG_SPAN / dt)), len(parts.t) // 8)
@@ -193,7 +193,7 @@ def _leftover(parts: TorqueParts, joints: list[int], reach: int) -> Array:
 
 
 @check
-def _torque_sign(log: Log) -> Iterator[Seen]:
+def _torque_sign(log: CheckedLog) -> Iterator[Seen]:
     parts = torque_parts(log)
     others = orthonormal(parts.common)
     # on the motor's side, friction opposes the motor, which turns the other way where the gear ratio is negative

@@ -7,7 +7,7 @@ import numpy as np
 
 from ffgym.core.types import Array
 from ffgym.logs.quality.check import Seen, check
-from ffgym.logs.quality.log import EXCITED, TORQUES, Log, NotJudgedError
+from ffgym.logs.quality.log import EXCITED, TORQUES, CheckedLog, NotJudgedError
 from ffgym.logs.quality.signals import compare, constant_stretches, grid_step, smallest_step
 
 _SENSED = ("motor.position", "motor.velocity", "link.position", "link.velocity", "motor.effort")
@@ -44,7 +44,7 @@ _GRID = 10
 
 
 @check
-def _constant(log: Log) -> Iterator[Seen]:
+def _constant(log: CheckedLog) -> Iterator[Seen]:
     travel = [np.ptp(motion, axis=0) for motion in log.motions.values()]
     moved = np.max(travel, axis=0) > 1e-3 if travel else np.zeros(len(log.joints), dtype=np.bool_)
     if not moved.any():
@@ -55,7 +55,7 @@ def _constant(log: Log) -> Iterator[Seen]:
 
 
 @check
-def _stuck(log: Log) -> Iterator[Seen]:
+def _stuck(log: CheckedLog) -> Iterator[Seen]:
     found = stuck_stretches(log)
     if not found:
         yield Seen(0.0)
@@ -73,7 +73,7 @@ class Stretch:
     rows: slice
 
 
-def stuck_stretches(log: Log) -> list[Stretch]:
+def stuck_stretches(log: CheckedLog) -> list[Stretch]:
     """Columns that keep one value while their joint moves on, and where."""
     found = []
     for family, j, name, x in log.joint_columns(_SENSED):
@@ -90,7 +90,7 @@ def stuck_stretches(log: Log) -> list[Stretch]:
     return found
 
 
-def _is_stuck(log: Log, family: str, j: int, x: Array, step: float, rows: slice) -> bool:
+def _is_stuck(log: CheckedLog, family: str, j: int, x: Array, step: float, rows: slice) -> bool:
     """Tell whether a stretch of one value in `x` (T,) is no rest. `step` is the resolution of `x`.
 
     A joint that comes to rest, or sticks by friction, goes on from where it stood; a position that is stuck jumps to
@@ -107,7 +107,7 @@ def _is_stuck(log: Log, family: str, j: int, x: Array, step: float, rows: slice)
     return moves and (rows.stop >= len(x) or _abrupt(log, x[::-1], step, len(x) - rows.stop))
 
 
-def _abrupt(log: Log, x: Array, step: float, row: int) -> bool:
+def _abrupt(log: CheckedLog, x: Array, step: float, row: int) -> bool:
     """Tell whether `x` (T,) comes to a row faster than a joint that comes to rest: by steps of the resolution."""
     width = max(3, log.rows(_BEFORE))
     if row < width:
@@ -116,7 +116,7 @@ def _abrupt(log: Log, x: Array, step: float, row: int) -> bool:
     return float(np.ptp(x[row - width : row + 1])) > max(3 * _ABRUPT * step, _SHARE * usual)
 
 
-def _others_move(log: Log, family: str, j: int, rows: slice) -> bool:
+def _others_move(log: CheckedLog, family: str, j: int, rows: slice) -> bool:
     """Tell whether another column that otherwise goes like this one moves during a stretch of one value."""
     if not family.endswith("position") or family not in log.motions:
         return False
@@ -141,7 +141,7 @@ def _jumps(x: Array, row: int, least: float) -> bool:
 
 
 @check
-def _clipped(log: Log) -> Iterator[Seen]:
+def _clipped(log: CheckedLog) -> Iterator[Seen]:
     for _, j, name, x in log.joint_columns(TORQUES):
         if np.ptp(x) == 0.0:
             continue
@@ -158,7 +158,7 @@ def _clipped(log: Log) -> Iterator[Seen]:
 
 
 @check
-def _coarse(log: Log) -> Iterator[Seen]:
+def _coarse(log: CheckedLog) -> Iterator[Seen]:
     for _, j, name, x in log.joint_columns(("motor.position", "link.position", "motor.effort")):
         if log.excited[j] and np.ptp(x) > 0.0:
             share = grid_step(x) / float(np.ptp(x))
@@ -167,7 +167,7 @@ def _coarse(log: Log) -> Iterator[Seen]:
 
 
 @check
-def _encoder_steps(log: Log) -> Iterator[Seen]:
+def _encoder_steps(log: CheckedLog) -> Iterator[Seen]:
     header = log.recording.header
     if header.encoder_bits is None or not log.recording.has("motor.position"):
         raise NotJudgedError("the header has no encoder_bits, or there is no motor.position")
@@ -184,7 +184,7 @@ def _encoder_steps(log: Log) -> Iterator[Seen]:
 
 
 @check
-def _missing(log: Log) -> Iterator[Seen]:
+def _missing(log: CheckedLog) -> Iterator[Seen]:
     present = [name for name in log.recording.columns if name.startswith(("tcp.", "temperature."))]
     if not present:
         raise NotJudgedError("there is no column that may miss samples")

@@ -32,7 +32,7 @@ _ABOVE_ZERO = 1e-3
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Motion:
+class JointMotion:
     """Motion of an arm and its motors at instants, T rows and N joints."""
 
     q: Array
@@ -45,13 +45,13 @@ class Motion:
     """Motor acceleration [rad/s^2], shape (T, N)."""
 
 
-def rigid_motion(robot: RobotDescription, q: Array, dq: Array, ddq: Array) -> Motion:
+def rigid_motion(robot: RobotDescription, q: Array, dq: Array, ddq: Array) -> JointMotion:
     """Motion of an arm with rigid joints from joint positions, speeds and accelerations, shape (T, N)."""
     drive = robot.drive
-    return Motion(q=q, dq=dq, ddq=ddq, motor_dq=drive.motor_angle(dq), motor_ddq=drive.motor_angle(ddq))
+    return JointMotion(q=q, dq=dq, ddq=ddq, motor_dq=drive.motor_angle(dq), motor_ddq=drive.motor_angle(ddq))
 
 
-def elastic_motion(robot: RobotDescription, motion: Motion, bodies: Array, dt: float) -> Motion:
+def elastic_motion(robot: RobotDescription, motion: JointMotion, bodies: Array, dt: float) -> JointMotion:
     """Let the joints of a rigid `motion`, sampled every `dt` [s], bend under `bodies` with parameters (10 B,)."""
     if robot.drive.is_rigid.all():
         return motion
@@ -73,7 +73,7 @@ class Term:
     units: Callable[[RobotDescription], tuple[str, ...]]
     described: Callable[[RobotDescription], Array]
     """What the description says of each parameter, 0 where it knows no such thing, shape (K,)."""
-    columns: Callable[[RobotDescription, Motion], Iterator[Array]]
+    columns: Callable[[RobotDescription, JointMotion], Iterator[Array]]
     """Motor torque of each parameter at 1, motor side [N m], shapes (T, k, N), a few parameters at a time."""
     entries: Callable[[RobotDescription], tuple[str, ...]] = lambda robot: ()
     """Entries of a description that hold its parameters; none if no description does."""
@@ -84,7 +84,7 @@ class Term:
     least: float = -np.inf
     """Smallest value, as a share of the parameter's size: of its description, or of the torque that its motor has."""
 
-    def torque(self, robot: RobotDescription, motion: Motion, parameters: Array) -> Array:
+    def torque(self, robot: RobotDescription, motion: JointMotion, parameters: Array) -> Array:
         """Motor torque of `parameters` (K,), motor side [N m], shape (T, N)."""
         total, start = np.zeros_like(motion.motor_dq), 0
         for columns in self.columns(robot, motion):
@@ -99,7 +99,7 @@ def described_by(robot: RobotDescription, terms: Sequence[Term]) -> Array:
     return np.concatenate([term.described(robot) for term in terms])
 
 
-def columns_of(robot: RobotDescription, terms: Sequence[Term], motion: Motion) -> Array:
+def columns_of(robot: RobotDescription, terms: Sequence[Term], motion: JointMotion) -> Array:
     """Motor torque of each parameter of all `terms` at 1, motor side [N m], shape (T, K, N)."""
     return np.concatenate([part for term in terms for part in term.columns(robot, motion)], axis=1)
 
@@ -116,10 +116,10 @@ def _with_coulomb(robot: RobotDescription, parameters: Array) -> RobotDescriptio
     return replace(robot, friction=replace(friction, coulomb=parameters, static=static))
 
 
-def _of_each_motor(name: str, unit: str, per: Callable[[Motion], Array], **more: object) -> Term:
+def _of_each_motor(name: str, unit: str, per: Callable[[JointMotion], Array], **more: object) -> Term:
     """A term with one parameter for each motor, `per` of which its torque [N m] is (T, N); none is described unless."""
 
-    def columns(robot: RobotDescription, motion: Motion) -> Iterator[Array]:
+    def columns(robot: RobotDescription, motion: JointMotion) -> Iterator[Array]:
         own, motors = per(motion), np.arange(robot.n_joints)
         found = np.zeros((len(own), robot.n_joints, robot.n_joints))
         found[:, motors, motors] = own

@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from ffgym.logs.quality.wiring.sample import Samples
+from ffgym.logs.quality.wiring.sample import WiringSamples
 from ffgym.logs.quality.wiring.score import TORQUE, Channel, Lefts
 from ffgym.recordings.rewiring import Rewiring
 from ffgym.robot import RobotDescription
@@ -51,7 +51,7 @@ LONGEST_DELAY = 0.3
 
 
 @dataclass(frozen=True, kw_only=True)
-class Hypothesis:
+class WiringHypothesis:
     """One mistake, made with some families and joints."""
 
     kind: Kind
@@ -91,7 +91,7 @@ class Hypothesis:
         return wiring
 
 
-def motion_groups(samples: Samples) -> list[tuple[str, ...]]:
+def motion_groups(samples: WiringSamples) -> list[tuple[str, ...]]:
     """Families of motion that are mistaken together."""
     there = tuple(family for family in MOTIONS if family in samples.present)
     motors = tuple(family for family in there if family.startswith("motor."))
@@ -100,48 +100,48 @@ def motion_groups(samples: Samples) -> list[tuple[str, ...]]:
     return _distinct([there, motors, references, links, *((family,) for family in (*there, *links))])
 
 
-def effort_groups(samples: Samples) -> list[tuple[str, ...]]:
+def effort_groups(samples: WiringSamples) -> list[tuple[str, ...]]:
     """Families of torque that are mistaken together."""
     there = tuple(family for family in EFFORTS if family in samples.present)
     return _distinct([there, *((family,) for family in there if family != "feedback.integral")])
 
 
-def hypotheses(samples: Samples, n: int) -> Iterator[Hypothesis]:
+def hypotheses(samples: WiringSamples, n: int) -> Iterator[WiringHypothesis]:
     """All mistakes that need no search for a number, of a robot with `n` joints."""
     motions, efforts = motion_groups(samples), effort_groups(samples)
     sets = [(j,) for j in range(n)] + ([tuple(range(n))] if n > 1 else [])
     everything = tuple(family for family in (*MOTIONS, *EFFORTS) if family in samples.present)
     for group in _distinct([*motions, *efforts, everything]):
-        yield from (Hypothesis(kind="sign", families=group, parts=s, factors=(-1.0,) * len(s)) for s in sets)
+        yield from (WiringHypothesis(kind="sign", families=group, parts=s, factors=(-1.0,) * len(s)) for s in sets)
         for pair in combinations(range(n), 2):
             order = [*range(n)]
             order[pair[0]], order[pair[1]] = pair[1], pair[0]
-            yield Hypothesis(kind="swap", families=group, parts=pair, order=tuple(order))
+            yield WiringHypothesis(kind="swap", families=group, parts=pair, order=tuple(order))
     for group in (*motions, *efforts):
         units = _TORQUE_UNITS if group in efforts else _ANGLE_UNITS
         if all(family.endswith("velocity") for family in group):
             units = _ANGLE_UNITS | _SPEED_UNITS
         for parts, (unit, factor) in product(sets, units.items()):
-            yield Hypothesis(kind="unit", families=group, parts=parts, factors=(factor,) * len(parts), unit=unit)
+            yield WiringHypothesis(kind="unit", families=group, parts=parts, factors=(factor,) * len(parts), unit=unit)
     ratio = np.abs(samples.header.gear_ratio)
     for group in [*(g for g in motions if not g[0].startswith("link.")), *efforts]:
         for parts, power in product(sets, (1.0, -1.0)):
             if not np.allclose(ratio[list(parts)], 1.0):
                 factors = tuple(float(ratio[j] ** power) for j in parts)
-                yield Hypothesis(kind="side", families=group, parts=parts, factors=factors)
+                yield WiringHypothesis(kind="side", families=group, parts=parts, factors=factors)
     for unit, factor in (*_TIME_UNITS.items(), *(("", rate) for rate in _RATES)):
-        yield Hypothesis(kind="clock", families=(), parts=(), factors=(factor,), unit=unit)
+        yield WiringHypothesis(kind="clock", families=(), parts=(), factors=(factor,), unit=unit)
     # unit and axes of the tracker
     there = tuple(family for family in ("tcp.position", "tcp_reference.position") if samples.has(family))
     for group in _distinct([there, *((family,) for family in there)]):
         for unit, factor in _LENGTH_UNITS.items():
-            yield Hypothesis(kind="unit", families=group, parts=(0, 1, 2), factors=(factor,) * 3, unit=unit)
+            yield WiringHypothesis(kind="unit", families=group, parts=(0, 1, 2), factors=(factor,) * 3, unit=unit)
         for axes, signs in product(permutations(range(3)), product((1.0, -1.0), repeat=3)):
             if (axes, signs) != ((0, 1, 2), (1.0, 1.0, 1.0)):
-                yield Hypothesis(kind="axes", families=group, parts=(0, 1, 2), order=axes, factors=signs)
+                yield WiringHypothesis(kind="axes", families=group, parts=(0, 1, 2), order=axes, factors=signs)
 
 
-def zeros(samples: Samples, robot: RobotDescription) -> Iterator[Hypothesis]:
+def zeros(samples: WiringSamples, robot: RobotDescription) -> Iterator[WiringHypothesis]:
     """Zeros of one joint that are off."""
     there = tuple(f for f in ("motor.position", "reference.position") if f in samples.present)
     ratio = (
@@ -151,16 +151,16 @@ def zeros(samples: Samples, robot: RobotDescription) -> Iterator[Hypothesis]:
         for j, degrees, way in product(range(robot.n_joints), _ZEROS, (1.0, -1.0)):
             if not robot.kinematics.is_sliding[j]:
                 amount = float(way * np.radians(degrees) * ratio[j])
-                yield Hypothesis(kind="zero", families=group, parts=(j,), amount=amount)
+                yield WiringHypothesis(kind="zero", families=group, parts=(j,), amount=amount)
 
 
-def delays(samples: Samples, n_joints: int, least: float) -> Iterator[Hypothesis]:
+def delays(samples: WiringSamples, n_joints: int, least: float) -> Iterator[WiringHypothesis]:
     """Torques that come late or early, by more than `least` [s]."""
     sets = [(j,) for j in range(n_joints)] + ([tuple(range(n_joints))] if n_joints > 1 else [])
     amounts = np.geomspace(least, max(LONGEST_DELAY, 2 * least), _STEPS)
     for group in [g for g in effort_groups(samples) if TORQUE in g]:
         for parts, amount in product(sets, [*amounts.tolist(), *(-amounts).tolist()]):
-            yield Hypothesis(kind="delay", families=group, parts=parts, amount=amount)
+            yield WiringHypothesis(kind="delay", families=group, parts=parts, amount=amount)
 
 
 def _distinct(groups: Sequence[tuple[str, ...]]) -> list[tuple[str, ...]]:
@@ -171,7 +171,7 @@ def _distinct(groups: Sequence[tuple[str, ...]]) -> list[tuple[str, ...]]:
 class Found:
     """A mistake with what speaks for it."""
 
-    hypothesis: Hypothesis
+    hypothesis: WiringHypothesis
     before: Lefts
     after: Lefts
     gain: float = 0.0
@@ -209,7 +209,7 @@ class Mistake:
     """One sentence: what is wrong, what shows it, the way out."""
 
 
-def mistake_of(found: Found, samples: Samples, ratio: tuple[float, ...]) -> Mistake:
+def mistake_of(found: Found, samples: WiringSamples, ratio: tuple[float, ...]) -> Mistake:
     """Describe a mistake for people and programs."""
     one = found.hypothesis
     of_tool = bool(one.families) and one.families[0].startswith("tcp")
@@ -238,7 +238,7 @@ def mistake_of(found: Found, samples: Samples, ratio: tuple[float, ...]) -> Mist
     )
 
 
-def _fault(one: Hypothesis, joints: tuple[str, ...], samples: Samples, ratio: tuple[float, ...]) -> str:
+def _fault(one: WiringHypothesis, joints: tuple[str, ...], samples: WiringSamples, ratio: tuple[float, ...]) -> str:
     """Say what is wrong: families and joints in a word, where there is one, and what was done to them."""
     groups = {"all channels": (*MOTIONS, *EFFORTS), "all positions and speeds": MOTIONS, "all torques": EFFORTS}
     there = {name: tuple(f for f in families if f in samples.present) for name, families in groups.items()}

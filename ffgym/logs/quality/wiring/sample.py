@@ -63,7 +63,7 @@ class _Motion:
     """Family -> columns, (M, P); NaN where a sensor saw nothing."""
 
 
-class Samples:
+class WiringSamples:
     """Filtered columns of R rows of all recordings, with their rates, at any delay."""
 
     def __init__(self, recordings: Sequence[Recording]) -> None:

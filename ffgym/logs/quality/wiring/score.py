@@ -9,7 +9,7 @@ import numpy as np
 from ffgym.core.types import Array, BoolArray
 from ffgym.logs.preparation import convert_to_joint_side, convert_to_motor_side
 from ffgym.logs.quality.wiring.model import Columns, Regressor, bounds, fit_bounded
-from ffgym.logs.quality.wiring.sample import SIGN, Samples
+from ffgym.logs.quality.wiring.sample import SIGN, WiringSamples
 from ffgym.recordings.rewiring import Rewire, Rewiring
 
 FLOOR, TOOL_FLOOR = 0.005, 0.004
@@ -50,7 +50,7 @@ POSITION = "motor.position"
 class Scorer:
     """Judge of readings of one set of samples."""
 
-    def __init__(self, samples: Samples, regressor: Regressor) -> None:
+    def __init__(self, samples: WiringSamples, regressor: Regressor) -> None:
         """Keep what is judged, and the arm that judges it."""
         self.samples, self.regressor, self.robot = samples, regressor, regressor.robot
         self.n = self.robot.n_joints
@@ -249,7 +249,7 @@ class Pair:
         return frozenset(family for family, _ in (*self.columns, *self.others))
 
 
-def _pairs(samples: Samples) -> list[Pair]:
+def _pairs(samples: WiringSamples) -> list[Pair]:
     """List the pairs of samples that say the same twice."""
     ones = np.ones(len(samples.joints))
     motions = [

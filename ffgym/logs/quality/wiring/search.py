@@ -7,8 +7,8 @@ import numpy as np
 
 from ffgym.logs.quality.wiring.hypothesis import (
     Found,
-    Hypothesis,
     Mistake,
+    WiringHypothesis,
     delays,
     effort_groups,
     hypotheses,
@@ -16,7 +16,7 @@ from ffgym.logs.quality.wiring.hypothesis import (
     zeros,
 )
 from ffgym.logs.quality.wiring.model import KNOWN_MASSES, regressor_of
-from ffgym.logs.quality.wiring.sample import Samples
+from ffgym.logs.quality.wiring.sample import WiringSamples
 from ffgym.logs.quality.wiring.score import FLOOR, POSITION, TOOL_FLOOR, TORQUE, Channel, Lefts, Scorer
 from ffgym.recordings import Recording
 from ffgym.recordings.rewiring import Rewiring
@@ -83,7 +83,7 @@ def search(scorer: Scorer) -> tuple[Rewiring, list[Found]]:
     return Rewiring(), []
 
 
-def _best(scorer: Scorer, wiring: Rewiring, fixed: list[Hypothesis]) -> Found | None:
+def _best(scorer: Scorer, wiring: Rewiring, fixed: list[WiringHypothesis]) -> Found | None:
     """The mistake that explains most, if it explains enough."""
     before = scorer.all(wiring)
     if sum(np.log(left / _floor(key)) for key, left in before.items()) < _GAIN:
@@ -95,7 +95,7 @@ def _best(scorer: Scorer, wiring: Rewiring, fixed: list[Hypothesis]) -> Found | 
     if not considered:
         return None
 
-    def left(candidate: Hypothesis) -> float:
+    def left(candidate: WiringHypothesis) -> float:
         return scorer.left_at_all(candidate.correct(wiring, scorer.n))
 
     # of mistakes that explain next to everything the one that leaves least, however little that is
@@ -108,7 +108,7 @@ def _best(scorer: Scorer, wiring: Rewiring, fixed: list[Hypothesis]) -> Found | 
 
 
 def _improve(
-    scorer: Scorer, wiring: Rewiring, before: Lefts, candidates: Iterable[Hypothesis], known: list[Found]
+    scorer: Scorer, wiring: Rewiring, before: Lefts, candidates: Iterable[WiringHypothesis], known: list[Found]
 ) -> list[Found]:
     """Candidates that explain enough, and about as much as the best; those that cannot are not computed."""
     possible = []
@@ -140,7 +140,7 @@ def _floor(channel: Channel) -> float:
     return TOOL_FLOOR if channel[0].startswith("tcp") else FLOOR
 
 
-def _bound(before: Lefts, cheap: Lefts, candidate: Hypothesis) -> float:
+def _bound(before: Lefts, cheap: Lefts, candidate: WiringHypothesis) -> float:
     """Largest gain that a mistake can have, when its cheap signals are known."""
     gain = sum(float(np.log(before[key] / left)) for key, left in cheap.items() if key in before)
     changed = candidate.families
@@ -165,7 +165,7 @@ def _convincing(found: Found) -> bool:
     return before > _SHARE or before > _TELLING * after
 
 
-def _near(found: Hypothesis, dt: float, least: float) -> Iterator[Hypothesis]:
+def _near(found: WiringHypothesis, dt: float, least: float) -> Iterator[WiringHypothesis]:
     """Zeros about one, or delays of whole rows: a logger is late by rows."""
     if found.kind == "zero":
         yield from (replace(found, amount=float(found.amount * factor)) for factor in np.linspace(0.75, 1.3, 111))
@@ -202,8 +202,8 @@ def with_currents(scorer: Scorer, wiring: Rewiring, found: Sequence[Found]) -> t
     return current.correct(wiring, scorer.n), [*found, one]
 
 
-def _scale(families: tuple[str, ...], factors: dict[int, float]) -> Hypothesis:
-    return Hypothesis(kind="current", families=families, parts=tuple(factors), factors=tuple(factors.values()))
+def _scale(families: tuple[str, ...], factors: dict[int, float]) -> WiringHypothesis:
+    return WiringHypothesis(kind="current", families=families, parts=tuple(factors), factors=tuple(factors.values()))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -231,7 +231,7 @@ def find_wiring(recordings: Sequence[Recording], robot: RobotDescription) -> Wir
     meanings = {(h.gear_ratio, h.position_side, h.torque_semantics, h.coupling) for h in (r.header for r in fitting)}
     if len(meanings) != 1:
         return Wiring()
-    samples = Samples(fitting)
+    samples = WiringSamples(fitting)
     if POSITION not in samples.families:
         return Wiring()
     rewiring, found = search(Scorer(samples, regressor_of(robot)))
