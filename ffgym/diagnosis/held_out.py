@@ -141,7 +141,7 @@ class RecordedLaw(FeedForwardLaw):
     """Motor side [N m], shape (T, N), at the samples of the reference."""
 
     def torque(self, reference: Reference) -> Array:
-        """See base class."""
+        """Return what was added in the recording, motor side [N m]."""
         return self.added
 
 

@@ -77,7 +77,9 @@ class Log:
     @property
     def reading_noise(self) -> Array:
         """White noise of the motors' readings that has such a band, standard deviation (N,), link side [rad]."""
-        return self.trembling / (settings().sampling.trembling * _passed(self.sampling.motion_filter, self.dt))
+        return self.trembling / (
+            settings().sampling.trembling * _pass_white_noise(self.sampling.motion_filter, self.dt)
+        )
 
     @property
     def dt(self) -> float:
@@ -194,14 +196,14 @@ def _trembling(robot: RobotDescription, recordings: Sequence[Recording], low_pas
     noise = []
     for recording in recordings:
         angle = read_joint_side(robot, recording)
-        noise.append(_passed(low_pass, recording.dt) * white_noise(angle, low_pass, recording.dt))
+        noise.append(_pass_white_noise(low_pass, recording.dt) * white_noise(angle, low_pass, recording.dt))
     width = limits.trembling * np.median(noise, axis=0)
     steps = np.round(limits.trembling_per_octave * np.log2(np.maximum(width, np.finfo(np.float64).tiny)))
     rounded: Array = np.where(width > 0, 2.0 ** (steps / limits.trembling_per_octave), 0.0)
     return rounded
 
 
-def _passed(low_pass: LowPass, dt: float) -> float:
+def _pass_white_noise(low_pass: LowPass, dt: float) -> float:
     """Share of white noise that a low-pass lets through."""
     return float(np.sqrt(min(1.0, 2 * low_pass.cutoff * dt)))
 

@@ -237,7 +237,7 @@ def propose_next_motion(
     for causes in _list_tied(found):
         known = nominal
         for other in found.final.fit.hypotheses:
-            if other.place not in {cause.place for cause in causes}:
+            if other.key not in {cause.key for cause in causes}:
                 known = other.on(known)
         noise = {channel: rms(level, 0) for channel, level in floor.items()}
         arm = RigidArm(nominal.robot)

@@ -23,9 +23,9 @@ class ReasonedVerdict:
     verdict: Verdict
     gains: tuple[float, ...]
     """Share of the energy above the noise that each cause explains on held-out rows."""
-    removed: float
+    explained: float
     """Share of the energy above the noise that all causes explain together."""
-    stretched: tuple[str, ...]
+    shapes_at_limit: tuple[str, ...]
     """Shapes at the end of their plausible range, such as 'time of dwell_stiction on j5': they may stand for something
     else."""
 
@@ -47,7 +47,7 @@ def judge(problem: FitProblem, found: SearchResult, loud_before: Loudness, loud_
     gains = tuple(compute_explained_by_newest(problem, one.before, tried).of_excess for one, tried in then)
     # loudest component, and shapes that are not plausible
     worst = max(value - problem.inexact(key) for key, value in loud_after.items())
-    stretched = name_shapes_at_limit(problem, found.final.fit)
+    shapes_at_limit = name_shapes_at_limit(problem, found.final.fit)
     verdict: Verdict
     if not found.final.fit.hypotheses:
         verdict = "unknown" if worst > settings().significance.quiet else "none"
@@ -56,12 +56,12 @@ def judge(problem: FitProblem, found: SearchResult, loud_before: Loudness, loud_
     elif (
         _is_explained(loud_before, loud_after)
         and min(gains) >= settings().verdict.each
-        and not (stretched or found.unsure)
+        and not (shapes_at_limit or found.unsure)
     ):
         verdict = "named"
     else:
         verdict = "partly"
-    return ReasonedVerdict(verdict=verdict, gains=gains, removed=float(share), stretched=stretched)
+    return ReasonedVerdict(verdict=verdict, gains=gains, explained=float(share), shapes_at_limit=shapes_at_limit)
 
 
 def _is_explained(before: Loudness, after: Loudness) -> bool:
@@ -122,7 +122,7 @@ def write_sentence(
     counts = Counter(f"{cause.title} {('of ' + cause.joint if cause.joint else '')}".strip() for cause in causes)
     named = ", and ".join(name if n == 1 else f"{name} in {n} waves" for name, n in counts.items())
     others = _join_names(tied)
-    share = f"{100 * min(judged.removed, 1.0):.0f} %"
+    share = f"{100 * min(judged.explained, 1.0):.0f} %"
     # the sentence of each verdict
     if judged.verdict == "none":
         return f"These motions do not falsify the model of {robot.name}: what is left is noise and calibration."
@@ -133,8 +133,10 @@ def write_sentence(
         return f"Consistent with {named}; but {others} would explain these motions as well."
     if judged.verdict == "partly":
         more = f"; what is left depends on: {left}" if left else ", and something is left"
-        if judged.stretched:
-            more = f", and {judged.stretched[0]} is at the end of what is plausible: it may stand for something else"
+        if judged.shapes_at_limit:
+            more = (
+                f", and {judged.shapes_at_limit[0]} is at the end of what is plausible: it may stand for something else"
+            )
         elif beyond := [rival for rival in tied if rival not in instead]:
             then = f"; what is left then depends on: {left}" if left else ""
             more = f"; beyond that, {_join_names(beyond)} would explain more{then}"

@@ -30,7 +30,7 @@ def tried(left, numbers):
     """Something that was fitted: energy left in each block, and how many numbers it took."""
     hypothesis = SimpleNamespace(list_free=lambda: [None] * numbers)
     left = np.asarray(left, dtype=float)
-    return SimpleNamespace(left=left, total=float(left.sum()), fit=SimpleNamespace(hypotheses=[hypothesis]))
+    return SimpleNamespace(rss_by_block=left, rss=float(left.sum()), fit=SimpleNamespace(hypotheses=[hypothesis]))
 
 
 def is_tied(best, other, *, numbers=(1, 1)):
@@ -130,7 +130,7 @@ PATTERNS = (
 
 def sentence(verdict, *, tied=True, stretched=(), patterns=PATTERNS):
     sample = full_diagnosis()
-    judged = ReasonedVerdict(verdict=verdict, gains=(0.9,), removed=0.8, stretched=stretched)
+    judged = ReasonedVerdict(verdict=verdict, gains=(0.9,), explained=0.8, shapes_at_limit=stretched)
     rivals = [rival for rival in sample.rivals if tied or not rival.tied]
     return write_sentence(judged, sample.causes, rivals, patterns, SimpleNamespace(name="arm"))
 
@@ -151,7 +151,7 @@ def test_nothing_is_said_to_be_left_where_those_that_tie_would_leave_nothing():
 def test_a_rival_that_the_log_cannot_tell_from_a_cause_is_told_beside_it():
     sample = full_diagnosis()
     (cause,), (payload, *_) = sample.causes, sample.rivals
-    judged = ReasonedVerdict(verdict="partly", gains=(0.9,), removed=0.8, stretched=())
+    judged = ReasonedVerdict(verdict="partly", gains=(0.9,), explained=0.8, shapes_at_limit=())
     found = write_sentence(judged, [cause], [replace(payload, against=cause.label)], (), SimpleNamespace(name="arm"))
     assert "Friction that grows with load of j2 (these logs cannot tell it from payload): that removes 80 %" in found
     assert "beyond that" not in found
@@ -177,7 +177,7 @@ def test_what_nobody_knows_is_described_by_what_it_depends_on(patterns, told):
 def test_an_effect_in_several_waves_is_told_once():
     sample = full_diagnosis()
     (cause, *_), (tied, *_) = sample.causes, [rival for rival in sample.rivals if rival.tied]
-    judged = ReasonedVerdict(verdict="ambiguous", gains=(0.9, 0.8), removed=0.8, stretched=())
+    judged = ReasonedVerdict(verdict="ambiguous", gains=(0.9, 0.8), explained=0.8, shapes_at_limit=())
     found = write_sentence(judged, [cause, cause], [tied, tied], (), SimpleNamespace(name="arm"))
     assert found.startswith("Consistent with Friction that grows with load of j2 in 2 waves; but payload would explain")
 
@@ -218,7 +218,7 @@ def test_where_all_is_measured_or_nothing_drifts_there_is_no_such_rival():
     [("named", True, "ambiguous"), ("named", False, "named"), ("partly", True, "partly")],
 )
 def test_nothing_that_may_be_temperature_is_named_without_reserve(verdict, drifts, becomes):
-    judged = ReasonedVerdict(verdict=verdict, gains=(1.0,), removed=1.0, stretched=())
+    judged = ReasonedVerdict(verdict=verdict, gains=(1.0,), explained=1.0, shapes_at_limit=())
     rivals = list_blind_rivals([cause("viscous_drift")], [NO_TEMPERATURE] if drifts else [])
     assert weaken_for_blind_rivals(judged, rivals).verdict == becomes
 
@@ -227,6 +227,6 @@ def test_nothing_that_may_be_temperature_is_named_without_reserve(verdict, drift
     ("verdict", "is_told"), [("ambiguous", True), ("partly", True), ("unknown", False), ("none", False)]
 )
 def test_such_rivals_are_told_beside_causes_and_nowhere_else(verdict, is_told):
-    judged = ReasonedVerdict(verdict=verdict, gains=(1.0,), removed=1.0, stretched=())
+    judged = ReasonedVerdict(verdict=verdict, gains=(1.0,), explained=1.0, shapes_at_limit=())
     rivals = list_blind_rivals([cause("viscous_drift")], [NO_TEMPERATURE])
     assert bool(select_reported(judged, rivals)) == is_told

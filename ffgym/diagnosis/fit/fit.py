@@ -213,7 +213,7 @@ class ExplainedVariance:
     """Share of all energy, noise included."""
     excess: float
     """Share of all energy that was above the noise that the floor allows for."""
-    heard: int
+    n_loud: int
     """Components with much above the noise: a tenth of their mean or more."""
     best: float
     """Share that is gone of the component of which most is, among those that have a tenth of all above the noise."""
@@ -238,14 +238,14 @@ def compute_explained(
     # there may be less noise than the floor allows for: what is left is then all of it
     above = {key: max(before[key] - min(1.0, after[key]), 0.0) for key in judged}
     most = sum(above.values())
-    heard = [key for key in judged if above[key] > limits.loudest_share * most / max(len(judged), 1)]
+    loud = [key for key in judged if above[key] > limits.loudest_share * most / max(len(judged), 1)]
     return ExplainedVariance(
         of_excess=sum(gone.values()) / max(most, 1e-9),
         of_all=sum(gone.values()) / max(total, 1e-9),
         excess=max(sum(before[key] - 1.0 for key in judged), 0.0) / max(total, 1e-9),
-        heard=len(heard),
+        n_loud=len(loud),
         best=max(
-            (gone[key] / max(above[key], 1e-9) for key in heard if above[key] >= limits.loudest_share * most),
+            (gone[key] / max(above[key], 1e-9) for key in loud if above[key] >= limits.loudest_share * most),
             default=0.0,
         ),
     )

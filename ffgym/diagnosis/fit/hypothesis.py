@@ -82,13 +82,13 @@ class Hypothesis:
         return make_label(self.kind.name, self.joint)
 
     @property
-    def place(self) -> HypothesisKey:
+    def key(self) -> HypothesisKey:
         """Key that tells it from other hypotheses, whatever its values: effect, joint, and joint that causes it."""
         return self.kind.name, self.joint, self.source
 
     def repeats(self, known: "Hypothesis") -> bool:
         """Tell whether it is the same as `known`; a wave of another frequency is not."""
-        if self.place != known.place:
+        if self.key != known.key:
             return False
         cycles = [name for name, p in self.kind.parameters().items() if p.role == "cycles"]
         return not any(

@@ -139,24 +139,24 @@ class PerTurn(Periodic):
         return frequency[chosen], np.stack(explained)
 
     def search(self, rows: PatternRows, values: Array, train: BoolArray) -> list[float] | None:
-        """See base class."""
+        """Search the highest peak of each column's spectrum."""
         spectra = self.spectra(rows, values, train)
         return None if spectra is None else [spectrum.best for spectrum in spectra]
 
     def refine(self, rows: PatternRows, values: Array, frequency: float) -> float:
-        """See base class."""
+        """Refine a frequency within half the width of its peak."""
         width = 1 / max(np.ptp(rows.did["angle"][:, self.joint]) / (2 * np.pi), 1.0)
         return refine_frequency(frequency, width / 2, lambda n: rows.centre(self.columns(rows, n)), values)
 
     def columns(self, rows: PatternRows, frequency: float) -> Array:
-        """See base class."""
+        """Compute cosine and sine."""
         j = self.joint
         gain = self._gain(rows) * find_slow_rows(rows.did["speed"][:, j], frequency, rows.highest)
         phase = frequency * rows.did["angle"][:, j]
         return gain[:, None] * np.stack([np.cos(phase), np.sin(phase)], axis=1)
 
     def complexity(self, rows: PatternRows) -> int:
-        """See base class."""
+        """Count numbers that are fitted."""
         return 3
 
     def _gain(self, rows: PatternRows) -> Array:
@@ -184,7 +184,7 @@ class SpectralLine(Periodic):
         return super().may_act_on(rows, component) and (self.joint is None or rows.channel != "tool")
 
     def search(self, rows: PatternRows, values: Array, train: BoolArray) -> list[float] | None:
-        """See base class."""
+        """Search the highest peak of each column's spectrum."""
         limits = settings().patterns
         if rows.highest <= limits.lowest_line:
             return None
@@ -208,19 +208,19 @@ class SpectralLine(Periodic):
         return found
 
     def refine(self, rows: PatternRows, values: Array, frequency: float) -> float:
-        """See base class."""
+        """Refine a frequency within half the width of its peak."""
         longest = max(np.ptp(rows.t[rows.motion == m]) for m in range(len(rows.motion_starts)))
         return refine_frequency(frequency, 0.5 / longest, lambda f: rows.centre(self.columns(rows, f)), values)
 
     def columns(self, rows: PatternRows, frequency: float) -> Array:
-        """See base class."""
+        """Compute cosine and sine."""
         phase = 2 * np.pi * frequency * rows.t
         in_motion = rows.motion[:, None] == np.arange(len(rows.motion_starts))
         waves = np.stack([np.cos(phase), np.sin(phase)]) * self._sign(rows)
         return np.concatenate([in_motion * wave[:, None] for wave in waves], axis=1)
 
     def complexity(self, rows: PatternRows) -> int:
-        """See base class."""
+        """Count numbers that are fitted."""
         return 2 * len(rows.motion_starts) + 1
 
     def _sign(self, rows: PatternRows) -> Array:

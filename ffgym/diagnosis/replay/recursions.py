@@ -22,7 +22,7 @@ def first_order(keep: Array, gain: Array, start: Array) -> Array:
     below[:, :-1, 1] = -keep.reshape(n - 1, right.shape[1]).T
     found = np.empty_like(right)
     for i, band in enumerate(below):
-        found[:, i] = _solved(band, right[:, i : i + 1])[:, 0]
+        found[:, i] = _solve_banded(band, right[:, i : i + 1])[:, 0]
     return found.reshape(shape)
 
 
@@ -63,7 +63,7 @@ def swing(by_load: Array, by_place: Array, by_rate: Array, load: Array, start: A
         right = np.zeros((v, count, 3, e))
         right[:, 0, 0], right[:, 0, 1] = rate.T, place.T
         right[:, :, 2] = pull[rows].transpose(2, 0, 1)
-        solved = _solved(band[:count].reshape(-1, 3 * e + 1), right.reshape(v, -1).T).T.reshape(right.shape)
+        solved = _solve_banded(band[:count].reshape(-1, 3 * e + 1), right.reshape(v, -1).T).T.reshape(right.shape)
         found[:, rows] = solved[:, :, [1, 0, 2]].transpose(2, 1, 3, 0)
         place, rate = found[0, rows.stop - 1], found[1, rows.stop - 1] + dt * found[2, rows.stop - 1]
     found[0] += dt**2 / 4 * found[2]
@@ -71,8 +71,8 @@ def swing(by_load: Array, by_place: Array, by_rate: Array, load: Array, start: A
     return found
 
 
-def _solved(band: Array, right: Array) -> Array:
-    """Solution (S, V) of a lower triangular system with a diagonal of ones; row j of `band` has column j below it."""
+def _solve_banded(band: Array, right: Array) -> Array:
+    """Solve a lower triangular system with a diagonal of ones for (S, V); row j of `band` has its column j."""
     found, _ = scipy.linalg.lapack.dtbtrs(band.T, right, uplo="L", diag="U")
     solved: Array = found
     return solved

@@ -31,7 +31,7 @@ from ffgym.diagnosis.replay.states import (
     Bristles,
     along_speed,
     arm_effects,
-    deflected,
+    deflect,
     state_of,
 )
 from ffgym.diagnosis.settings import settings
@@ -190,7 +190,7 @@ def replay(
     if alike_driven is not None and stands and not on_arm and not arm_effects(alike_driven.machine):
         deflection = alike_driven.deflection
     else:
-        deflection = deflected(springs, state, on_arm, -rigid_torque, rough, log.dt)
+        deflection = deflect(springs, state, on_arm, -rigid_torque, rough, log.dt)
     if exact and len(springs.elastic):
         deflection, beyond = _beyond_slopes(log, robot, links, springs, deflection)
         rigid_torque = rigid_torque + beyond

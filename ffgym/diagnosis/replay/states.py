@@ -88,7 +88,7 @@ def arm_effects(machine: Machine) -> list[TorqueEffect]:
     return sort_effects(effect for effect in machine.torque_effects if effect.side == "link" and not effect.is_null)
 
 
-def deflected(
+def deflect(
     springs: Springs, state: State, effects: list[TorqueEffect], torque: Array, start: Array, dt: float
 ) -> Deflection:
     """Deflections under `torque` (T, M, N) and what effects add; sample by sample where that depends on them.

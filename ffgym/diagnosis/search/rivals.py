@@ -45,23 +45,23 @@ def compare_rivals(
             found += [_contest(problem, nominal, fitted, one.before, stands, other, rng) for other in others]
     # a rival that is better takes the place; a wave is sure if nothing ties with it
     better = [one.instead for one in found if one.instead is not None and _is_better(one.instead, fitted, one.tied)]
-    sure = {h.place for h in fitted.fit.hypotheses if not any(one.tied and one.best.repeats(h) for one in found)}
+    sure = {h.key for h in fitted.fit.hypotheses if not any(one.tied and one.best.repeats(h) for one in found)}
     return RivalComparison(
         rivals=tuple(one.rival(sure, fitted) for one in found),
-        better=min(better, key=lambda tried: tried.total, default=None),
+        better=min(better, key=lambda tried: tried.rss, default=None),
     )
 
 
 def _count_oddities(tried: ScoredFit) -> tuple[int, int]:
     """Count sizes that are not plausible, then effects: of explanations that tie, the one with fewer stands."""
     hypotheses = tried.fit.hypotheses
-    return sum(h.implausible is not None for h in hypotheses), len({h.place for h in hypotheses})
+    return sum(h.implausible is not None for h in hypotheses), len({h.key for h in hypotheses})
 
 
 def _describe_implausible(instead: ScoredFit, fitted: ScoredFit) -> str:
     """Describe a size that is not plausible beside a rival, but is with the cause."""
-    known = {h.place for h in fitted.fit.hypotheses if h.implausible is not None}
-    odd = (h for h in reversed(instead.fit.hypotheses) if h.implausible is not None and h.place not in known)
+    known = {h.key for h in fitted.fit.hypotheses if h.implausible is not None}
+    odd = (h for h in reversed(instead.fit.hypotheses) if h.implausible is not None and h.key not in known)
     own = next(odd)
     of = "" if own.repeats(instead.hypothesis) else f" of {own.label}"
     return f"{own.implausible}{of}"
@@ -71,7 +71,7 @@ def _is_better(instead: ScoredFit, fitted: ScoredFit, is_tied: bool) -> bool:
     now, then = _count_oddities(fitted), _count_oddities(instead)
     if _count_numbers(instead) > _count_numbers(fitted):
         return False
-    return then < now if is_tied and then != now else instead.total < fitted.total
+    return then < now if is_tied and then != now else instead.rss < fitted.rss
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -90,7 +90,7 @@ class _Contest:
     def rival(self, sure: Container[HypothesisKey], fitted: ScoredFit) -> Rival:
         """Report it as a rival; causes of the places `sure` have a wave with which nothing ties."""
         tied, reason = self.tied, ALIKE_TEXT if self.tied else self.lost
-        if tied and self.best.place in sure:
+        if tied and self.best.key in sure:
             tied, reason = False, "explains this wave as well, and no other wave of the cause"
         elif tied and self.instead is not None and _count_oddities(self.instead)[0] > _count_oddities(fitted)[0]:
             tied, reason = False, f"explains as much, but would take a {_describe_implausible(self.instead, fitted)}"
@@ -127,7 +127,7 @@ def _contest(
         tied = instead is not None and _is_tied(problem, nominal, fitted, instead, rng)
     elif tied and len(other.fit.hypotheses) == 1:
         instead = other
-    lost = f"leaves {other.total / best.total:.3g} times the energy on rows that were not used"
+    lost = f"leaves {other.rss / best.rss:.3g} times the energy on rows that were not used"
     if share < limits.instead:
         lost = f"explains little of what {best.hypothesis.label} does"
     return _Contest(
@@ -154,14 +154,14 @@ def _is_tied(
     """Tell whether another explanation is as good, by resampled blocks or within what inexact equations leave."""
     # resamples of what it leaves more in each block
     limits = settings().rivals
-    more = other.left - best.left
+    more = other.rss_by_block - best.rss_by_block
     picks = rng.integers(len(more), size=(limits.resamples, len(more)))
     if np.quantile(more[picks].sum(axis=1), limits.tied) <= 0:
         return True
-    allowed = limits.alike * (before.total - best.total)
+    allowed = limits.alike * (before.rss - best.rss)
     if _count_numbers(other) == _count_numbers(best):
         allowed = min(allowed, _compute_inexactness(problem, best))
-    return bool(_count_numbers(other) <= _count_numbers(best) and other.total - best.total <= allowed)
+    return bool(_count_numbers(other) <= _count_numbers(best) and other.rss - best.rss <= allowed)
 
 
 def _compute_inexactness(problem: FitProblem, best: ScoredFit) -> float:
@@ -192,7 +192,7 @@ def turn_into_rivals(
     found = []
     for one in unsure:
         then, tried = find_adoption(rounds, one)
-        gain = 1.0 - tried.total / then.before.total  # share that it removed in the round in which it was found
+        gain = 1.0 - tried.rss / then.before.rss  # share that it removed in the round in which it was found
         found.append(
             Rival(
                 effect=one.kind.name,

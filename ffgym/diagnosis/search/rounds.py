@@ -28,7 +28,7 @@ class ScoredFit:
     """Fit of a candidate with its score on held-out blocks."""
 
     fit: Fit
-    left: Array
+    rss_by_block: Array
     """Energy left in each block by fits to others, both splits in mean, shape (B,)."""
 
     @property
@@ -37,9 +37,9 @@ class ScoredFit:
         return self.fit.hypotheses[-1]
 
     @property
-    def total(self) -> float:
+    def rss(self) -> float:
         """Energy left in all blocks."""
-        return float(self.left.sum())
+        return float(self.rss_by_block.sum())
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -62,7 +62,7 @@ class SearchRound:
 def find_adoption(rounds: Iterable[SearchRound], hypothesis: Hypothesis) -> tuple[SearchRound, ScoredFit]:
     """Find the round in which a cause was adopted, and its fit there; for a wave that moved far, one of its effect."""
     tried = [(one, other) for one in rounds if one.adopted for other in one.tried]
-    of_effect = [pair for pair in tried if pair[1].hypothesis.place == hypothesis.place]
+    of_effect = [pair for pair in tried if pair[1].hypothesis.key == hypothesis.key]
     return next((pair for pair in of_effect if pair[1].hypothesis.repeats(hypothesis)), of_effect[0])
 
 
@@ -101,7 +101,7 @@ def fit_and_score(
 
 def score(problem: FitProblem, found: Fit) -> ScoredFit:
     """Score a fit by what it leaves in held-out blocks."""
-    return ScoredFit(fit=found, left=compute_held_out_rss(problem, found, found.priors))
+    return ScoredFit(fit=found, rss_by_block=compute_held_out_rss(problem, found, found.priors))
 
 
 def compute_held_out_rss(problem: FitProblem, found: Fit, priors: Priors) -> Array:
@@ -128,7 +128,7 @@ def prune(problem: FitProblem, tried: ScoredFit, like: Fit | None = None) -> Sco
             break
         left = {size: _compute_rss_without(problem, tried.fit, size) for size in sizes}
         least = min(left, key=left.__getitem__)
-        if left[least] >= tried.total:
+        if left[least] >= tried.rss:
             break
         # fit without it, and keep that if it is better
         *others, newest = tried.fit.hypotheses
@@ -136,7 +136,7 @@ def prune(problem: FitProblem, tried: ScoredFit, like: Fit | None = None) -> Sco
             fewer = score(problem, refine(problem, evaluate(problem, (*others, newest.fix_at_null(least)), like), like))
         except FAILED:
             break
-        if fewer.total >= tried.total:
+        if fewer.rss >= tried.rss:
             break
         tried = fewer
     return tried
@@ -173,10 +173,10 @@ def _fit_without(problem: FitProblem, now: ScoredFit, others: Sequence[Hypothesi
     """Fit the other causes alone; None if they do not make up for the one that is left out."""
     limits = settings().search
     begun = evaluate(problem, others, now.fit)
-    if score(problem, begun).total > now.total * (1 + limits.clearly_needed):
+    if score(problem, begun).rss > now.rss * (1 + limits.clearly_needed):
         return None
     fewer = score(problem, refine(problem, begun, now.fit, roughly=True))
-    if fewer.total > now.total * (1 + limits.needed):
+    if fewer.rss > now.rss * (1 + limits.needed):
         return None
     return fit_and_score(problem, fewer.fit.hypotheses, now.fit, begun=True)
 

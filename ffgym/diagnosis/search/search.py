@@ -187,13 +187,13 @@ def _fit_best(
             continue
         # begin at the linear fit, as large as a machine can have it
         linear = propose_start(equations, candidates, int(i), candidates.nuisance_places, problem.log.robot)
-        if linear.place in places or linear.is_among((*fixed, *needless)):
+        if linear.key in places or linear.is_among((*fixed, *needless)):
             continue
         start = _shrink_to_possible(problem, fixed, linear)
         if start is None:
             continue
         # fit by replaying, and prune sizes that are not needed
-        places.add(start.place)
+        places.add(start.key)
         best, where = max(best, float(ranking.score[i])), where or here
         report(f"fitting {start.label}", len(tried) / limits.tried)
         trim_heap()
@@ -204,8 +204,8 @@ def _fit_best(
 
     def price(one: ScoredFit) -> float:
         """Compute the energy left and a price of each number: a share of that, or of what is explained if less."""
-        share = max(0.0, min(one.total, now.total - one.total))
-        return one.total + limits.slack * len(one.hypothesis.list_free()) * share
+        share = max(0.0, min(one.rss, now.rss - one.rss))
+        return one.rss + limits.slack * len(one.hypothesis.list_free()) * share
 
     return sorted(tried, key=price)
 

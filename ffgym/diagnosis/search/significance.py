@@ -54,7 +54,7 @@ def compute_explained_by_newest(
     allowed = None
     if nominal is not None:
         first = loudness(problem, subtract_nuisances(problem, nominal.fit))
-        is_wave = any(known.place == after.hypothesis.place for known in before.fit.hypotheses)
+        is_wave = any(known.key == after.hypothesis.key for known in before.fit.hypotheses)
         inexact = 0.0 if is_wave else limits.inexact
         leaks: dict[Channel, float] = {}  # what the loudest component of a channel may leave in any other
         for (channel, _), value in loud.items():
@@ -89,8 +89,8 @@ def is_significant(problem: FitProblem, nominal: ScoredFit, before: ScoredFit, a
     if after.hypothesis.is_unphysical or is_within_prior(problem, after.hypothesis):
         return False
     # explained variance where it acts; a cause of the whole machine has a witness in each component
-    gone, held_out = compute_explained_by_newest(problem, before, after, nominal), before.total - after.total
-    witnesses = 1 if after.hypothesis.joint else max(gone.heard, 1)
+    gone, held_out = compute_explained_by_newest(problem, before, after, nominal), before.rss - after.rss
+    witnesses = 1 if after.hypothesis.joint else max(gone.n_loud, 1)
     explains = gone.of_excess > limits.explains / np.sqrt(witnesses) and gone.of_all > limits.floor
     # below the noise floor it must stand out by its share of all, and on rows left out
     is_clear = (held_out > limits.clear * chance and gone.of_all > limits.mostly) or (

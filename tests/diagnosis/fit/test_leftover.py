@@ -42,7 +42,7 @@ def test_the_best_component_and_how_many_are_heard_are_told_where_one_drowns_the
     after = dict(zip(keys, (951.0, 101.0, 61.0, 1.5), strict=True))
     gone = compute_explained(before, after, set(keys))
     assert gone.of_excess == pytest.approx(190 / 1300.5)
-    assert gone.heard == 3  # the quiet one has hardly anything to say
+    assert gone.n_loud == 3  # the quiet one has hardly anything to say
     assert gone.best == pytest.approx(0.5)
     assert compute_explained(before, before, set(keys)).best == 0.0
 

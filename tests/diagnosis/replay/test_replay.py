@@ -7,7 +7,7 @@ import pytest
 
 from ffgym.diagnosis.log import assemble_log
 from ffgym.diagnosis.replay import predict, replay
-from ffgym.diagnosis.replay.states import deflected, flown, state_of
+from ffgym.diagnosis.replay.states import deflect, flown, state_of
 from ffgym.diagnosis.residual_rows import filter_measured, find_valid_rows
 from ffgym.diagnosis.settings import settings
 from ffgym.effects import EFFECTS, TorqueEffect
@@ -128,7 +128,7 @@ def test_a_joint_bends_at_once_as_sample_by_sample_under_what_follows_its_motor(
     state = state_of(log, nominal(), run.bristles)
     load, start = -run.links.torque(log.ddq), run.deflection.angle[0]
     for some in (effects[:1], effects):
-        at_once = deflected(run.springs, state, some, load, start, log.dt)
+        at_once = deflect(run.springs, state, some, load, start, log.dt)
         each = flown(run.springs, state, some, load, start, log.dt)
         for part in ("angle", "rate", "acceleration"):
             one, other = getattr(at_once, part), getattr(each, part)

@@ -27,7 +27,7 @@ def tried(name, joint, left, removes, cycles=None, beside=()):
     one = hypothesis(name, joint, cycles)
     fit = SimpleNamespace(hypotheses=(*beside, one), columns=[{}] * len(one.list_free()), removes=removes)
     rows = np.full(BLOCKS, left)
-    return SimpleNamespace(hypothesis=one, fit=fit, left=rows, total=float(rows.sum()))
+    return SimpleNamespace(hypothesis=one, fit=fit, rss_by_block=rows, rss=float(rows.sum()))
 
 
 @pytest.fixture
@@ -52,7 +52,7 @@ def judged(best, others, fitted=None):
 
 
 def comparison(best, others, fitted=None):
-    before = SimpleNamespace(left=np.full(BLOCKS, 100.0), total=100.0 * BLOCKS, fit=SimpleNamespace(removes={}))
+    before = SimpleNamespace(rss_by_block=np.full(BLOCKS, 100.0), rss=100.0 * BLOCKS, fit=SimpleNamespace(removes={}))
     one = SearchRound(adopted=True, ranking=None, before=before, tried=(best, *others))
     fitted = fitted or best
     return compare_rivals(None, before, fitted, [one], np.random.default_rng(0)), one
@@ -64,7 +64,7 @@ TWICE, ONCE = (("kinematic_error", "resolver_ripple"), 2.0), (("resolver_ripple"
 
 def two_waves(judge, swapped):
     """Both waves of j1, adopted as another effect each; with the rival of one instead, they leave `swapped`."""
-    before = SimpleNamespace(left=np.full(BLOCKS, 100.0), total=100.0 * BLOCKS, fit=SimpleNamespace(removes={}))
+    before = SimpleNamespace(rss_by_block=np.full(BLOCKS, 100.0), rss=100.0 * BLOCKS, fit=SimpleNamespace(removes={}))
     rounds, causes = [], ()
     for (name, rival), cycles in (TWICE, ONCE):
         best, other = (tried(n, "j1", 10.0, {"a": 9.0}, cycles, causes) for n in (name, rival))
@@ -138,7 +138,7 @@ def test_a_cause_gives_way_to_another_effect_that_leaves_less_beside_what_came_l
     judge["viscous_level"] = tried("viscous_level", "j1", then, {"a": 6.0}, beside=(beside,))
     fitted = tried("coulomb_level", "j1", 10.0, {"a": 6.0})
     fitted.fit.hypotheses = (best.hypothesis, beside)
-    before = SimpleNamespace(left=np.full(BLOCKS, 100.0), total=100.0 * BLOCKS, fit=SimpleNamespace(removes={}))
+    before = SimpleNamespace(rss_by_block=np.full(BLOCKS, 100.0), rss=100.0 * BLOCKS, fit=SimpleNamespace(removes={}))
     one = SearchRound(adopted=True, ranking=None, before=before, tried=(best, other))
     better = compare_rivals(None, before, fitted, [one], np.random.default_rng(0)).better
     assert (better is not None) == gives_way
@@ -156,7 +156,7 @@ def test_nothing_gives_way_to_what_explains_less(judge):
 @pytest.mark.parametrize(("second", "ties"), [(90.0, False), (10.0, True)])
 def test_a_wave_of_a_cause_of_which_another_wave_is_sure_ties_with_nothing(judge, second, ties):
     """Both waves are of the resolver, and a gear error explains the first as well; and the second?"""
-    before = SimpleNamespace(left=np.full(BLOCKS, 100.0), total=100.0 * BLOCKS, fit=SimpleNamespace(removes={}))
+    before = SimpleNamespace(rss_by_block=np.full(BLOCKS, 100.0), rss=100.0 * BLOCKS, fit=SimpleNamespace(removes={}))
     one, two = (tried("resolver_ripple", "j1", 10.0, {"a": 9.0}, cycles) for cycles in (1.0, 2.0))
     two.fit.hypotheses = (one.hypothesis, two.hypothesis)
     lefts, rounds = {1.0: 10.0, 2.0: second}, []

@@ -20,7 +20,7 @@ def search(monkeypatch):
 
     def make(by_slopes, by_replaying):
         def tried(causes, left):
-            return SimpleNamespace(total=left["".join(causes)], fit=SimpleNamespace(hypotheses=tuple(causes)))
+            return SimpleNamespace(rss=left["".join(causes)], fit=SimpleNamespace(hypotheses=tuple(causes)))
 
         def refined(setting, begun, like, *, roughly):
             replayed.append("".join(begun.fit.hypotheses))
@@ -67,7 +67,7 @@ def tried(hypothesis, total):
     n = len(free)
     priors = Priors(precision=np.ones(n), low=np.full(n, -3.0), high=np.full(n, 3.0))
     return SimpleNamespace(
-        hypothesis=hypothesis, total=total, fit=SimpleNamespace(hypotheses=(hypothesis,), priors=priors)
+        hypothesis=hypothesis, rss=total, fit=SimpleNamespace(hypotheses=(hypothesis,), priors=priors)
     )
 
 

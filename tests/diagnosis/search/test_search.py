@@ -26,9 +26,9 @@ def candidates(monkeypatch):
         monkeypatch.setattr(module, "propose_start", lambda evidence, candidates, i, *_: found[i])
         monkeypatch.setattr(module, "_shrink_to_possible", lambda setting, others, start: start)
         monkeypatch.setattr(
-            module, "fit_and_score", lambda setting, all_of, like: SimpleNamespace(hypothesis=all_of[-1], total=1.0)
+            module, "fit_and_score", lambda setting, all_of, like: SimpleNamespace(hypothesis=all_of[-1], rss=1.0)
         )
-        now = SimpleNamespace(fit=SimpleNamespace(hypotheses=tuple(there)), total=2.0)
+        now = SimpleNamespace(fit=SimpleNamespace(hypotheses=tuple(there)), rss=2.0)
         setting = SimpleNamespace(log=SimpleNamespace(robot=None))
         report = lambda what, share: None  # noqa: E731
         return [one.hypothesis for one in module._fit_best(setting, known, ranking, None, now, needless, (), report)]

@@ -39,7 +39,7 @@ def plausible(monkeypatch):
     ],
 )
 def test_a_cause_of_the_whole_machine_has_as_many_witnesses_as_components(monkeypatch, joint, heard, share, enough):
-    gone = ExplainedVariance(of_excess=share, of_all=share, excess=0.9, heard=heard, best=share)
+    gone = ExplainedVariance(of_excess=share, of_all=share, excess=0.9, n_loud=heard, best=share)
     monkeypatch.setattr(module, "compute_explained_by_newest", lambda *fits: gone)
     assert is_significant(None, None, fitted(10.0, 10.0), fitted(5.0, 5.0, joint), chance=0.0) == enough
 
@@ -50,7 +50,7 @@ def test_a_cause_must_hold_on_rows_that_it_was_not_fitted_to(monkeypatch, held_o
     monkeypatch.setattr(
         module,
         "compute_explained_by_newest",
-        lambda *fits: ExplainedVariance(of_excess=0.9, of_all=0.5, excess=0.9, heard=1, best=0.9),
+        lambda *fits: ExplainedVariance(of_excess=0.9, of_all=0.5, excess=0.9, n_loud=1, best=0.9),
     )
     assert is_significant(None, None, fitted(10.0, 10.0), fitted(held_out, 5.0), chance=0.0) == holds
     assert not is_significant(None, None, fitted(10.0, 10.0), fitted(held_out, 5.0, is_unphysical=True), chance=0.0)
@@ -71,7 +71,7 @@ def test_a_cause_below_the_noise_floor_must_explain_most_of_what_is_there_or_hav
     monkeypatch, held_out, of_all, numbers, enough
 ):
     """The floor allows for what may be there: with quiet sensors, a tenth of it is."""
-    gone = ExplainedVariance(of_excess=1.0, of_all=of_all, excess=0.0, heard=1, best=1.0)
+    gone = ExplainedVariance(of_excess=1.0, of_all=of_all, excess=0.0, n_loud=1, best=1.0)
     monkeypatch.setattr(module, "compute_explained_by_newest", lambda *fits: gone)
     monkeypatch.setattr(module, "find_touched", lambda setting, columns: {TORQUES[0]})
     before, after = fitted(100.0, 100.0), fitted(100.0 - held_out, 100.0 - held_out, numbers=numbers)
@@ -98,7 +98,7 @@ def test_a_thousandth_of_what_is_plausible_is_no_cause_below_the_floor(effect, v
 def fitted(total, left, joint="j1", is_unphysical=False, numbers=1):
     """Energy that is left on rows that were not used, and by a fit to all rows."""
     newest = SimpleNamespace(joint=joint, list_free=lambda: [None] * numbers, is_unphysical=is_unphysical)
-    return SimpleNamespace(total=total, fit=SimpleNamespace(left=left, columns=({},)), hypothesis=newest)
+    return SimpleNamespace(rss=total, fit=SimpleNamespace(left=left, columns=({},)), hypothesis=newest)
 
 
 @pytest.mark.parametrize(
@@ -108,7 +108,7 @@ def fitted(total, left, joint="j1", is_unphysical=False, numbers=1):
 def test_what_a_clean_log_may_have_is_no_cause_with_a_shape_at_the_end_of_its_range(monkeypatch, loud, whose, enough):
     """Noise of the readings of a motor that restarts looked like breakaway that is overcome within no way at all."""
     after = fitted(5.0, 5.0)
-    gone = ExplainedVariance(of_excess=0.9, of_all=0.9, excess=0.9, heard=1, best=0.9)
+    gone = ExplainedVariance(of_excess=0.9, of_all=0.9, excess=0.9, n_loud=1, best=0.9)
     monkeypatch.setattr(module, "compute_explained_by_newest", lambda *fits: gone)
     monkeypatch.setattr(module, "subtract_nuisances", lambda setting, fit: {})
     monkeypatch.setattr(module, "loudness", lambda setting, rest: {TORQUES[0]: loud, TORQUES[1]: 9.0})
@@ -120,7 +120,7 @@ def test_what_a_clean_log_may_have_is_no_cause_with_a_shape_at_the_end_of_its_ra
 
 @pytest.mark.parametrize(("share", "best", "most"), [(0.6, 0.0, True), (0.3, 0.6, True), (0.3, 0.4, False)])
 def test_causes_that_explain_no_component_well_are_none(monkeypatch, share, best, most):
-    gone = ExplainedVariance(of_excess=share, of_all=share, excess=0.9, heard=3, best=best)
+    gone = ExplainedVariance(of_excess=share, of_all=share, excess=0.9, n_loud=3, best=best)
     for name in ("loudness", "subtract_nuisances", "find_touched"):
         monkeypatch.setattr(module, name, lambda *given: {})
     monkeypatch.setattr(module, "compute_explained", lambda *given: gone)
@@ -145,8 +145,8 @@ def removed_from(monkeypatch, first, loud, then, where, *, known=(), by_channel=
         module, "loudness", lambda setting, rest: dict(zip([*TORQUES, LINK], next(tables), strict=True))
     )
     monkeypatch.setattr(module, "find_touched", lambda setting, columns, by_channel=False: given[by_channel])
-    new = SimpleNamespace(place=("cogging", "j1", None), list_free=lambda: [None])
-    before = SimpleNamespace(fit=SimpleNamespace(hypotheses=[SimpleNamespace(place=place) for place in known]))
+    new = SimpleNamespace(key=("cogging", "j1", None), list_free=lambda: [None])
+    before = SimpleNamespace(fit=SimpleNamespace(hypotheses=[SimpleNamespace(key=place) for place in known]))
     after = SimpleNamespace(fit=SimpleNamespace(columns=[{}]), hypothesis=new)
     return compute_explained_by_newest(setting, before, after, SimpleNamespace(fit=None))
 
