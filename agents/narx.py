@@ -55,7 +55,7 @@ class NARX(CausalLaw, StoredLaw):
 
     def initial_memory(self, window: Window) -> Array:
         """Return speed at the start, relaxed slip elements, outputs of zero, shape (..., N M)."""
-        return self.model.remembered(window.motor_dq[..., 0, :])
+        return self.model.hold_memory(window.motor_dq[..., 0, :])
 
     def step(self, memory: Array, window: Window) -> tuple[Array, Array]:
         """Run the networks one sample on, on their own outputs.
@@ -68,7 +68,7 @@ class NARX(CausalLaw, StoredLaw):
                 f"Law {self.name!r} was fitted to samples every {self.model.dt:g} s; the reference has one every "
                 f"{window.dt:g} s. Fit it to trials of this controller."
             )
-        return self.model.advanced(memory, window.motor_dq[..., 1, :])
+        return self.model.advance(memory, window.motor_dq[..., 1, :])
 
     def parts(self) -> tuple[dict[str, Any], dict[str, Array]]:
         """Return name, regressors and time step, and the weights."""

@@ -27,7 +27,7 @@ from ffgym.diagnosis.thinning import read_notes
 from ffgym.logs import write_corrected
 from ffgym.logs.quality import accept_findings, judge_logs
 from ffgym.recordings import Recording
-from ffgym.report.diagnosis import DiagnosisReport, compared_table, format_diagnosis, render_diagnosis_page
+from ffgym.report.diagnosis import DiagnosisReport, compare_levels, format_diagnosis, render_diagnosis_page
 from ffgym.report.table import wrap_text
 from ffgym.robot import ModelOptions, load_draft
 from ffgym.simulation.plant import Machine, load_machine, save_machine
@@ -94,9 +94,9 @@ def _diagnose(config: Diagnose) -> None:
     diagnosis = examined.diagnosis
     print(format_diagnosis(diagnosis, robot))
     if replayed:
-        print(f"\n{compared_table('held out, RMS of', replayed).text()}")
+        print(f"\n{compare_levels('held out, RMS of', replayed).text()}")
     if closed_loop:
-        print(f"\n{compared_table('closed loop, RMS of', closed_loop).text()}")
+        print(f"\n{compare_levels('closed loop, RMS of', closed_loop).text()}")
     if diagnosis.causes and not diagnosis.gains:
         print(f"\n{WORSE}")
     print(f"\n{step.text}")

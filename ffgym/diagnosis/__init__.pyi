@@ -19,7 +19,7 @@ from .identification import validate as validate
 from .identification.narx import Errors as Errors
 from .identification.narx import Regressors as Regressors
 from .identification.narx import Structure as Structure
-from .identification.narx import fitted as fitted
+from .identification.narx import fit_network as fit_network
 from .identification.rigid_body import TERMS as TERMS
 from .identification.rigid_body import BaseParameters as BaseParameters
 from .identification.rigid_body import Filtering as Filtering

@@ -25,7 +25,7 @@ from ffgym.diagnosis.settings import settings
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Priors:
-    """Of all columns, in the units in which they are scaled, shape (P,) each."""
+    """Precision and bounds of all columns, in the units in which they are scaled, shape (P,) each."""
 
     precision: Array
     low: Array
@@ -173,7 +173,7 @@ def _alike(candidates: Sequence[Candidate]) -> list[_Alike]:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Sums:
-    """Of some blocks: what of the Gram matrix G matters, and the moments of K residuals."""
+    """Sums over some blocks: the parts of the Gram matrix G that matter, and the moments of K residuals."""
 
     nuisances: Array
     """Rows of G of the F calibration columns, shape (F, P)."""
@@ -185,14 +185,14 @@ class _Sums:
     """Shape (K,)."""
 
     def of(self, residuals: slice) -> "_Sums":
-        """Those of some residuals."""
+        """Select the sums of some residuals."""
         return replace(self, moment=self.moment[:, residuals], energy=self.energy[residuals])
 
 
 def _sums(
     equations: NormalEquations, folds: Sequence[Fold], nuisances: IntArray, alike: Sequence[_Alike]
 ) -> Iterator[tuple[_Sums, _Sums]]:
-    """Of what each fold fits to and judges by; blocks that are always in or out together are summed once."""
+    """Sum the blocks that each fold fits to and judges by; blocks that always go together are summed once."""
     member = np.array([rows for fold in folds for rows in (fold.train, fold.test)])
     kinds, of_block = np.unique(member, axis=1, return_inverse=True)
     of_block = of_block.ravel()

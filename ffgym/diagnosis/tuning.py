@@ -66,7 +66,7 @@ class Breakaway(NativeEffect):
     velocity: Array = parameter("b", unit="1", low=-0.5, high=1.0, minimum=-0.95, source="as of the Stribeck peak")
 
     def in_description(self, robot: RobotDescription) -> RobotDescription:
-        """See base class."""
+        """Return the robot with another peak and another Stribeck velocity."""
         friction = robot.friction
         static = friction.coulomb + (1 + self.level) * (friction.static - friction.coulomb)
         velocity = friction.stribeck_velocity * (1 + self.velocity)
@@ -92,7 +92,7 @@ def _precision() -> float:
 
 
 def _distance(numbers: Iterable[Hypothesis]) -> Array:
-    """How far all numbers are from the description, in practical steps."""
+    """Compute the distance of all numbers from the description, in practical steps."""
     found = []
     for number in numbers:
         known = number.kind.parameters()
@@ -137,7 +137,7 @@ def tune(machine: Machine, recordings: Sequence[Recording]) -> Machine:
         sampling = replace(log.sampling, cutoff=min(cutoff, log.sampling.cutoff))
         problem = _pose_problem(replace(log, sampling=sampling), machine)
         for _ in range(settings().estimator.passes):
-            numbers = _fit_numbers(_weighed(problem, numbers), numbers)
+            numbers = _fit_numbers(_weigh(problem, numbers), numbers)
     return replace(machine, robot=_with_numbers(machine.robot, numbers))
 
 
@@ -176,7 +176,7 @@ def _fit_numbers(problem: FitProblem, numbers: Sequence[Hypothesis]) -> tuple[Hy
 
 
 def _pose_problem(log: Log, machine: Machine) -> FitProblem:
-    """What all fits to a log share; all rows that count are alike at first."""
+    """Pose the problem that all fits to a log share; all rows that count are alike at first."""
     run, valid = replay(log, machine), find_valid_rows(log)
     # free beside the numbers, per standard deviation: torque offsets, and places of the tool
     coulomb, beside = dict(zip(run.robot.joints, run.robot.friction.coulomb, strict=True)), list[Parts]()
@@ -204,8 +204,8 @@ def _pose_problem(log: Log, machine: Machine) -> FitProblem:
     )
 
 
-def _weighed(problem: FitProblem, numbers: Sequence[Hypothesis]) -> FitProblem:
-    """With each component of each motion in units of what numbers leave there; of the tool about its mean.
+def _weigh(problem: FitProblem, numbers: Sequence[Hypothesis]) -> FitProblem:
+    """Weigh each component of each motion in units of what numbers leave there; of the tool about its mean.
 
     What a model lacks goes on for a while, so that all rows of a block count as much as one.
     """

@@ -354,7 +354,7 @@ def branch_error(laboratory: Laboratory, of: str, network: str, rising: bool) ->
     """RMS error in free run on validation data [N m] while the speed rises, or while it falls."""
     model, samples = getattr(laboratory, of)[network].model, laboratory.narx_records[VALIDATION]
     rows = (np.gradient(samples.motor_dq[:, 0]) > 0) == rising
-    simulated = model.simulated(np.repeat(samples.motor_dq, model.n_joints, axis=1))
+    simulated = model.simulate(np.repeat(samples.motor_dq, model.n_joints, axis=1))
     return Misfit.of(simulated[rows], samples.torque[rows]).rms
 
 

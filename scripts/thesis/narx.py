@@ -22,7 +22,7 @@ from ffgym.diagnosis.identification.narx import (
     Regressors,
     Samples,
     Structure,
-    fitted,
+    fit_network,
     lags_of,
 )
 from ffgym.diagnosis.identification.narx.fit import N_EVALUATIONS
@@ -167,7 +167,7 @@ def fit_narx(
         )
         for name, samples in records.items()
     }
-    model = fitted(
+    model = fit_network(
         [copies[name] for name in names],
         Structure(regressors=candidate.regressors),
         np.random.default_rng(seed),

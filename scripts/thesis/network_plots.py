@@ -148,7 +148,7 @@ def _draw_row(row: "Sequence[Axes]", fit: NarxFit, samples: Samples) -> None:
     shown = slice(-round(SHOWN / samples.dt) - 1, None)
     t = samples.dt * np.arange(len(samples.torque))[shown]
     speed, torque = samples.motor_dq[shown, 0], samples.torque[shown, 0]
-    networks = fit.model.simulated(np.repeat(samples.motor_dq, n_starts, axis=1))[shown]
+    networks = fit.model.simulate(np.repeat(samples.motor_dq, n_starts, axis=1))[shown]
     colour = law_styles(["narx"])["narx"].colour
     for axes, x in zip(row, (t, speed), strict=True):
         axes.plot(x, torque, **_TRUE)

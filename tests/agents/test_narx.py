@@ -54,7 +54,7 @@ def test_rows_of_a_batch_do_not_touch_each_other(form):
 @pytest.mark.parametrize("form", FORMS)
 def test_along_a_reference_the_law_is_its_network_in_free_run(form, one_axis):
     law, reference = law_of(FORMS[form], n=1), sine_references(one_axis)[1.0]
-    simulated = law.model.simulated(reference.motor_dq)
+    simulated = law.model.simulate(reference.motor_dq)
     np.testing.assert_allclose(law.torque(reference), simulated, rtol=0, atol=1e-12)
 
 

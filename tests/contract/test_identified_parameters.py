@@ -9,7 +9,7 @@ from ffgym.agents.catalogue import CATALOGUE
 from ffgym.agents.declaration import AgentSetting
 from ffgym.cli.laws import setting_for
 from ffgym.diagnosis.identification.bristle_fit import NAMES
-from ffgym.diagnosis.identification.parameter_file import fitted_quantity, parameter_text
+from ffgym.diagnosis.identification.parameter_file import make_fitted_quantity, parameter_text
 from ffgym.paths import joint_reference, joint_sine
 from ffgym.robot import RigidArm, load_robot
 from ffgym.simulation import Run, SimulatedRig
@@ -35,7 +35,7 @@ def identified(tmp_path_factory):
             value = getattr(more, parameter)
             interval = np.stack([0.9 * value, np.full_like(value, np.inf)], axis=1)
             entry = f"friction.{parameter}"
-            entries[entry] = fitted_quantity(robot, entry, value, "a test", interval=interval)
+            entries[entry] = make_fitted_quantity(robot, entry, value, "a test", interval=interval)
         path.write_text(parameter_text(robot, entries, "identified"))
         return path
 

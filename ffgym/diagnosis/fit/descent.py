@@ -59,7 +59,7 @@ class Slope(ABC, Generic[P]):
 
 @dataclass(frozen=True, kw_only=True)
 class Steps:
-    """How far a fit goes."""
+    """Bounds on the steps of a fit, and when it ends."""
 
     most: int
     """Steps that are taken at most."""

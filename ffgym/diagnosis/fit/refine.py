@@ -119,7 +119,7 @@ def _on_springs(hypothesis: Hypothesis) -> bool:
 
 
 def _choose_start(problem: FitProblem, hypotheses: Sequence[Hypothesis]) -> list[Hypothesis]:
-    """With the newest hypothesis at the best of several sizes where it acts on springs.
+    """Choose the best of several sizes for the newest hypothesis where it acts on springs.
 
     An arm that is driven at its motors swings sharply, so that only models near the truth are led to it by slopes.
     """

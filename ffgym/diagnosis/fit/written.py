@@ -84,8 +84,8 @@ def build_extended_model(
     missed = compute_residuals(problem.log, predict(fit.run))
     problem = problem.with_bias({channel: missed[channel] - rows for channel, rows in fit.residual.items()})
     if prior.refit is not None:
-        return _refitted(problem, fit, prior.refit, chosen)
-    return _by_priors(problem, fit, chosen)
+        return _refit(problem, fit, prior.refit, chosen)
+    return _fit_by_priors(problem, fit, chosen)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -114,7 +114,7 @@ class _Extension(Slope[_Model]):
         return point.cost
 
     def step(self, point: _Model, reach: float) -> Array:
-        return _solved(point.equations, self.fit, point.sizes, self.chosen)
+        return _solve(point.equations, self.fit, point.sizes, self.chosen)
 
     def move(self, point: _Model, step: Array) -> _Model | None:
         n = self.fit.n_nuisances
@@ -136,8 +136,8 @@ class _Extension(Slope[_Model]):
         return point
 
 
-def _by_priors(problem: FitProblem, fit: Fit, chosen: BoolArray) -> Trial | None:
-    """With calibration errors as their priors and the log have them."""
+def _fit_by_priors(problem: FitProblem, fit: Fit, chosen: BoolArray) -> Trial | None:
+    """Correct nuisance parameters as their priors and the log have them, beside the causes."""
     start = _Model(sizes=np.zeros(fit.n_nuisances), hypotheses=fit.hypotheses, equations=fit.equations, cost=np.inf)
     steps = Steps(most=settings().estimator.model_steps, least_reach=np.inf)
     found = descend(_Extension(problem=problem, fit=fit, chosen=chosen), start, steps)
@@ -150,7 +150,7 @@ def _evidence(problem: FitProblem, tried: Trial) -> NormalEquations:
     return problem.design.beside(columns).form_equations(split_components(tried.residual))
 
 
-def _solved(equations: NormalEquations, fit: Fit, sizes: Array, chosen: BoolArray) -> Array:
+def _solve(equations: NormalEquations, fit: Fit, sizes: Array, chosen: BoolArray) -> Array:
     """Changes of calibration errors and free numbers where errors of `sizes` are in the model already."""
     precision = fit.priors.precision
     there = np.concatenate([sizes, np.zeros(len(precision) - fit.n_nuisances)])
@@ -159,8 +159,8 @@ def _solved(equations: NormalEquations, fit: Fit, sizes: Array, chosen: BoolArra
     return solve_bounded(gram, pull, precision, fit.priors.low - there, fit.priors.high - there)
 
 
-def _refitted(problem: FitProblem, fit: Fit, refit: Refit, chosen: BoolArray) -> Trial | None:
-    """With the numbers that were fitted to the logs fitted anew, to what the causes leave of the torque."""
+def _refit(problem: FitProblem, fit: Fit, refit: Refit, chosen: BoolArray) -> Trial | None:
+    """Fit the numbers that were fitted to the logs anew, to the torque that the causes leave."""
     motions = np.unique(problem.blocks.motion[chosen]).tolist()
     numbers, hypotheses, best = problem.nominal, fit.hypotheses, None
     for last in (False, True):
@@ -174,7 +174,7 @@ def _refitted(problem: FitProblem, fit: Fit, refit: Refit, chosen: BoolArray) ->
         best = replay_hypotheses(problem, hypotheses, numbers)
         if best is None or last or not hypotheses:
             return best
-        x = _solved(_evidence(problem, best), fit, np.zeros(fit.n_nuisances), chosen)
+        x = _solve(_evidence(problem, best), fit, np.zeros(fit.n_nuisances), chosen)
         hypotheses = move_hypotheses(hypotheses, x[fit.n_nuisances :])
     return best
 

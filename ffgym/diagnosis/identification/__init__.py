@@ -1,4 +1,4 @@
-"""From recordings to parameters: signals, friction, intervals of what was found."""
+"""Parameters from recordings: signals, friction, rigid bodies, and intervals of all that is identified."""
 
 import lazy_loader
 

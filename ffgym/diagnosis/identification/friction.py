@@ -12,7 +12,7 @@ from ffgym.core.types import Array
 from ffgym.diagnosis.identification.bristle_fit import FORGOTTEN, NAMES
 from ffgym.diagnosis.identification.friction_data import AT_REST, FrictionTorque
 from ffgym.diagnosis.identification.joint_friction import JointFriction, identify_joint
-from ffgym.diagnosis.identification.parameter_file import fitted_quantity
+from ffgym.diagnosis.identification.parameter_file import make_fitted_quantity
 from ffgym.diagnosis.identification.resampling import LEVEL, RESAMPLES
 from ffgym.robot import RobotDescription
 from ffgym.robot.friction import LuGreParameters
@@ -186,7 +186,7 @@ def friction_quantities(identification: FrictionIdentification) -> Mapping[str, 
         before = robot.quantities[path].origin if path in robot.quantities else ("chosen",)
         kept = before * len(column) if len(before) == 1 else before
         others = [f"{own.joint}: {own.status}, {own.reason}" for own in column if not own.is_identified]
-        entries[path] = fitted_quantity(
+        entries[path] = make_fitted_quantity(
             robot,
             path,
             np.array([own.value for own in column]),

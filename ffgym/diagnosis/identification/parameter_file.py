@@ -1,4 +1,4 @@
-"""What was identified, as a parameter file that every robot of that kind accepts, each number with its source."""
+"""Parameter files of identified numbers, which every robot of that kind accepts, each number with its source."""
 
 from collections.abc import Mapping
 
@@ -12,7 +12,7 @@ from ffgym.robot.reading.quantity import Quantity, si_units
 from ffgym.robot.reading.rules import RULES
 
 
-def fitted_quantity(
+def make_fitted_quantity(
     robot: RobotDescription,
     path: str,
     value: Array,

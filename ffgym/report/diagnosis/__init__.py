@@ -1,4 +1,4 @@
-"""What a diagnosis found: pictures, a page, text."""
+"""Pictures, pages and texts of a diagnosis."""
 
 import lazy_loader
 

@@ -1,4 +1,4 @@
-"""What the residual of one joint looks like (over time, variables, the motor's turn, speed), and the tool's path."""
+"""Residual of one joint over time, variables, the motor's turn and speed, and the path of the tool."""
 
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
@@ -30,7 +30,7 @@ _LOOPS = 3
 
 
 def place_figures(report: DiagnosisReport, place: Place) -> list[ReportFigure]:
-    """What the residual of one joint looks like."""
+    """Draw the residual of one joint."""
     models, channel, j = report.models, place.channel, place.index
     nominal, words = models[NOMINAL], words_of("diagnosis_figures")
     ratio = map_by_motion(nominal, channel).ratio[j]

@@ -1,4 +1,4 @@
-"""Where the model is wrong, what is gained, and which causes and rivals explain it."""
+"""Maps of the residual, of the gain, and of causes and rivals that explain it."""
 
 from collections.abc import Mapping, Sequence
 from itertools import groupby
@@ -36,7 +36,7 @@ Panel = tuple[str, ResidualMap]
 
 
 def map_figures(report: DiagnosisReport) -> list[ReportFigure]:
-    """Where the model is wrong: by regime, for torques and other channels that stand out; by motion, for all."""
+    """Draw maps of the residual: by regime, for torques and other channels that stand out; by motion, for all."""
     if report.before is None:
         return []
     figures, channels, models = [], report.before.channels, report.models

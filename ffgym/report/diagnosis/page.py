@@ -9,7 +9,7 @@ from ffgym.report.diagnosis.maps import candidate_figures, level_figures, map_fi
 from ffgym.report.diagnosis.words import (
     VERDICTS,
     causes_table,
-    compared_table,
+    compare_levels,
     held_out_note,
     levels_table,
     place_of,
@@ -122,7 +122,7 @@ def _gain(report: DiagnosisReport, diagnosis: Diagnosis) -> list[Section]:
         ("Closed loop", "closed_loop", report.closed_loop),
     ):
         if levels:
-            table = compared_table("quantity", levels, name.replace("_", "-"))
+            table = compare_levels("quantity", levels, name.replace("_", "-"))
             sections.append(Section(title, [words[name], table]))
     return sections
 

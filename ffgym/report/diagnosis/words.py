@@ -36,7 +36,7 @@ def shown_share(gain: float) -> float:
 
 
 def title_of(effect: str) -> str:
-    """What an effect is, in words; its name if the library does not know it."""
+    """Name an effect in words; by its name in the code if the library does not know it."""
     return EFFECTS[effect].title if effect in EFFECTS else effect.replace("_", " ")
 
 
@@ -312,7 +312,7 @@ def format_findings(diagnosis: Diagnosis) -> str:
 
 
 def levels_table(diagnosis: Diagnosis) -> Table:
-    """What is left, joint by joint, in the units in which people read it, and whether that is small."""
+    """List the residual, joint by joint, in the units in which people read it, and whether it is small."""
     levels = diagnosis.levels
     numbers = {"measured": "measured", "noise": "noise_floor", NOMINAL: "before"}
     numbers |= {EXTENDED: "after"} if diagnosis.causes else {}
@@ -321,8 +321,8 @@ def levels_table(diagnosis: Diagnosis) -> Table:
     return Table(columns=columns, name="levels", fixed=2, ruled_by=0)
 
 
-def compared_table(heading: str, levels: Sequence[LoopLevel], name: str = "") -> Table:
-    """What was measured, and what both models leave of it."""
+def compare_levels(heading: str, levels: Sequence[LoopLevel], name: str = "") -> Table:
+    """Compare the measurement with what both models leave of it."""
     numbers = {"measured": "measured", NOMINAL: "before", EXTENDED: "after"}
     columns = _columns(heading, levels, [level.quantity for level in levels], numbers)
     return Table(columns=columns, name=name, fixed=2, ruled_by=0)

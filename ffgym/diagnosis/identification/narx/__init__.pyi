@@ -1,7 +1,7 @@
 from .fit import Focus as Focus
 from .fit import Structure as Structure
 from .fit import best_simulating as best_simulating
-from .fit import fitted as fitted
+from .fit import fit_network as fit_network
 from .model import ARRAYS as ARRAYS
 from .model import NarxModel as NarxModel
 from .model import Regressors as Regressors

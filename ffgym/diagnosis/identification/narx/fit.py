@@ -38,7 +38,7 @@ class Structure:
         return self.n_neurons * (self.regressors.count + 2) + 1
 
 
-def fitted(
+def fit_network(
     records: Sequence[Samples],
     structure: Structure,
     rng: np.random.Generator,
@@ -75,9 +75,9 @@ def fitted(
         )
     check_choice("focus", focus, get_args(Focus))
     check_whole("n_evaluations", n_evaluations, low=1)
-    model = _minimised(_random(records, rng, structure), records, Prediction, n_evaluations)
+    model = _minimise(_random(records, rng, structure), records, Prediction, n_evaluations)
     if focus == "simulation" and structure.regressors.output_lags:
-        model = _minimised(model, records, Simulation, n_evaluations)
+        model = _minimise(model, records, Simulation, n_evaluations)
     return model
 
 
@@ -90,12 +90,12 @@ def best_simulating(
     focus: Focus = "prediction",
     n_evaluations: int = N_EVALUATIONS,
 ) -> NarxModel:
-    """Of `n_starts` fits the one that simulates best on `records`, motor by motor: the best in prediction may drift."""
+    """Fit `n_starts` times, and take for each motor the network that simulates `records` best: others may drift."""
     check_whole("n_starts", n_starts, low=1)
-    fits = [fitted(records, structure, rng, focus=focus, n_evaluations=n_evaluations) for _ in range(n_starts)]
+    fits = [fit_network(records, structure, rng, focus=focus, n_evaluations=n_evaluations) for _ in range(n_starts)]
     costs = []
     for model in fits:
-        errors = [((model.simulated(r.motor_dq) - r.torque)[r.scored] / r.noise) ** 2 for r in records]
+        errors = [((model.simulate(r.motor_dq) - r.torque)[r.scored] / r.noise) ** 2 for r in records]
         costs.append(np.concatenate(errors).mean(axis=0))
     return joint_models(fits, np.array(costs).argmin(axis=0))
 
@@ -118,7 +118,7 @@ def _random(records: Sequence[Samples], rng: np.random.Generator, structure: Str
     )
 
 
-def _minimised(
+def _minimise(
     start: NarxModel,
     records: Sequence[Samples],
     problem_of: type[Prediction] | type[Simulation],
@@ -129,13 +129,13 @@ def _minimised(
     for joint in range(start.n_joints):
         problem = problem_of(start, records, joint)
         fit = scipy.optimize.least_squares(
-            problem.residual, _packed(start, joint), problem.jacobian, method="lm", max_nfev=n_evaluations
+            problem.residual, _pack(start, joint), problem.jacobian, method="lm", max_nfev=n_evaluations
         )
         found.append(split(fit.x, h))
     w, b, c, d = (np.array(part) for part in zip(*found, strict=True))
     return replace(start, input_weights=w, biases=b, output_weights=c, offset=d)
 
 
-def _packed(model: NarxModel, joint: int) -> Array:
+def _pack(model: NarxModel, joint: int) -> Array:
     parts = (model.input_weights, model.biases, model.output_weights, model.offset)
     return np.concatenate([np.ravel(part[joint]) for part in parts])

@@ -42,7 +42,7 @@ class Regressors:
 
     @property
     def n_inputs(self) -> int:
-        """How many follow from the speed alone."""
+        """Number of regressors that follow from the speed alone."""
         return len(self.speed_lags) + len(self.slip_widths)
 
     @property
@@ -126,7 +126,7 @@ class NarxModel:
         return len(self.input_weights)
 
     def is_sampled_at(self, dt: float) -> bool:
-        """Whether samples every `dt` [s] are those that the network's lags count."""
+        """Tell whether samples every `dt` [s] are those that the network's lags count."""
         return abs(dt - self.dt) <= 1e-9
 
     @property
@@ -134,8 +134,8 @@ class NarxModel:
         """Torque that is never exceeded [N m], shape (N,)."""
         return np.asarray(self.torque_scale * (np.abs(self.offset) + np.abs(self.output_weights).sum(axis=-1)))
 
-    def remembered(self, motor_dq: Array) -> Array:
-        """What is remembered where `motor_dq` (..., N) [rad/s] was held without torque, shape (..., N M).
+    def hold_memory(self, motor_dq: Array) -> Array:
+        """Return the memory after `motor_dq` (..., N) [rad/s] was held without torque, shape (..., N M).
 
         Per motor: past speeds [rad/s], slip elements (relaxed), past outputs in units of their scale; newest first.
         """
@@ -145,7 +145,7 @@ class NarxModel:
         past[..., : sizes[0]] = motor_dq[..., None]
         return past.reshape(*motor_dq.shape[:-1], -1)
 
-    def advanced(self, memory: Array, motor_dq: Array) -> tuple[Array, Array]:
+    def advance(self, memory: Array, motor_dq: Array) -> tuple[Array, Array]:
         """Torque [N m] (..., N) at the next speed [rad/s] (..., N), and what to remember, (..., N M)."""
         regressors = self.regressors
         parts = np.cumsum([regressors.n_past_speeds, len(regressors.slip_widths)])
@@ -165,31 +165,31 @@ class NarxModel:
 
     def output(self, phi: Array) -> Array:
         """Output y (..., N) for regressors (..., N, R), both in units of their scales."""
-        return self._summed(self._inside(self.biases, phi, 0))
+        return self._sum(self._inside(self.biases, phi, 0))
 
-    def simulated(self, motor_dq: Array) -> Array:
+    def simulate(self, motor_dq: Array) -> Array:
         """Torque [N m] along motor speeds [rad/s], both (T, N): past outputs are the network's own; none at first."""
         regressors = self.regressors
         driven = self._inside(self.biases, self.inputs(motor_dq), 0)
         if not regressors.output_lags:
-            output = self._summed(driven)
+            output = self._sum(driven)
             output[0] = 0.0
             return self.torque_scale * output
         before, lags = regressors.n_past_outputs, np.array(regressors.output_lags)
         outputs = np.zeros((before + len(motor_dq), self.n_joints))
         for k in range(1, len(motor_dq)):
             past = outputs[before + k - lags].T
-            outputs[before + k] = self._summed(self._inside(driven[k], past, regressors.n_inputs))
+            outputs[before + k] = self._sum(self._inside(driven[k], past, regressors.n_inputs))
         return self.torque_scale * outputs[before:]
 
-    def predicted(self, motor_dq: Array, torque: Array) -> Array:
+    def predict(self, motor_dq: Array, torque: Array) -> Array:
         """Torque [N m] one step ahead along motor speeds [rad/s], all (T, N): past outputs are measured `torque`."""
         return self.torque_scale * self.output(self.phi(motor_dq, torque))
 
     def phi(self, motor_dq: Array, torque: Array) -> Array:
         """Regressors with measured past outputs, shape (T, N, R); before the start, no torque and the first speed."""
         y = check_shape("torque", torque, np.shape(motor_dq)) / self.torque_scale
-        outputs = [_delayed(y, lag, before=np.zeros_like(y[0])) for lag in self.regressors.output_lags]
+        outputs = [_delay(y, lag, before=np.zeros_like(y[0])) for lag in self.regressors.output_lags]
         return np.concatenate([self.inputs(motor_dq), *(each[..., None] for each in outputs)], axis=-1)
 
     def inputs(self, motor_dq: Array) -> Array:
@@ -197,20 +197,20 @@ class NarxModel:
         v = check_shape("motor_dq", motor_dq, (None, self.n_joints)) / self.speed_scale
         if not len(v):
             raise FFGymError("motor_dq of a NARX network has no samples; give it a motion.")
-        speeds = [_delayed(v, lag, before=v[0]) for lag in self.regressors.speed_lags]
+        speeds = [_delay(v, lag, before=v[0]) for lag in self.regressors.speed_lags]
         columns = [each[..., None] for each in speeds]
         if self.regressors.slip_widths:
             columns.append(slip_along(motor_dq, self.dt, np.array(self.regressors.slip_widths)))
         return np.concatenate(columns, axis=-1)
 
     def _inside(self, start: Array, phi: Array, first: int) -> Array:
-        """What neurons get, (..., N, H): `start` and regressors from number `first` on, (..., N, some of R)."""
+        """Compute inputs of neurons, (..., N, H), from `start` and regressors from `first` on, (..., N, some of R)."""
         inside = np.broadcast_to(start, (*phi.shape[:-1], self.biases.shape[-1])).copy()
         for r in range(phi.shape[-1]):  # elementwise: a matrix product may round by the size of the batch
             inside += self.input_weights[..., first + r] * phi[..., r, None]
         return inside
 
-    def _summed(self, inside: Array) -> Array:
+    def _sum(self, inside: Array) -> Array:
         return np.asarray(self.offset + (self.output_weights * sigmoid(inside)).sum(axis=-1))
 
 
@@ -232,7 +232,7 @@ def sigmoid(x: Array) -> Array:
     return np.asarray(0.5 + 0.5 * np.tanh(0.5 * x))
 
 
-def _delayed(series: Array, by: int, before: Array) -> Array:
+def _delay(series: Array, by: int, before: Array) -> Array:
     """A series (T, N), `by` samples later, with `before` (N,) until it begins."""
     by = min(by, len(series))
     return np.concatenate([np.broadcast_to(before, (by, series.shape[1])), series[: len(series) - by]])

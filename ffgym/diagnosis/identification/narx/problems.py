@@ -52,7 +52,7 @@ class Samples:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Misfit:
-    """How far a torque is from the true one, motor side, shape (N,) each."""
+    """Distance of a torque from the true one, motor side, shape (N,) each."""
 
     rms: Array
     """RMS of the difference [N m]."""
@@ -71,7 +71,7 @@ class Misfit:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Errors:
-    """How well a network gives the torque of one motion, in its scored samples."""
+    """Errors of a network along one motion, in its scored samples."""
 
     prediction: Misfit
     """One step ahead, with measured past torques."""
@@ -88,8 +88,8 @@ class Errors:
             )
         rows, torque = samples.scored, samples.torque
         return cls(
-            prediction=Misfit.of(model.predicted(samples.motor_dq, torque)[rows], torque[rows]),
-            simulation=Misfit.of(model.simulated(samples.motor_dq)[rows], torque[rows]),
+            prediction=Misfit.of(model.predict(samples.motor_dq, torque)[rows], torque[rows]),
+            simulation=Misfit.of(model.simulate(samples.motor_dq)[rows], torque[rows]),
         )
 
 
@@ -150,7 +150,7 @@ class Simulation:
         """Errors (S,) at parameters (K,) of the motor, in units of the noise."""
         return np.concatenate(
             [
-                weight * (self._simulated(parameters, inputs) - target)[scored]
+                weight * (self._simulate(parameters, inputs) - target)[scored]
                 for inputs, target, scored, weight in self._drives
             ]
         )
@@ -159,13 +159,13 @@ class Simulation:
         """Their derivative by the parameters (S, K)."""
         parts = []
         for inputs, _, scored, weight in self._drives:
-            outputs = self._simulated(parameters, inputs)
+            outputs = self._simulate(parameters, inputs)
             past = [np.concatenate([np.zeros(lag), outputs])[: len(outputs)] for lag in self._lags]
             phi = np.hstack([inputs, np.stack(past, axis=1)])
             parts.append(weight * self._through_time(parameters, phi)[scored])
         return np.concatenate(parts)
 
-    def _simulated(self, parameters: Array, inputs: Array) -> Array:
+    def _simulate(self, parameters: Array, inputs: Array) -> Array:
         """Output (T,) in units of its scale; none at first, as in `NarxModel.simulated`."""
         w, b, c, d = split(parameters, self._n_neurons)
         n_inputs, lags = inputs.shape[1], self._lags.tolist()

@@ -22,7 +22,7 @@ from ffgym.diagnosis.identification.rigid_body.terms import (
     DEFAULT_TERMS,
     Term,
     columns_of,
-    described_by,
+    read_description,
     rigid_motion,
     terms_named,
 )
@@ -128,6 +128,6 @@ def excitation_condition(reference: Reference) -> float:
     robot, terms = reference.robot, terms_named(DEFAULT_TERMS)
     motion = rigid_motion(robot, reference.q, reference.dq, reference.ddq)
     columns = columns_of(robot, terms, motion)
-    size = rms(np.einsum("tkn,k->tn", columns, described_by(robot, terms)), 0)
+    size = rms(np.einsum("tkn,k->tn", columns, read_description(robot, terms)), 0)
     moving = np.abs(motion.motor_dq / robot.drive.gear_ratio) > Filtering().moving
     return condition_number(columns / np.where(size > 0, size, 1.0), moving, base_parameters(robot, terms))

@@ -99,7 +99,7 @@ def pseudo_inertia(values: Array) -> Array:
 
 
 def _steiner(mass: Array, com: Array) -> Array:
-    """What the distance `com` (..., 3) [m] adds to the inertia of a `mass` (...) [kg], shape (..., 6)."""
+    """Compute the inertia that the distance `com` (..., 3) [m] adds to that of a `mass` (...) [kg], shape (..., 6)."""
     square = np.sum(com**2, axis=-1)
     terms = [(square if i == j else 0.0) - com[..., i] * com[..., j] for i, j in _TENSOR]
     return mass[..., None] * np.stack(np.broadcast_arrays(*terms), axis=-1)
@@ -137,8 +137,8 @@ class _Frame:
     pull: Array
     """Acceleration of the origin less gravity (T, 3) [m/s^2]."""
 
-    def carried(self, position: Array) -> tuple[Array, Array]:
-        """Where a point that turns with the frame is, and how it pulls; `position` (3,) or (T, 3) in the frame."""
+    def carry(self, position: Array) -> tuple[Array, Array]:
+        """Compute place and pull of a point that turns with the frame; `position` (3,) or (T, 3) in the frame."""
         arm = np.einsum("tij,tj->ti", self.rotation, np.broadcast_to(position, self.origin.shape))
         pull = self.pull + np.cross(self.spin_rate, arm) + np.cross(self.spin, np.cross(self.spin, arm))
         return self.origin + arm, pull
@@ -186,10 +186,10 @@ def _frames(robot: RobotDescription, q: Array, dq: Array, ddq: Array) -> tuple[l
         axis, speed, rise = before.rotation @ own_axis, dq[:, [i]], ddq[:, [i]]
         spin_push = np.cross(before.spin, axis * speed)  # the joint's own motion, turned by what carries it
         if robot.kinematics.is_sliding[i]:
-            origin, pull = before.carried(position + q[:, [i]] * own_axis)
+            origin, pull = before.carry(position + q[:, [i]] * own_axis)
             before = replace(before, origin=origin, pull=pull + 2 * spin_push + axis * rise)
         else:
-            origin, pull = before.carried(position)
+            origin, pull = before.carry(position)
             cross = _cross_matrix(own_axis)  # turned by Rodrigues' formula
             sine, cosine = np.sin(q[:, i])[:, None, None], np.cos(q[:, i])[:, None, None]
             before = _Frame(
@@ -206,7 +206,7 @@ def _frames(robot: RobotDescription, q: Array, dq: Array, ddq: Array) -> tuple[l
 
 def _wrench(body: Body, link: _Frame) -> tuple[Array, Array, Array]:
     """Origin (T, 3), force and moment about it (T, 3, 10) of each inertial parameter of a body, in the world."""
-    origin, pull = link.carried(body.position)
+    origin, pull = link.carry(body.position)
     rotation = link.rotation @ body.rotation
     spin, spin_rate, own_pull = (np.einsum("tji,tj->ti", rotation, v) for v in (link.spin, link.spin_rate, pull))
     force, moment = np.zeros((len(pull), 3, 10)), np.zeros((len(pull), 3, 10))

@@ -84,7 +84,7 @@ class Coordinates:
         return y @ self.to_parameters.T
 
     def spreads(self, spread: float) -> Array:
-        """How far each coordinate may be from the reference, shape (K,), for held ones the given `spread`."""
+        """Give each coordinate its spread about the reference, shape (K,), held ones the given `spread`."""
         return np.where(self.is_held, spread, 1.0)
 
     def least_eigenvalue(self, y: Array) -> float:
@@ -102,9 +102,9 @@ class Coordinates:
             ) from error
         if np.all(y >= self.least) and self.least_eigenvalue(y) >= LEAST:
             return y
-        return self._constrained(y, normal)
+        return self._constrain(y, normal)
 
-    def _constrained(self, best: Array, normal: Array) -> Array:
+    def _constrain(self, best: Array, normal: Array) -> Array:
         """The allowed coordinates nearest to the `best` ones, in the metric of the data.
 
         The unknowns are whitened, w = R (y - best) / s with R^T R = A, so that the objective is |w|^2 whatever the

@@ -1,4 +1,4 @@
-"""What an identification found: parameters, how sure they are, who says so, and what they predict."""
+"""Result of a rigid-body identification: parameters with intervals, their origin, and the torque that they predict."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ffgym.core.types import Array, BoolArray
-from ffgym.diagnosis.identification.parameter_file import entry_of, fitted_quantity
+from ffgym.diagnosis.identification.parameter_file import entry_of, make_fitted_quantity
 from ffgym.diagnosis.identification.resampling import Intervals, intervals
 from ffgym.diagnosis.identification.rigid_body.base import BaseParameters
 from ffgym.diagnosis.identification.rigid_body.observation import (
@@ -97,12 +97,12 @@ class RigidBodyFit:
 
     @property
     def intervals(self) -> Intervals:
-        """Of the parameters."""
+        """Intervals of the parameters."""
         return intervals(self.estimate, self.resampled, self.level)
 
     @property
     def base_intervals(self) -> Intervals:
-        """Of the base parameters."""
+        """Intervals of the base parameters."""
         return intervals(self.base.values(self.estimate), self.base.values(self.resampled), self.level)
 
     def of(self, label: str) -> float:
@@ -119,14 +119,14 @@ class RigidBodyFit:
 
     @property
     def quantities(self) -> dict[str, Quantity]:
-        """What a parameter file holds of it, by entry."""
+        """List the entries of a parameter file with these numbers."""
         found, segments = self.identified, ", ".join(map(repr, self.segments))
         source = (
             f"rigid-body fit to {segments}; masses and rotors held near the prior, relative standard deviation "
             f"{self.trade_off.chosen:g}"
         )
         paths = [path for term in self.terms for path in term.entries(self.robot)]
-        return {path: fitted_quantity(self.robot, path, entry_of(found, path), source) for path in paths}
+        return {path: make_fitted_quantity(self.robot, path, entry_of(found, path), source) for path in paths}
 
     def validate(self, recordings: Sequence[Recording]) -> TorqueErrors:
         """Errors on recordings that were not fitted."""

@@ -15,8 +15,8 @@ from ffgym.diagnosis.identification.rigid_body.problem import LOOSE, Problem, Tr
 from ffgym.diagnosis.identification.rigid_body.terms import (
     BODIES,
     DEFAULT_TERMS,
-    described_by,
     per_parameter,
+    read_description,
     terms_named,
 )
 from ffgym.recordings import Recording
@@ -39,7 +39,7 @@ Progress = Callable[[float, float], None]
 
 @dataclass(frozen=True, kw_only=True)
 class RigidBodyOptions:
-    """What is identified, and how."""
+    """Terms that are identified, and the settings of the fit."""
 
     terms: tuple[str, ...] = DEFAULT_TERMS
     """Parts of the torque that are fitted; springs that are not stay as described."""
@@ -104,15 +104,15 @@ def identify_rigid_body(
     else:
         trade_off = TradeOff(spreads=np.array([options.spread]), errors=np.array([np.nan]), chosen=options.spread)
     spread = trade_off.chosen
-    kept = _excited(whole, spread)
+    kept = _find_excited(whole, spread)
     problem = whole.only(kept)
-    every, described = np.ones(equations.blocks.n_blocks), described_by(robot, terms)
+    every, described = np.ones(equations.blocks.n_blocks), read_description(robot, terms)
 
     # the best parameters, and the best of those that a parameter file can hold
-    estimate = _completed(problem.solve(every, spread), problem, kept, described)
+    estimate = _complete(problem.solve(every, spread), problem, kept, described)
     held = kept & per_parameter(robot, terms, lambda term: bool(term.entries(robot)))
     without = whole.only(held)
-    in_file = _completed(without.solve(every, spread), without, held, described)
+    in_file = _complete(without.solve(every, spread), without, held, described)
 
     # intervals from resampled blocks, each near a description that is drawn within the spread
     rng, coordinates, found = np.random.default_rng(options.seed), problem.coordinates, []
@@ -133,7 +133,7 @@ def identify_rigid_body(
         described=described,
         estimate=estimate,
         in_file=in_file,
-        resampled=_completed(np.array(found), problem, kept, described),
+        resampled=_complete(np.array(found), problem, kept, described),
         level=options.level,
         shares=shares,
         fitted=kept,
@@ -145,7 +145,7 @@ def identify_rigid_body(
     )
 
 
-def _completed(y: Array, problem: Problem, kept: BoolArray, described: Array) -> Array:
+def _complete(y: Array, problem: Problem, kept: BoolArray, described: Array) -> Array:
     """All parameters (..., K), of the coordinates `y` that are kept in a problem; the others stay as described."""
     values = np.broadcast_to(described, (*y.shape[:-1], len(described))).copy()
     values[..., kept] = problem.coordinates.parameters(y)
@@ -178,8 +178,8 @@ def _folds(equations: Equations) -> IntArray:
     return np.arange(n_blocks) * _FOLDS // n_blocks
 
 
-def _excited(problem: Problem, spread: float) -> BoolArray:
-    """Which coordinates are fitted: without friction terms and offsets that the motion does not tell from others.
+def _find_excited(problem: Problem, spread: float) -> BoolArray:
+    """Mark the coordinates that are fitted: friction and offsets that the motion does not tell from others are not.
 
     The last of those in doubt is dropped, then the rest is asked again.
     """

@@ -14,8 +14,8 @@ from ffgym.diagnosis.identification.rigid_body.terms import (
     BODIES,
     TERMS,
     Term,
-    described_by,
     elastic_motion,
+    read_description,
     rigid_motion,
 )
 from ffgym.logs.preparation import LowPass, read_acting_torque, read_joint_motion
@@ -31,7 +31,7 @@ _BLOCK = 1.0
 
 @dataclass(frozen=True, kw_only=True)
 class Filtering:
-    """How recordings become equations."""
+    """Filter and selection of rows, from recordings to equations."""
 
     motion: LowPass = field(default_factory=lambda: LowPass(cutoff=40.0, order=4))
     """Of motor angles, before they are differentiated."""
@@ -104,7 +104,7 @@ def _part(
     motion = elastic_motion(robot, rigid, bodies, dt)
     stride = max(1, int(1 / (_ROWS_PER_CUTOFF * parallel.cutoff * dt)))
     kept = slice(None, None, stride)
-    columns = [_filtered(part, parallel, dt)[kept] for term in terms for part in term.columns(robot, motion)]
+    columns = [_filter(part, parallel, dt)[kept] for term in terms for part in term.columns(robot, motion)]
     measured = torque = read_acting_torque(robot, recording)
     for term in TERMS:
         if term not in terms and np.any(term.described(robot)):
@@ -128,7 +128,7 @@ def _part(
     )
 
 
-def _filtered(columns: Array, low_pass: LowPass, dt: float) -> Array:
+def _filter(columns: Array, low_pass: LowPass, dt: float) -> Array:
     """Columns (T, K, N) through a filter; those that are 0 throughout stay so at no cost."""
     filtered = np.zeros_like(columns)
     used = np.any(columns, axis=0)
@@ -151,7 +151,7 @@ class TorqueErrors:
 
 def torque_errors(equations: Equations, estimate: Array, in_file: Array) -> TorqueErrors:
     """Errors of the equations with all that was found, and with what a parameter file holds of it, (K,) each."""
-    described = described_by(equations.robot, equations.terms)
+    described = read_description(equations.robot, equations.terms)
     left = {"described": described, "identified": estimate, "in_file": in_file}
     errors = {name: rms_counting(equations.residual(values), equations.counts) for name, values in left.items()}
     return TorqueErrors(measured=rms_counting(equations.measured, equations.counts), **errors)

@@ -53,7 +53,7 @@ class Problem:
         return np.einsum("bkl,k,l->b", self.normal, y, y) - 2 * self.right @ y + self.square
 
     def shares(self, spread: float) -> Array:
-        """How much of each coordinate the data say, from 0, all the reference, to 1, all the data; shape (K,).
+        """Compute the share of the data in each coordinate, from 0, all the reference, to 1, all the data; shape (K,).
 
         It is the diagonal of the resolution matrix (A + P)^-1 A, with P the inverse squared spreads.
         """
@@ -62,7 +62,7 @@ class Problem:
         return np.diag(np.linalg.solve(normal + prior, normal)).copy()
 
     def shares_of(self, combination: Array, spread: float) -> Array:
-        """How much of combinations of parameters, (B, K), the data say: the share of their variance that they take."""
+        """Compute the share of the data in combinations of parameters, (B, K): the variance that they take away."""
         normal, prior = self.normal.sum(axis=0), self.coordinates.spreads(spread) ** 2.0
         rows = combination @ self.coordinates.to_parameters
         left = np.linalg.inv(normal + np.diag(1 / prior))
@@ -109,14 +109,14 @@ def problem_of(equations: Equations) -> Problem:
     # weights from what is left, again and again
     noise = size
     for _ in range(_WEIGHTINGS):
-        problem = _summed(equations, coordinates, noise)
+        problem = _sum(equations, coordinates, noise)
         y = problem.solve(np.ones(equations.blocks.n_blocks), LOOSE)
         left = np.nan_to_num(rms_counting(equations.residual(coordinates.parameters(y)), counts))
         noise = np.maximum(left, np.where(torque > 0, _LEAST_NOISE * torque, 1.0))
-    return _summed(equations, coordinates, noise)
+    return _sum(equations, coordinates, noise)
 
 
-def _summed(equations: Equations, coordinates: Coordinates, noise: Array) -> Problem:
+def _sum(equations: Equations, coordinates: Coordinates, noise: Array) -> Problem:
     """Sums over the rows of each block with these weights."""
     blocks, k = equations.blocks, coordinates.n
     normal, right = np.zeros((blocks.n_blocks, k, k)), np.zeros((blocks.n_blocks, k))

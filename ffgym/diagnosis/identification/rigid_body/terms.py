@@ -94,8 +94,8 @@ class Term:
         return total
 
 
-def described_by(robot: RobotDescription, terms: Sequence[Term]) -> Array:
-    """What the description says of the parameters of all `terms`, shape (K,)."""
+def read_description(robot: RobotDescription, terms: Sequence[Term]) -> Array:
+    """Return the parameters of all `terms` as the description has them, shape (K,)."""
     return np.concatenate([term.described(robot) for term in terms])
 
 

@@ -12,8 +12,8 @@ from ffgym.diagnosis.identification.rigid_body.terms import (
     BODIES,
     DEFAULT_TERMS,
     ROTOR_INERTIA,
-    described_by,
     per_parameter,
+    read_description,
     terms_named,
 )
 from ffgym.recordings import Recording
@@ -97,7 +97,7 @@ def _density(robot: RobotDescription, recordings: Sequence[Recording], filtering
     """Density of the balls [kg/m^3], beside friction and offsets, by least squares in units of the motors' torque."""
     equations = equations_of(robot, recordings, terms_named(DEFAULT_TERMS), filtering)
     is_mass = per_parameter(robot, equations.terms, lambda term: term in (BODIES, ROTOR_INERTIA))
-    described = described_by(robot, equations.terms)
+    described = read_description(robot, equations.terms)
     masses = np.einsum("rkn,k->rn", equations.columns[:, is_mass], described[is_mass])
     columns = np.concatenate([masses[:, None], equations.columns[:, ~is_mass]], axis=1).swapaxes(1, 2)
     size = rms(equations.torque, 0)

@@ -8,8 +8,8 @@ from narx_forms import FORMS
 from scipy.optimize import check_grad
 
 from ffgym.core.errors import FFGymError
-from ffgym.diagnosis.identification.narx import Errors, Misfit, Structure, best_simulating, fitted
-from ffgym.diagnosis.identification.narx.fit import _packed
+from ffgym.diagnosis.identification.narx import Errors, Misfit, Structure, best_simulating, fit_network
+from ffgym.diagnosis.identification.narx.fit import _pack
 from ffgym.diagnosis.identification.narx.problems import Prediction, Simulation
 
 
@@ -20,14 +20,14 @@ def fit_to(record, form, n_starts=5, **how):
 
 @pytest.mark.parametrize("form", ["(6.19)", "(6.20)", "slip"])
 def test_a_fit_predicts_what_a_network_of_its_kind_made(form, network, sweep, samples_of):
-    made = samples_of(sweep(), network(FORMS[form], seed=3).simulated(sweep()))
+    made = samples_of(sweep(), network(FORMS[form], seed=3).simulate(sweep()))
     errors = Errors.of(fit_to(made, form), made)
     assert np.all(errors.prediction.share < 0.05)
     assert np.all(errors.simulation.share < 0.1)
 
 
 def test_of_several_starts_the_one_stays_that_simulates_best(network, sweep, samples_of):
-    made = samples_of(sweep(), network(seed=3).simulated(sweep()))
+    made = samples_of(sweep(), network(seed=3).simulate(sweep()))
     one, three = (Errors.of(fit_to(made, "(6.20)", n), made).simulation.rms for n in (1, 3))
     assert np.all(three <= one)  # the first start is the same
     assert np.any(three < one)
@@ -35,7 +35,7 @@ def test_of_several_starts_the_one_stays_that_simulates_best(network, sweep, sam
 
 def test_a_fit_to_the_simulation_simulates_better_than_one_to_the_prediction(network, sweep, samples_of):
     v = sweep(150)
-    made = samples_of(v, network(FORMS["all"], seed=3).simulated(v) + 0.05 * np.sin(v))
+    made = samples_of(v, network(FORMS["all"], seed=3).simulate(v) + 0.05 * np.sin(v))
     by_prediction = fit_to(made, "(6.20)", 1)
     by_simulation = fit_to(made, "(6.20)", 1, focus="simulation")
     before, after = (Errors.of(model, made) for model in (by_prediction, by_simulation))
@@ -50,7 +50,7 @@ def test_a_fit_to_the_simulation_simulates_better_than_one_to_the_prediction(net
 def test_slopes_are_those_of_the_errors(problem, form, network, sweep, samples_of):
     model, record = network(FORMS[form], size=0.7), samples_of(sweep(80), np.sin(sweep(80)))
     record = replace(record, scored=np.arange(80) % 3 == 0)
-    posed, parameters = problem(model, [record, record], 1), _packed(model, 1)
+    posed, parameters = problem(model, [record, record], 1), _pack(model, 1)
 
     def of_cost(p):
         return posed.residual(p) @ posed.residual(p)
@@ -66,12 +66,12 @@ def test_slopes_are_those_of_the_errors(problem, form, network, sweep, samples_o
 def test_errors_that_are_minimised_are_those_of_the_network(problem, network, sweep, samples_of):
     model, record = network(FORMS["all"]), samples_of(sweep(50), np.sin(sweep(50)))
     torque = {
-        Prediction: model.predicted(record.motor_dq, record.torque),
-        Simulation: model.simulated(record.motor_dq),
+        Prediction: model.predict(record.motor_dq, record.torque),
+        Simulation: model.simulate(record.motor_dq),
     }[problem]
     for j in range(model.n_joints):
         expected = (torque - record.torque)[:, j] / record.noise[j]
-        np.testing.assert_allclose(problem(model, [record], j).residual(_packed(model, j)), expected, rtol=0, atol=1e-9)
+        np.testing.assert_allclose(problem(model, [record], j).residual(_pack(model, j)), expected, rtol=0, atol=1e-9)
 
 
 def test_slopes_of_a_network_that_amplifies_its_errors_stay_numbers(network, samples_of):
@@ -79,13 +79,13 @@ def test_slopes_of_a_network_that_amplifies_its_errors_stay_numbers(network, sam
     model = replace(model, input_weights=0 * model.input_weights + [0.0, 8.0], biases=0 * model.biases)
     model = replace(model, output_weights=0 * model.output_weights + 2.0, offset=np.full(2, -3.0))
     rest = samples_of(np.zeros((2000, 2)), np.zeros((2000, 2)))
-    jacobian = Simulation(model, [rest], 0).jacobian(_packed(model, 0))
+    jacobian = Simulation(model, [rest], 0).jacobian(_pack(model, 0))
     assert np.abs(jacobian).max() > 1e50
     assert np.all(np.isfinite(jacobian.T @ jacobian))
 
 
 def test_samples_that_are_not_scored_count_for_nothing(network, sweep, samples_of):
-    torque = network(FORMS["slip"], seed=3).simulated(sweep())
+    torque = network(FORMS["slip"], seed=3).simulate(sweep())
     record = replace(samples_of(sweep(), torque), scored=np.arange(600) < 300)
     other = torque.copy()
     other[300:] *= -1  # of the same size, which the fit takes from the whole motion
@@ -117,18 +117,18 @@ def test_errors_on_samples_of_another_clock_are_refused(network, sweep, samples_
 def test_records_that_do_not_fit_together_are_refused(sweep, samples_of):
     one, rng = samples_of(sweep(50), sweep(50)), np.random.default_rng(0)
     with pytest.raises(FFGymError, match="no motion to fit"):
-        fitted([], Structure(), rng)
+        fit_network([], Structure(), rng)
     with pytest.raises(FFGymError, match=r"different sample times \[s\]: \[0.001, 0.004\]"):
-        fitted([one, replace(one, dt=0.001)], Structure(), rng)
+        fit_network([one, replace(one, dt=0.001)], Structure(), rng)
     with pytest.raises(FFGymError, match=r"different numbers of motors: \[1, 2\]"):
-        fitted([one, samples_of(sweep(50, 1), sweep(50, 1))], Structure(), rng)
+        fit_network([one, samples_of(sweep(50, 1), sweep(50, 1))], Structure(), rng)
     with pytest.raises(FFGymError, match="scored marks none"):
         replace(one, scored=np.zeros(50, dtype=np.bool_))
     with pytest.raises(FFGymError, match="scored has type int64 and shape"):
         replace(one, scored=np.ones(50, dtype=np.int64))  # as an index these would be rows 1, 1, 1, ...
     with pytest.raises(FFGymError, match="12 scored samples are too few for a NARX network of 13 weights"):
-        fitted([replace(one, scored=np.arange(50) < 12)], Structure(), rng)
+        fit_network([replace(one, scored=np.arange(50) < 12)], Structure(), rng)
     with pytest.raises(FFGymError, match="n_neurons = 0"):
         Structure(n_neurons=0)
     with pytest.raises(FFGymError, match="Unknown focus 'both'"):
-        fitted([one], Structure(), rng, focus="both")
+        fit_network([one], Structure(), rng, focus="both")

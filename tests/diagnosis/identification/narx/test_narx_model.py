@@ -31,23 +31,23 @@ def test_simulation_is_the_recursion_written_out(form, network, sweep):
             past += [y[k - lag, j] if k >= lag else 0.0 for lag in regressors.output_lags]
             inside = model.input_weights[j] @ past + model.biases[j]
             y[k, j] = model.offset[j] + model.output_weights[j] @ (1 / (1 + np.exp(-inside)))
-    np.testing.assert_allclose(model.simulated(v), model.torque_scale * y, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(model.simulate(v), model.torque_scale * y, rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize("form", FORMS)
 def test_step_by_step_gives_what_a_simulation_along_the_whole_motion_gives(form, network, sweep):
     model, v = network(FORMS[form]), sweep(rows=60)
-    memory, torque = model.remembered(v[0]), np.zeros_like(v)
+    memory, torque = model.hold_memory(v[0]), np.zeros_like(v)
     for k in range(1, 60):
-        torque[k], memory = model.advanced(memory, v[k])
-    np.testing.assert_allclose(torque, model.simulated(v), rtol=0, atol=1e-12)
+        torque[k], memory = model.advance(memory, v[k])
+    np.testing.assert_allclose(torque, model.simulate(v), rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize("form", FORMS)
 def test_predicting_from_its_own_simulation_is_the_simulation(form, network, sweep):
     model, v = network(FORMS[form]), sweep()
-    torque = model.simulated(v)
-    np.testing.assert_allclose(model.predicted(v, torque)[1:], torque[1:], rtol=0, atol=1e-12)
+    torque = model.simulate(v)
+    np.testing.assert_allclose(model.predict(v, torque)[1:], torque[1:], rtol=0, atol=1e-12)
 
 
 @given(st.sampled_from(sorted(FORMS)), st.integers(0, 1000), st.floats(0, 1e3))
@@ -55,7 +55,7 @@ def test_predicting_from_its_own_simulation_is_the_simulation(form, network, swe
 def test_torque_stays_bounded_whatever_the_weights_and_the_motion(network, form, seed, size):
     model = network(FORMS[form], seed)
     v = size * np.random.default_rng(seed).normal(size=(100, 2))
-    assert np.all(np.abs(model.simulated(v)) <= model.bound + 1e-12)
+    assert np.all(np.abs(model.simulate(v)) <= model.bound + 1e-12)
 
 
 def test_past_outputs_and_slip_elements_remember_and_past_speeds_do_not(network, sweep):
@@ -64,7 +64,7 @@ def test_past_outputs_and_slip_elements_remember_and_past_speeds_do_not(network,
     other[:50] *= -1
     for form, remembers in (("(6.19)", False), ("(6.20)", True), ("slip", True)):
         model = network(FORMS[form], size=1.0)
-        apart = np.abs(model.simulated(v) - model.simulated(other))[52:]
+        apart = np.abs(model.simulate(v) - model.simulate(other))[52:]
         assert (apart.max() > 1e-9) == remembers
 
 
@@ -72,27 +72,27 @@ def test_slip_elements_forget_once_they_have_slipped(network, sweep):
     model, v = network(FORMS["slip"]), sweep(rows=300)
     other = v.copy()
     other[:50] *= -1
-    apart = np.abs(model.simulated(v) - model.simulated(other))
+    apart = np.abs(model.simulate(v) - model.simulate(other))
     assert apart[52].max() > 1e-6
     assert apart[200:].max() < 1e-9
 
 
 def test_motors_are_put_together_from_several_networks(network, sweep):
     models, v = [network(seed=seed) for seed in (1, 2)], sweep(rows=50)
-    mixed = joint_models(models, np.array([1, 0])).simulated(v)
-    np.testing.assert_array_equal(mixed[:, 0], models[1].simulated(v)[:, 0])
-    np.testing.assert_array_equal(mixed[:, 1], models[0].simulated(v)[:, 1])
+    mixed = joint_models(models, np.array([1, 0])).simulate(v)
+    np.testing.assert_array_equal(mixed[:, 0], models[1].simulate(v)[:, 0])
+    np.testing.assert_array_equal(mixed[:, 1], models[0].simulate(v)[:, 1])
 
 
 @pytest.mark.parametrize("form", FORMS)
 def test_motions_of_other_motors_are_refused(form, network, sweep):
     model, v = network(FORMS[form]), sweep()
     with pytest.raises(FFGymError, match=r"motor_dq has shape \(600, 1\), must be \(any, 2\)"):
-        model.simulated(v[:, :1])
+        model.simulate(v[:, :1])
     with pytest.raises(FFGymError, match="motor_dq of a NARX network has no samples"):
-        model.simulated(v[:0])
+        model.simulate(v[:0])
     with pytest.raises(FFGymError, match=r"torque has shape \(10, 2\), must be \(600, 2\)"):
-        model.predicted(v, v[:10])
+        model.predict(v, v[:10])
 
 
 def test_what_makes_no_network_is_refused(network):
