@@ -22,7 +22,7 @@ from ffgym.simulation.plant import Climate
 from ffgym.simulation.protocols import plan_session, record
 from ffgym.simulation.protocols.mixtures import DiagnosisMotions
 from ffgym.workcell import SealedMachine, Workcell, workcell
-from ffgym.workcell.equations import GearLosses, TwoHarmonicRipple
+from ffgym.workcell.equations import GearLosses, TorqueRipple
 from scripts.exam.draw import TOOL_OFFSET, TORQUE_OFFSET, miscalibrate
 
 SAMPLE_TIME = 0.004
@@ -60,7 +60,7 @@ def example_cell(seed: int) -> Workcell:
             TorqueOffset.on(robot, offset=TORQUE_OFFSET * robot.friction.coulomb * rng.standard_normal(robot.n_joints)),
             ToolFrame.on(robot, offset=TOOL_OFFSET * rng.standard_normal(3)),
             GearLosses.on(robot, "j2", driving=0.03, driven=0.04),
-            TwoHarmonicRipple.on(robot, "j5", share=0.04, cycles=6.0, phase=0.9),
+            TorqueRipple.on(robot, "j5", share=0.04, cycles=6.0, phase=0.9),
         ),
         climate=Climate(ambient=22.0, rise=np.full(robot.n_joints, 14.0), time_constant=1500.0, running_since=7200.0),
     )

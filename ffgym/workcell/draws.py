@@ -21,7 +21,7 @@ from ffgym.workcell.equations import (
     SlipElements,
     SlowStribeck,
     SmoothHysteresis,
-    TwoHarmonicRipple,
+    TorqueRipple,
 )
 from ffgym.workcell.reading import workcell
 
@@ -109,7 +109,7 @@ EFFECT_DRAWS: Mapping[str, Draw] = MappingProxyType(
             cycles=float(rng.integers(1, 4)),
             phase=rng.uniform(-np.pi, np.pi, size=robot.n_joints),
         ),
-        TwoHarmonicRipple.name: lambda rng, robot: TwoHarmonicRipple.on(
+        TorqueRipple.name: lambda rng, robot: TorqueRipple.on(
             robot,
             cycles=float(rng.choice([1, 2, 3, 6])),
             share=rng.uniform(0.003, 0.03, size=robot.n_joints),

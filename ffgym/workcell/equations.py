@@ -269,7 +269,7 @@ class SmoothHysteresis(TorqueEffect):
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class TwoHarmonicRipple(TorqueEffect):
+class TorqueRipple(TorqueEffect):
     r"""Ripple in proportion to the motor's torque, with half its size at twice its frequency.
 
     .. math:: \tau = r \, \tau_m \, (\sin(k \theta + \varphi) + \tfrac{1}{2} \sin 2 (k \theta + \varphi))
@@ -365,7 +365,7 @@ _EQUATIONS: tuple[type[Effect], ...] = (
     ColdOil,
     GearError,
     SmoothHysteresis,
-    TwoHarmonicRipple,
+    TorqueRipple,
     ResolverEccentricity,
 )
 

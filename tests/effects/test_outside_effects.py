@@ -55,7 +55,7 @@ def test_an_effect_of_one_file_elsewhere_is_simulated_and_diagnosed(installed, t
         assert main(arguments) == 0
     said, (first, second) = capsys.readouterr().out, blocks("text")[0].strip().splitlines()
     assert first in said
-    assert second.split(" (0.00979")[0] in said
+    assert second.split("  0.00979")[0] in said
     (cause,) = json.loads(Path("found/diagnosis.json").read_text())["causes"]
     assert cause["effect"] == "cover_friction"
     assert "[effects.cover_friction" in Path("found/extended.toml").read_text().replace('"', "")
