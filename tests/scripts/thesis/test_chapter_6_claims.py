@@ -40,7 +40,7 @@ def laboratory_with(laboratory, records):
                 torque = np.repeat(samples.torque, STARTS, axis=1)
                 parts = [Misfit.of((1 + share) * torque, torque) for share in (one_step, free_run(name, record))]
                 errors[record] = Errors(prediction=parts[0], simulation=parts[1])
-            model = SimpleNamespace(n_joints=STARTS, simulated=lambda v: simulated(laboratory, v, rising))
+            model = SimpleNamespace(n_joints=STARTS, simulate=lambda v: simulated(laboratory, v, rising))
             fits[name] = NarxFit(candidate=candidate, model=model, errors=errors)
         laboratory.narx_published = {each.name: fits[each.name] for each in PUBLISHED}
         laboratory.narx_extended = {each.name: fits[each.name] for each in EXTENDED}
