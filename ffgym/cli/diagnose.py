@@ -27,7 +27,13 @@ from ffgym.diagnosis.thinning import read_notes
 from ffgym.logs import write_corrected
 from ffgym.logs.quality import accept_findings, judge_logs
 from ffgym.recordings import Recording
-from ffgym.report.diagnosis import DiagnosisReport, compare_levels, format_diagnosis, render_diagnosis_page
+from ffgym.report.diagnosis import (
+    DiagnosisReport,
+    compare_levels,
+    format_diagnosis,
+    render_diagnosis_page,
+    simulation_note,
+)
 from ffgym.report.table import wrap_text
 from ffgym.robot import ModelOptions, load_draft
 from ffgym.simulation.plant import Machine, load_machine, save_machine
@@ -260,7 +266,8 @@ class NextStep:
     @property
     def text(self) -> str:
         """Advice and commands for a terminal, a line each."""
-        return "\n  ".join([wrap_text(f"next: {self.advice}"), *self.commands])
+        lines, note = [wrap_text(f"next: {self.advice}"), *self.commands], simulation_note(self.commands)
+        return "\n  ".join(lines) + (f"\n{wrap_text(note.replace('`', ''))}" if note else "")
 
 
 def next_step(config: Diagnose, diagnosis: Diagnosis, period: float | None = None) -> NextStep:
@@ -293,10 +300,7 @@ def next_step(config: Diagnose, diagnosis: Diagnosis, period: float | None = Non
             return _step("record motions in other regimes; protocols are listed by", ["record", "--list"])
         record = ["record", machine, "diagnosis", *rows, "--out", "other_logs"]
         again = ["diagnose", "other_logs", "--robot", str(folder / EXTENDED)]
-        advice = (
-            "record motions that were not used, and see whether the extended model explains them. The first command "
-            "simulates them on the model; on a real machine, run its motions and put the logs into other_logs:"
-        )
+        advice = "record motions that were not used, and see whether the extended model explains them:"
         return _step(advice, *first, record, again)
     if diagnosis.verdict == "wiring":
         mended = ["diagnose", *logs, "--robot", robot, *options, "--columns", str(folder / COLUMNS)]

@@ -51,8 +51,9 @@ class Cause:
     fixed: dict[str, float]
     """Parameters of shape that were chosen, not estimated, by name; SI units."""
     held_out_gain: float
-    """Share of the residual's energy above the noise floor, in the channels it acts on, removed on motions that were
-    not used."""
+    """Share of the residual's energy above the noise floor, in the channels it acts on, that it explained when the
+    search adopted it, by fits to all rows; above 1 where a fit takes noise away. `levels` has shares of motions that
+    were left out; the name is kept for readers of diagnosis.json."""
 
     @property
     def label(self) -> str:

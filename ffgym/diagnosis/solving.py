@@ -204,7 +204,7 @@ def _sums(
     within = [by_kind(equations.gram[:, one.columns[:, :, None], one.columns[:, None, :]]) for one in alike]
     moment, energy = by_kind(equations.moment), by_kind(equations.energy)
 
-    def summed(chosen: BoolArray) -> _Sums:
+    def add_up(chosen: BoolArray) -> _Sums:
         return _Sums(
             nuisances=beside[chosen].sum(axis=0),
             within=tuple(blocks[chosen].sum(axis=0) for blocks in within),
@@ -213,7 +213,7 @@ def _sums(
         )
 
     for train, test in zip(kinds[::2], kinds[1::2], strict=True):
-        yield summed(train), summed(test)
+        yield add_up(train), add_up(test)
 
 
 def _gains(

@@ -122,12 +122,12 @@ def _source_names(column: MappedColumn, target: Target, joints: Sequence[str]) -
     if "{joint}" in source and target.joints is None:
         raise FFGymError(f"source = {source!r} has a place for a joint, but {target.key} has none; list the names.")
 
-    def filled(number: int, place: re.Match[str]) -> str:
+    def fill(number: int, place: re.Match[str]) -> str:
         kind, step = place.groups()
         return joints[number] if kind == "joint" else str(number + (kind == "number") + int(step or 0))
 
     numbers = range(len(target.columns)) if target.joints is None else target.joints
-    return tuple(_PLACE.sub(partial(filled, number), source) for number in numbers)
+    return tuple(_PLACE.sub(partial(fill, number), source) for number in numbers)
 
 
 def _is_there(names: tuple[str, ...] | str, contents: Contents) -> bool:

@@ -93,7 +93,7 @@ def _digest(path: Path) -> str:
 def _robot_of(columns: ColumnMap, robot: RobotDescription | str | None) -> RobotDescription | None:
     """Robot whose logs a column map reads; None if the map has its joints, and its robot is just a name."""
 
-    def described(name: str | Path) -> RobotDescription:  # it may lack what a log does not need
+    def describe(name: str | Path) -> RobotDescription:  # it may lack what a log does not need
         return load_draft(name).description_for("kinematics", "drive.gear_ratio")
 
     if "joints" in columns.header:
@@ -101,8 +101,8 @@ def _robot_of(columns: ColumnMap, robot: RobotDescription | str | None) -> Robot
         given = robot.name if isinstance(robot, RobotDescription) else robot
     else:
         own = columns.folder / columns.robot if columns.robot.endswith(".toml") else columns.robot
-        of_map = described(own) if columns.robot else None
-        of_caller = described(robot) if isinstance(robot, str) else robot
+        of_map = describe(own) if columns.robot else None
+        of_caller = describe(robot) if isinstance(robot, str) else robot
         found = of_map if of_caller is None else of_caller
         if found is None:
             raise FFGymError(

@@ -20,6 +20,7 @@ from ffgym.diagnosis.diagnosis_file import read_diagnosis
 from ffgym.diagnosis.result import SeparatingMotion
 from ffgym.effects import EFFECTS
 from ffgym.recordings import Recording, read_recording, write_recording
+from ffgym.report.diagnosis import simulation_note
 from ffgym.robot import load_robot
 from ffgym.simulation.plant import Machine, load_machine, save_machine
 
@@ -224,6 +225,18 @@ def test_every_command_of_the_next_step_parses_as_it_is_printed(verdict, robot, 
             program, *arguments = shlex.split(command)
             assert program == "ffgym"
             assert main(arguments) == 0
+
+
+@pytest.mark.parametrize("verdict", VERDICTS)
+def test_a_next_step_that_records_warns_that_its_logs_are_simulated(verdict):
+    """They must not be mixed with those of the machine; a step that lists protocols records nothing."""
+    found = Diagnosis(verdict=verdict, sentence="", robot="one_axis", motions=(), gains=True)
+    motion = SeparatingMotion(between=("a", "b"), protocol="holds", toml="", expected=1.0)
+    for diagnosis in (found, replace(found, separating_motion=motion)):
+        step = next_step(Diagnose(), diagnosis)
+        records = any(command.startswith("ffgym record ") and "--list" not in command for command in step.commands)
+        assert ("on the model that it is given, not on the machine" in " ".join(step.text.split())) == records
+        assert bool(simulation_note(step.commands)) == records
 
 
 def test_commands_that_are_printed_run_for_a_robot_that_is_a_file(logs, tmp_path, monkeypatch, capsys):

@@ -127,16 +127,16 @@ def _choose_start(problem: FitProblem, hypotheses: Sequence[Hypothesis]) -> list
     if not first or not _on_springs(first[-1]):
         return first
 
-    def sized(factor: float) -> list[Hypothesis]:
+    def scale_newest(factor: float) -> list[Hypothesis]:
         return [*first[:-1], first[-1].scale(factor)]
 
-    left = {factor: compute_rss(problem, sized(factor)) for factor in _SIZES}
+    left = {factor: compute_rss(problem, scale_newest(factor)) for factor in _SIZES}
     for _ in range(_FURTHER):
         largest = max(left)
         if min(left, key=left.__getitem__) != largest:
             break
-        left[largest * _GROWTH] = compute_rss(problem, sized(largest * _GROWTH))
-    return sized(min(left, key=left.__getitem__))
+        left[largest * _GROWTH] = compute_rss(problem, scale_newest(largest * _GROWTH))
+    return scale_newest(min(left, key=left.__getitem__))
 
 
 def correct_bias(problem: FitProblem, found: Fit) -> Fit:

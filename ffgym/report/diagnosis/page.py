@@ -16,6 +16,7 @@ from ffgym.report.diagnosis.words import (
     rivals_of,
     short_sentence,
     shown_share,
+    simulation_note,
     size_text,
     title_of,
     together,
@@ -88,6 +89,8 @@ def _answer(report: DiagnosisReport, diagnosis: Diagnosis) -> list[Section]:
         following.append(Note(words["machine"].format(expected=motion.expected)))
     if report.commands:
         following += [words["next"], Code("\n".join(report.commands))]
+        if note := simulation_note(report.commands):
+            following.append(Note(note))
     if following:
         sections.append(Section("Next experiment", following))
     return sections

@@ -151,6 +151,12 @@ def held_out_note(diagnosis: Diagnosis) -> str:
     return words["held_out_share" if len(diagnosis.motions) > 1 else "held_out_halves"]
 
 
+def simulation_note(commands: Sequence[str]) -> str:
+    """Warn that commands which record simulate, so that their logs are not those of the machine; empty without any."""
+    records = any(command.startswith("ffgym record ") and " --out " in command for command in commands)
+    return words_of("diagnosis")["simulated"] if records else ""
+
+
 def size_text(size: Size) -> str:
     """A size with unit and interval."""
     unit = "" if size.unit == "1" else f" {size.unit}"

@@ -78,8 +78,8 @@ class Scorer:
         known = {key: left for key, left in found.items() if left is not None} | self._limits(wiring)
         return _clip(known, floor)
 
-    def changed(self, before: Lefts, wiring: Rewiring, families: Sequence[str], parts: Sequence[int]) -> Lefts:
-        """Channels that need no dynamics, if `before` holds them but for some families and joints."""
+    def update(self, before: Lefts, wiring: Rewiring, families: Sequence[str], parts: Sequence[int]) -> Lefts:
+        """Update channels that need no dynamics, if `before` holds them but for some families and joints."""
         lefts = {key: left for key, left in before.items() if key[0] in self._cheap}
         for pair in self._pairs:
             if not pair.families.isdisjoint(families):
@@ -126,7 +126,7 @@ class Scorer:
         motion = (known is None, wiring.of(POSITION, self.n), wiring.clock)
         keys = {
             j: (motion, j, rewire.source[j], rewire.factor[j], rewire.offset[j], rewire.delay[j])
-            for j in self.judged(wiring)
+            for j in self.list_judged(wiring)
         }
         todo = [j for j, key in keys.items() if key not in self._torques]
         if todo:
@@ -181,7 +181,7 @@ class Scorer:
         """Recorded torque, motor side, in a reading, (R, N)."""
         return convert_to_motor_side(self.robot.drive, self.samples.header, self.values(wiring, TORQUE))
 
-    def judged(self, wiring: Rewiring) -> list[int]:
+    def list_judged(self, wiring: Rewiring) -> list[int]:
         """Joints that move enough for their torque to be judged."""
         return [j for j in range(self.n) if self.columns(wiring).counted[j].sum() >= _ENOUGH]
 

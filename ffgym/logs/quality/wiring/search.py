@@ -117,7 +117,7 @@ def _improve(
         if candidate.kind == "clock":
             cheap = scorer.cheap(mended)
         else:
-            cheap = scorer.changed(before, mended, candidate.families, candidate.parts)
+            cheap = scorer.update(before, mended, candidate.families, candidate.parts)
         possible.append((_bound(before, cheap, candidate) - candidate.cost, candidate, mended, cheap))
     found: list[Found] = []
     best = max((one.worth for one in known), default=_GAIN + _ALIKE)
@@ -180,7 +180,7 @@ def with_currents(scorer: Scorer, wiring: Rewiring, found: Sequence[Found]) -> t
     """Reading and mistakes, and beside them that torques are currents, if that explains them."""
     if not scorer.samples.has(TORQUE) or scorer.samples.header.torque_semantics == "unspecified":
         return wiring, [*found]
-    strengths = {j: scorer.strength(wiring, j) for j in scorer.judged(wiring)}
+    strengths = {j: scorer.strength(wiring, j) for j in scorer.list_judged(wiring)}
     factors = {j: s for j, s in strengths.items() if s > 0 and abs(np.log(s)) > np.log(_FACTOR)}
     if not factors:
         return wiring, [*found]
