@@ -1,18 +1,14 @@
 from .diagnosis_file import read_diagnosis as read_diagnosis
-from .identification import Blocks as Blocks
 from .identification import Estimate as Estimate
 from .identification import FrictionIdentification as FrictionIdentification
 from .identification import FrictionTorque as FrictionTorque
-from .identification import Intervals as Intervals
 from .identification import JointFriction as JointFriction
 from .identification import LowPass as LowPass
 from .identification import Signals as Signals
 from .identification import Validation as Validation
-from .identification import bootstrap as bootstrap
 from .identification import friction_torque as friction_torque
 from .identification import friction_torques as friction_torques
 from .identification import identify_friction as identify_friction
-from .identification import intervals as intervals
 from .identification import predicted_friction as predicted_friction
 from .identification import signals_of as signals_of
 from .identification import validate as validate
@@ -40,4 +36,8 @@ from .prepare import DiagnosisCache as DiagnosisCache
 from .procedure import Examination as Examination
 from .procedure import diagnose as diagnose
 from .procedure import examine as examine
+from .resampling import Blocks as Blocks
+from .resampling import Intervals as Intervals
+from .resampling import bootstrap as bootstrap
+from .resampling import intervals as intervals
 from .result import Diagnosis as Diagnosis

@@ -16,8 +16,8 @@ import scipy
 
 from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.log import Log
-from ffgym.diagnosis.normal_equations import TimeBlocks
 from ffgym.diagnosis.replay import Replay
+from ffgym.diagnosis.resampling import TimeBlocks
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.residual_rows import find_counting_rows
 from ffgym.diagnosis.result import Drift

@@ -11,9 +11,10 @@ import numpy as np
 
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.noise import compute_torque_noise
-from ffgym.diagnosis.normal_equations import Values, cut_blocks, make_half_folds
+from ffgym.diagnosis.normal_equations import Values
 from ffgym.diagnosis.nuisance import ParameterPrior, list_nuisance_parameters
 from ffgym.diagnosis.replay import predict, replay
+from ffgym.diagnosis.resampling import cut_blocks, make_half_folds
 from ffgym.diagnosis.residual_rows import compute_residuals, describes_low_speed, find_valid_rows
 from ffgym.diagnosis.result import Cause, Pattern, Rival, UnjudgedEffect
 from ffgym.diagnosis.search.candidates import build_candidates

@@ -1,4 +1,4 @@
-"""Normal equations of weighted rows, summed by blocks of time, and folds of blocks that are left out in turn.
+"""Normal equations of weighted rows, summed by blocks of time.
 
 A linear fit needs A^T A, A^T r and r^T r only. They are kept for each block, so that any subset of the log, as a
 fold or a bootstrap resample, is a sum of blocks; the rows themselves are passed once.
@@ -6,81 +6,16 @@ fold or a bootstrap resample, is a sum of blocks; the rows themselves are passed
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
-from ffgym.core.types import Array, BoolArray, IntArray
+from ffgym.core.types import Array, IntArray
 from ffgym.diagnosis.perturbation import Parts
+from ffgym.diagnosis.resampling import TimeBlocks
 from ffgym.diagnosis.residual import Channel
-from ffgym.diagnosis.settings import settings
 
 Values = Mapping[tuple[Channel, int], Array]
 """By channel and component: (R, M) or (R, M, K)."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class TimeBlocks:
-    """Blocks of rows: each of one motion, and of one half of it."""
-
-    of_row: IntArray
-    """Block of each row, -1 for none, shape (R, M)."""
-    motion: IntArray
-    """Motion of each block, shape (B,)."""
-    half: IntArray
-    """0 for blocks of the first half of their motion, 1 for those of the second, shape (B,)."""
-    guard: BoolArray
-    """Blocks on either side of the cut between the halves, shape (B,)."""
-
-    def __len__(self) -> int:
-        return len(self.motion)
-
-    @cached_property
-    def order(self) -> IntArray:
-        """Places, in (R, M) laid out flat, of the rows that are of blocks: one block after the other."""
-        flat = self.of_row.ravel()
-        places = np.argsort(flat, kind="stable")
-        return places[np.count_nonzero(flat < 0) :]
-
-    @cached_property
-    def slices(self) -> list[slice]:
-        """Slices of the rows of each block in that order."""
-        ends = np.cumsum(np.bincount(self.of_row[self.of_row >= 0], minlength=len(self)))
-        return [slice(int(start), int(end)) for start, end in zip((0, *ends[:-1]), ends, strict=True)]
-
-    def merge(self) -> "TimeBlocks":
-        """Merge blocks of the same part of a motion: the fewest of which halves and motions can be left out."""
-        parts = np.stack([self.motion, self.half, self.guard], axis=1).astype(np.intp)
-        kinds, kind = np.unique(parts, axis=0, return_inverse=True)
-        return TimeBlocks(
-            of_row=np.where(self.of_row >= 0, kind[self.of_row], -1),
-            motion=kinds[:, 0],
-            half=kinds[:, 1],
-            guard=kinds[:, 2].astype(np.bool_),
-        )
-
-
-def cut_blocks(valid: BoolArray, row_dt: float) -> TimeBlocks:
-    """Cut `valid` rows (R, M), `row_dt` [s] apart, into blocks."""
-    limits = settings().blocks
-    of_row = np.full(valid.shape, -1, dtype=np.intp)
-    motions, halves, guards, count = [], [], [], 0
-    for m in range(valid.shape[1]):
-        # blocks of equal numbers of rows, of a second or so; two at least
-        rows = np.flatnonzero(valid[:, m])
-        if not len(rows):
-            continue
-        per_block = max(1, round(limits.length / row_dt), round(np.count_nonzero(valid) / limits.most))
-        n = max(2 if len(rows) > 1 else 1, round(len(rows) / per_block))
-        place = np.minimum(np.arange(len(rows)) * n // len(rows), n - 1)
-        of_row[rows, m] = count + place
-        # halves of the motion, and guards on both sides of the cut
-        first = (n + 1) // 2
-        motions += [m] * n
-        halves += [0] * first + [1] * (n - first)
-        guards += [n >= 6 and k in (first - 1, first) for k in range(n)]
-        count += n
-    return TimeBlocks(of_row=of_row, motion=np.array(motions), half=np.array(halves), guard=np.array(guards))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -199,34 +134,3 @@ def build_design_matrix(
     """Weight columns (R, M) per component by (M,) or (R, M) per component, times `scale` (len(columns),)."""
     none = DesignMatrix(blocks=blocks, weights=weights, parts={}, gram=np.zeros((len(blocks), 0, 0)))
     return none.beside(columns, scale)
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Fold:
-    """Fold of a cross-validation: blocks to fit to, and held-out blocks to judge by; shape (B,) each."""
-
-    train: BoolArray
-    test: BoolArray
-
-
-def make_motion_folds(blocks: TimeBlocks) -> list[Fold]:
-    """Leave out each motion in turn, to test whether an explanation holds for others; empty for a single motion."""
-    motions = np.unique(blocks.motion)
-    if len(motions) < 2:
-        return []
-    return [Fold(train=blocks.motion != m, test=blocks.motion == m) for m in motions]
-
-
-def make_half_folds(blocks: TimeBlocks) -> list[Fold]:
-    """Leave out each half of each motion in turn: the only split that can judge what one motion alone excites.
-
-    Blocks on either side of the cut are not fitted to when the other half is judged, so that nothing leaks over it.
-    """
-    found = []
-    for m in np.unique(blocks.motion):
-        for half in (0, 1):
-            test = (blocks.motion == m) & (blocks.half == half)
-            near = blocks.guard & (blocks.motion == m)
-            if test.any():
-                found.append(Fold(train=~test & ~near, test=test))
-    return found

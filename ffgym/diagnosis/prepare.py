@@ -23,9 +23,9 @@ from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.fit.problem import FitProblem
 from ffgym.diagnosis.log import Log, assemble_log
 from ffgym.diagnosis.noise import NullSimulation, find_encoder_steps, simulate_null_residuals
-from ffgym.diagnosis.normal_equations import cut_blocks
 from ffgym.diagnosis.nuisance import NuisanceParameter, ParameterPrior, list_nuisance_parameters
 from ffgym.diagnosis.replay import Replay, predict, replay
+from ffgym.diagnosis.resampling import cut_blocks
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.residual_rows import compute_residuals, find_counting_rows, find_valid_rows
 from ffgym.diagnosis.search.candidates import Candidates, build_candidates

@@ -23,10 +23,11 @@ from ffgym.diagnosis.computing import FAILED
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.fit.problem import compute_exchange_changes, compute_tangents
 from ffgym.diagnosis.log import Log, assemble_log
-from ffgym.diagnosis.normal_equations import build_design_matrix, cut_blocks
+from ffgym.diagnosis.normal_equations import build_design_matrix
 from ffgym.diagnosis.nuisance import ParameterPrior, list_nuisance_parameters
 from ffgym.diagnosis.perturbation import Parts
 from ffgym.diagnosis.replay import replay
+from ffgym.diagnosis.resampling import cut_blocks
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.residual_rows import find_valid_rows
 from ffgym.diagnosis.result import SeparatingMotion

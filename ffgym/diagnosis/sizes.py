@@ -12,8 +12,8 @@ from ffgym.diagnosis.fit.fit import Fit
 from ffgym.diagnosis.fit.hypothesis import FreeParameter, Hypothesis
 from ffgym.diagnosis.fit.problem import FitProblem
 from ffgym.diagnosis.fit.written import build_extended_model
-from ffgym.diagnosis.normal_equations import Fold, make_half_folds
 from ffgym.diagnosis.nuisance import ParameterPrior, is_row_offset
+from ffgym.diagnosis.resampling import Pool, bootstrap, make_half_folds, make_motion_folds
 from ffgym.diagnosis.residual import UNITS, Channel, components
 from ffgym.diagnosis.residual_rows import filter_measured, find_counting_rows
 from ffgym.diagnosis.result import Cause, Level, Size
@@ -69,11 +69,8 @@ def compute_held_out_gain(problem: FitProblem, nominal: Fit, found: Fit, prior: 
     before = {channel: rows.copy() for channel, rows in nominal.residual.items()}
     after = {channel: rows.copy() for channel, rows in nominal.residual.items()}
     # groups of motions are left out in turn, or halves of a single one
-    blocks, motions = problem.blocks, np.unique(problem.blocks.motion)
-    folds = make_half_folds(blocks)
-    if len(motions) > 1:
-        group = np.searchsorted(motions, blocks.motion) % min(settings().intervals.folds, len(motions))
-        folds = [Fold(train=group != k, test=group == k) for k in range(int(group.max()) + 1)]
+    blocks = problem.blocks
+    folds = make_motion_folds(blocks, settings().intervals.folds) or make_half_folds(blocks)
     # fit the written model without each fold, and take its residual there
     for fold in folds:
         trim_heap()
@@ -116,7 +113,7 @@ def list_causes(
     """
     limits = settings().intervals
     # bootstrap of all free numbers, then one cause after the other
-    draws = _bootstrap(fit, rng)
+    draws = _resample_numbers(fit, rng)
     found, at = [], 0
     for hypothesis, gain in zip(fit.hypotheses, gains, strict=True):
         known = hypothesis.kind.parameters()
@@ -178,7 +175,7 @@ def _name_number(hypothesis: Hypothesis, free: FreeParameter, robot: RobotDescri
     return free.name if hypothesis.source is None else f"{free.name}.{robot.joints[hypothesis.source]}"
 
 
-def _bootstrap(fit: Fit, rng: np.random.Generator) -> Array:
+def _resample_numbers(fit: Fit, rng: np.random.Generator) -> Array:
     """Resample changes of all free numbers, in practical steps, shape (B, P).
 
     Blocks of rows are resampled for what noise and motions leave open, and nuisance parameters drawn for what is
@@ -187,13 +184,13 @@ def _bootstrap(fit: Fit, rng: np.random.Generator) -> Array:
     """
     # step from all rows, which resamples share
     gram, moment, priors = fit.equations.gram, fit.equations.moment[:, :, 0], fit.priors
-    n, nuisances = len(gram), fit.n_nuisances
+    nuisances = fit.n_nuisances
     stays = solve_bounded(gram.sum(axis=0), moment.sum(axis=0), priors.precision, priors.low, priors.high)[nuisances:]
-    found = []
-    for _ in range(settings().intervals.resamples):
-        counts = np.bincount(rng.integers(n, size=n), minlength=n).astype(np.float64)
+
+    def step_from(counts: Array) -> Array:
         drawn = np.concatenate([rng.normal(size=nuisances), np.zeros(len(priors.low) - nuisances)])
         pull = counts @ moment + priors.precision * drawn
         x = solve_bounded(np.einsum("b,bpq->pq", counts, gram), pull, priors.precision, priors.low, priors.high)
-        found.append(x[nuisances:] - stays)
-    return np.array(found)
+        return x[nuisances:] - stays
+
+    return bootstrap(step_from, Pool(len(gram)), rng, settings().intervals.resamples)

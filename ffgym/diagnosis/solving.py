@@ -19,7 +19,8 @@ import numpy as np
 import scipy
 
 from ffgym.core.types import Array, BoolArray, IntArray
-from ffgym.diagnosis.normal_equations import Fold, NormalEquations
+from ffgym.diagnosis.normal_equations import NormalEquations
+from ffgym.diagnosis.resampling import Fold
 from ffgym.diagnosis.settings import settings
 
 

@@ -25,10 +25,10 @@ from ffgym.diagnosis.fit.fit import Fit, Trial, add_tangents, evaluate, replay_h
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, move_hypotheses
 from ffgym.diagnosis.fit.problem import FitProblem
 from ffgym.diagnosis.log import Log, assemble_log
-from ffgym.diagnosis.normal_equations import cut_blocks
 from ffgym.diagnosis.nuisance import LinkMass
 from ffgym.diagnosis.perturbation import Parts
 from ffgym.diagnosis.replay import replay
+from ffgym.diagnosis.resampling import cut_blocks
 from ffgym.diagnosis.residual_rows import find_counting_rows, find_valid_rows
 from ffgym.diagnosis.sensitivity import compute_sensitivities
 from ffgym.diagnosis.settings import settings

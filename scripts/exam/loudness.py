@@ -17,11 +17,12 @@ import numpy as np
 
 from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.log import Log, assemble_log
-from ffgym.diagnosis.normal_equations import DesignMatrix, build_design_matrix, cut_blocks
+from ffgym.diagnosis.normal_equations import DesignMatrix, build_design_matrix
 from ffgym.diagnosis.nuisance import ParameterPrior, list_nuisance_parameters
 from ffgym.diagnosis.perturbation import Parts
 from ffgym.diagnosis.replay import predict, replay
 from ffgym.diagnosis.replay.springs import FlownAwayError
+from ffgym.diagnosis.resampling import cut_blocks
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.residual_rows import compute_residuals, find_valid_rows
 from ffgym.diagnosis.settings import settings

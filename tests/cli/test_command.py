@@ -15,7 +15,7 @@ from ffgym.core.errors import FFGymError
 from ffgym.core.version import __version__
 from ffgym.diagnosis import Examination
 from ffgym.diagnosis.diagnosis_file import diagnosis_document
-from ffgym.diagnosis.identification.resampling import LEVEL, RESAMPLES
+from ffgym.diagnosis.resampling import LEVEL, RESAMPLES
 from ffgym.diagnosis.settings import settings
 from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL
 from ffgym.leaderboard.tasks import THESIS

@@ -7,8 +7,8 @@ import pytest
 
 from ffgym.diagnosis.drift import find_drifts, read_days
 from ffgym.diagnosis.log import assemble_log
-from ffgym.diagnosis.normal_equations import cut_blocks
 from ffgym.diagnosis.replay import predict, replay
+from ffgym.diagnosis.resampling import cut_blocks
 from ffgym.diagnosis.residual_rows import compute_residuals, find_valid_rows
 from ffgym.effects import EFFECTS
 from ffgym.paths import joint_reference, multisine

@@ -6,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import lsq_linear
 
-from ffgym.diagnosis.normal_equations import build_design_matrix, cut_blocks, make_half_folds, make_motion_folds
+from ffgym.diagnosis.normal_equations import build_design_matrix
+from ffgym.diagnosis.resampling import cut_blocks, make_half_folds, make_motion_folds
 from ffgym.diagnosis.solving import Candidate, Priors, compute_block_rss, screen, solve, solve_bounded
 
 ROW_DT = 0.01

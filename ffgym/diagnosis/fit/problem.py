@@ -15,7 +15,7 @@ from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, exchange_effects
 from ffgym.diagnosis.log import Log
-from ffgym.diagnosis.normal_equations import DesignMatrix, TimeBlocks, Values, build_design_matrix
+from ffgym.diagnosis.normal_equations import DesignMatrix, Values, build_design_matrix
 from ffgym.diagnosis.nuisance import NuisanceParameter, RowOffset, is_row_offset
 from ffgym.diagnosis.perturbation import (
     Parts,
@@ -28,6 +28,7 @@ from ffgym.diagnosis.perturbation import (
     shift_clocks,
 )
 from ffgym.diagnosis.replay import Replay, predict_feedback, predict_tracker
+from ffgym.diagnosis.resampling import TimeBlocks
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.settings import settings
 from ffgym.diagnosis.solving import Priors

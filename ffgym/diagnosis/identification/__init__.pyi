@@ -1,3 +1,4 @@
+from .estimate import Estimate as Estimate
 from .friction import FrictionIdentification as FrictionIdentification
 from .friction import Validation as Validation
 from .friction import identify_friction as identify_friction
@@ -7,11 +8,6 @@ from .friction_data import FrictionTorque as FrictionTorque
 from .friction_data import friction_torque as friction_torque
 from .friction_data import friction_torques as friction_torques
 from .joint_friction import JointFriction as JointFriction
-from .resampling import Blocks as Blocks
-from .resampling import Estimate as Estimate
-from .resampling import Intervals as Intervals
-from .resampling import bootstrap as bootstrap
-from .resampling import intervals as intervals
 from .signals import LowPass as LowPass
 from .signals import Signals as Signals
 from .signals import signals_of as signals_of

@@ -13,8 +13,8 @@ from ffgym.core.errors import FFGymError
 from ffgym.core.measures import rms
 from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.identification.friction_data import AT_REST, FrictionTorque
-from ffgym.diagnosis.identification.resampling import Blocks
 from ffgym.diagnosis.identification.stribeck_fit import constant_share
+from ffgym.diagnosis.resampling import Blocks
 from ffgym.logs.preparation import LowPass
 from ffgym.logs.quality.signals import stretches
 from ffgym.robot.friction import LuGreParameters

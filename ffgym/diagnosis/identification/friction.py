@@ -13,7 +13,7 @@ from ffgym.diagnosis.identification.bristle_fit import FORGOTTEN, NAMES
 from ffgym.diagnosis.identification.friction_data import AT_REST, FrictionTorque
 from ffgym.diagnosis.identification.joint_friction import JointFriction, identify_joint
 from ffgym.diagnosis.identification.parameter_file import make_fitted_quantity
-from ffgym.diagnosis.identification.resampling import LEVEL, RESAMPLES
+from ffgym.diagnosis.resampling import LEVEL, RESAMPLES
 from ffgym.robot import RobotDescription
 from ffgym.robot.friction import LuGreParameters
 from ffgym.robot.reading.quantity import Quantity

@@ -16,9 +16,10 @@ from ffgym.diagnosis.identification.bristle_fit import (
     reverses,
     sliding_data,
 )
+from ffgym.diagnosis.identification.estimate import Estimate, Status, judged
 from ffgym.diagnosis.identification.friction_data import FrictionTorque
-from ffgym.diagnosis.identification.resampling import Estimate, Status, intervals, judged
 from ffgym.diagnosis.identification.stribeck_fit import MIN_RUNS, StribeckFit, fit_stribeck, steady_friction
+from ffgym.diagnosis.resampling import intervals
 from ffgym.robot import RobotDescription
 
 UNITS = dict(zip(NAMES, ("N m", "N m", "N m s/rad", "rad/s", "N m/rad", "N m s/rad"), strict=True))

@@ -9,7 +9,7 @@ import scipy
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.diagnosis.identification.friction_data import FrictionTorque
-from ffgym.diagnosis.identification.resampling import RESAMPLES, Blocks, bootstrap
+from ffgym.diagnosis.resampling import RESAMPLES, Blocks, bootstrap
 from ffgym.logs.quality.signals import stretches
 from ffgym.robot.friction import stribeck_level
 

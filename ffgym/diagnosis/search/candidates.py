@@ -6,9 +6,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ffgym.core.types import Array, IntArray
-from ffgym.diagnosis.normal_equations import DesignMatrix, TimeBlocks, Values, build_design_matrix
+from ffgym.diagnosis.normal_equations import DesignMatrix, Values, build_design_matrix
 from ffgym.diagnosis.nuisance import NuisanceParameter
 from ffgym.diagnosis.perturbation import Parts
+from ffgym.diagnosis.resampling import TimeBlocks
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.sensitivity import Sensitivity, group_candidates
 from ffgym.diagnosis.settings import settings

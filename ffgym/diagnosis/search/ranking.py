@@ -9,7 +9,8 @@ import numpy as np
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array, IntArray
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
-from ffgym.diagnosis.normal_equations import NormalEquations, make_half_folds, make_motion_folds
+from ffgym.diagnosis.normal_equations import NormalEquations
+from ffgym.diagnosis.resampling import make_half_folds, make_motion_folds
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.search.candidates import Candidates
 from ffgym.diagnosis.sensitivity import Sensitivity

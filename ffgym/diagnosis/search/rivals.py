@@ -13,6 +13,7 @@ from ffgym.diagnosis.computing import FAILED
 from ffgym.diagnosis.fit.fit import compute_explained, find_touched, loudness, subtract_nuisances
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, HypothesisKey
 from ffgym.diagnosis.fit.problem import FitProblem
+from ffgym.diagnosis.resampling import Pool, bootstrap
 from ffgym.diagnosis.result import Rival, make_label
 from ffgym.diagnosis.search.candidates import Candidates
 from ffgym.diagnosis.search.ranking import Ranking
@@ -155,8 +156,8 @@ def _is_tied(
     # resamples of what it leaves more in each block
     limits = settings().rivals
     more = other.rss_by_block - best.rss_by_block
-    picks = rng.integers(len(more), size=(limits.resamples, len(more)))
-    if np.quantile(more[picks].sum(axis=1), limits.tied) <= 0:
+    resampled = bootstrap(lambda counts: np.atleast_1d(counts @ more), Pool(len(more)), rng, limits.resamples)
+    if np.quantile(resampled, limits.tied) <= 0:
         return True
     allowed = limits.alike * (before.rss - best.rss)
     if _count_numbers(other) == _count_numbers(best):

@@ -15,7 +15,7 @@ from ffgym.diagnosis.fit.fit import Fit, evaluate
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, build_machine
 from ffgym.diagnosis.fit.problem import FitProblem
 from ffgym.diagnosis.fit.refine import fit, polish, refine
-from ffgym.diagnosis.normal_equations import make_half_folds, make_motion_folds
+from ffgym.diagnosis.resampling import make_half_folds, make_motion_folds
 from ffgym.diagnosis.result import Rival
 from ffgym.diagnosis.search.candidates import Candidates
 from ffgym.diagnosis.search.ranking import Ranking

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from ffgym.diagnosis.fit.fit import Fit, compute_explained, subtract_nuisances
-from ffgym.diagnosis.normal_equations import build_design_matrix, cut_blocks
+from ffgym.diagnosis.normal_equations import build_design_matrix
+from ffgym.diagnosis.resampling import cut_blocks
 from ffgym.diagnosis.solving import Priors
 
 ONE, OTHER = ("torque", 0), ("torque", 1)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ffgym.diagnosis.normal_equations import cut_blocks
+from ffgym.diagnosis.resampling import cut_blocks
 from ffgym.diagnosis.search.candidates import draw_surrogates
 from ffgym.diagnosis.search.ranking import _estimate_extreme
 from ffgym.diagnosis.settings import settings

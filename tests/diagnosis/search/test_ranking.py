@@ -5,7 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.normal_equations import build_design_matrix, cut_blocks
+from ffgym.diagnosis.normal_equations import build_design_matrix
+from ffgym.diagnosis.resampling import cut_blocks
 from ffgym.diagnosis.search.ranking import _compute_largest, _fit_linearly, compute_overlap, find_changed_components
 from ffgym.diagnosis.solving import Candidate, Priors
 

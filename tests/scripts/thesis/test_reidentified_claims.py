@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from ffgym.diagnosis.identification.resampling import Estimate
+from ffgym.diagnosis.identification.estimate import Estimate
 from scripts.thesis import ITEMS
 from scripts.thesis.claims import judge
 

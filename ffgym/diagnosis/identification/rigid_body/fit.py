@@ -7,7 +7,6 @@ import numpy as np
 
 from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.identification.parameter_file import entry_of, make_fitted_quantity
-from ffgym.diagnosis.identification.resampling import Intervals, intervals
 from ffgym.diagnosis.identification.rigid_body.base import BaseParameters
 from ffgym.diagnosis.identification.rigid_body.observation import (
     Equations,
@@ -18,6 +17,7 @@ from ffgym.diagnosis.identification.rigid_body.observation import (
 )
 from ffgym.diagnosis.identification.rigid_body.problem import TradeOff
 from ffgym.diagnosis.identification.rigid_body.terms import BODIES, Term
+from ffgym.diagnosis.resampling import Intervals, intervals
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
 from ffgym.robot.reading.quantity import Quantity

@@ -7,7 +7,6 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError, check_number, check_whole
 from ffgym.core.types import Array, BoolArray, IntArray
-from ffgym.diagnosis.identification.resampling import LEVEL
 from ffgym.diagnosis.identification.rigid_body.base import base_parameters, condition_number
 from ffgym.diagnosis.identification.rigid_body.fit import RigidBodyFit
 from ffgym.diagnosis.identification.rigid_body.observation import Equations, Filtering, equations_of, torque_errors
@@ -19,6 +18,7 @@ from ffgym.diagnosis.identification.rigid_body.terms import (
     read_description,
     terms_named,
 )
+from ffgym.diagnosis.resampling import LEVEL
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
 

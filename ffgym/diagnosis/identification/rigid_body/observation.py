@@ -9,7 +9,6 @@ import scipy
 
 from ffgym.core.errors import FFGymError, check_number
 from ffgym.core.types import Array, BoolArray
-from ffgym.diagnosis.identification.resampling import Blocks
 from ffgym.diagnosis.identification.rigid_body.terms import (
     BODIES,
     TERMS,
@@ -18,6 +17,7 @@ from ffgym.diagnosis.identification.rigid_body.terms import (
     read_description,
     rigid_motion,
 )
+from ffgym.diagnosis.resampling import Blocks
 from ffgym.logs.preparation import LowPass, read_acting_torque, read_joint_motion
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription

@@ -1,10 +1,10 @@
-"""Intervals from blocks of rows: as often right as they say, where rows are correlated too."""
+"""Intervals and folds from blocks of rows: intervals are as often right as they say, where rows are correlated too."""
 
 import numpy as np
 import pytest
 
 from ffgym.core.errors import FFGymError
-from ffgym.diagnosis.identification import Blocks, bootstrap, intervals
+from ffgym.diagnosis.resampling import Blocks, Pool, bootstrap, cut_blocks, intervals, make_motion_folds
 from ffgym.logs.quality.signals import stretches
 
 
@@ -48,6 +48,23 @@ def test_the_spread_of_a_mean_of_few_blocks_is_not_too_small():
         sums = blocks.sums(rng.normal(size=400))
         spreads.append(bootstrap(lambda counts, s=sums: np.atleast_1d(counts @ s / 400), blocks, rng, 60).var())
     assert np.mean(spreads) == pytest.approx(1 / 400, rel=0.1)
+
+
+def test_a_pool_draws_as_many_blocks_as_it_has_and_spreads_as_they_do():
+    rng, values = np.random.default_rng(3), np.random.default_rng(4).normal(size=200)
+    draws = bootstrap(lambda counts: counts, Pool(200), rng, 1000)
+    np.testing.assert_array_equal(draws.sum(axis=1), 200)
+    assert (draws @ values / 200).std() == pytest.approx(values.std() / np.sqrt(200), rel=0.1)
+
+
+def test_each_motion_is_left_out_once_in_folds_of_motions_or_of_groups_of_them():
+    blocks = cut_blocks(np.ones((300, 5), dtype=np.bool_), 0.01)
+    for count, n_folds in ((None, 5), (2, 2), (9, 5)):
+        folds = make_motion_folds(blocks, count)
+        assert len(folds) == n_folds
+        np.testing.assert_array_equal(np.sum([fold.test for fold in folds], axis=0), 1)
+        assert all(set(blocks.motion[fold.test]).isdisjoint(blocks.motion[fold.train]) for fold in folds)
+    assert make_motion_folds(cut_blocks(np.ones((300, 1), dtype=np.bool_), 0.01)) == []
 
 
 def test_intervals_of_a_correlated_mean_are_as_often_right_as_they_say():
