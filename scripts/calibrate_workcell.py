@@ -32,7 +32,7 @@ class Config:
     steps: int = 10
     """Largest number of Gauss-Newton steps."""
     state: Path = Path("workcell_state.json")
-    """Where the free numbers are kept between steps; an existing file is where the search goes on."""
+    """File that keeps the free numbers between steps; a search goes on from an existing file."""
     table: bool = False
     """Print simulated beside published numbers of the workcell that ships, and calibrate nothing."""
     json: Path | None = None

@@ -44,7 +44,7 @@ class Config:
     out: Path = Path("ffgym/diagnosis/data")
     """Folder of the package in which they lie."""
     seed: int = 7
-    """Of the errors of calibration, and of the sensors' noise."""
+    """Seed of the errors of calibration, and of the sensors' noise."""
 
 
 def example_cell(seed: int) -> Workcell:

@@ -25,9 +25,9 @@ class Config:
     work: Path = Path("out/fit_models")
     """Folder for recordings and models on the way."""
     seeds: tuple[int, ...] = (0, 1, 2, 3, 4)
-    """Of the sensors' noise, and of what the diagnosis draws."""
+    """Seeds of the sensors' noise, and of what the diagnosis draws."""
     threads: int = 0
-    """Of the simulation, 0 for all cores."""
+    """Threads of the simulation, 0 for all cores."""
     out: Path = TRAINED
     """Folder of the artefacts."""
 

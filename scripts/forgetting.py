@@ -44,7 +44,7 @@ CHANGE = 1.2
 N_UPDATES = 20
 """Full-batch updates of the perceptron in the first stage; chosen, by then it is off by a few percent."""
 N_SAMPLES = 250
-"""Of one sweep through the second stage: 0.02 rad/s apart, so that neighbours hardly differ."""
+"""Samples of one sweep through the second stage: 0.02 rad/s apart, so that neighbours hardly differ."""
 N_SWEEPS = 20
 """Through the second stage; chosen, by then the splines have learned the change."""
 SPLINE_RATE = 0.1
@@ -60,11 +60,11 @@ class Curves:
     speed: Array
     """Motor speed [rad/s], ascending, shape (T,)."""
     friction: Array
-    """What was to be learned first [N m], shape (T,)."""
+    """Friction that was learned first [N m], shape (T,)."""
     before: Array
-    """What the network says after the first stage [N m], shape (T,)."""
+    """Output of the network after the first stage [N m], shape (T,)."""
     after: Array
-    """What it says after the second [N m], shape (T,)."""
+    """Output after the second [N m], shape (T,)."""
 
     @property
     def forgotten(self) -> float:
@@ -140,7 +140,7 @@ class Forgetting:
     out: Path = Path("forgetting.png")
     """Figure to write: .png, .svg or .pdf."""
     seed: int = 0
-    """Of the perceptron's first weights."""
+    """Seed of the perceptron's first weights."""
 
 
 def main(config: Forgetting) -> None:

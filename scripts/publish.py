@@ -20,7 +20,7 @@ from ffgym.core.files import made_folder, read_bytes, write_bytes
 
 POLICY = "policy.npz"
 _ABOUT = ("training", "origin", "versions")
-"""What a policy says of its training, the same for all seeds."""
+"""Entries of a policy about its training, the same for all seeds."""
 _NUMBERS = ("env_steps", "learning_curve")
 
 
@@ -29,9 +29,9 @@ class Config:
     """Policies to publish."""
 
     name: tyro.conf.Positional[str]
-    """Of the row."""
+    """Name of the row."""
     folder: tyro.conf.Positional[Path]
-    """With a folder seed_<k> for each training."""
+    """Folder with a subfolder seed_<k> for each training."""
     out: Path = TRAINED
     """Folder of the artefacts."""
 

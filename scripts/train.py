@@ -23,9 +23,9 @@ class Sweep(PolicyOptions):
     seeds: tuple[int, ...] = (0, 1, 2, 3, 4)
     """A training each."""
     out: Path | None = None
-    """For a folder seed_<seed> each, as `ffgym train policy` writes them."""
+    """Folder for a subfolder seed_<seed> each, as `ffgym train policy` writes them."""
     executor: Executor = field(default_factory=lambda: Executor(jobs=1))
-    """Where trainings run; one at a time unless more jobs are asked for."""
+    """Executor of trainings; one at a time unless more jobs are asked for."""
 
 
 def train_one(job: tuple[Training, Path]) -> tuple[int, float, str]:

@@ -30,9 +30,9 @@ class Config:
     agents: tuple[str, ...] = tuple(entry.name for entry in list_entries() if entry.learns)
     """Names in the catalogue."""
     plants: tuple[str, ...] = (NOMINAL, THESIS_WORKCELL)
-    """Where."""
+    """Plants to learn on."""
     seeds: tuple[int, ...] = (0, 1, 2, 3, 4)
-    """Of the sensors' noise and of first weights."""
+    """Seeds of the sensors' noise and of first weights."""
     out: Path = TRAINED
     """Folder of the artefacts."""
 

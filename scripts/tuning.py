@@ -32,13 +32,13 @@ class Trial:
     """Hyper-parameters that were tried, and how good they are."""
 
     parameters: dict[str, float]
-    """Of what is searched for."""
+    """Values of the parameters that are searched for."""
     value: float
     """Mean of ln(error / that of the base); FAILED where there is none."""
     failure: str | None = None
     """Why there is none."""
     folders: tuple[str, ...]
-    """Of its trainings, one for each seed."""
+    """Folders of its trainings, one for each seed."""
 
 
 def read_trials(file: Path, search: Mapping[str, Any]) -> list[Trial]:
@@ -113,9 +113,9 @@ class Tune(PolicyOptions):
     bounds: tuple[float, float] = (0.3, 1.0)
     """Largest residual torque that is searched for, in breakaway torques."""
     seeds: tuple[int, ...] = (1000,)
-    """Of the trainings; none that results are shown of."""
+    """Seeds of the trainings; results are shown of other seeds."""
     seed: int = 0
-    """Of the search."""
+    """Seed of the search."""
     plants: int = 2
     """Robots drawn for each circle of the validation."""
     out: Path | None = None

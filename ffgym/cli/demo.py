@@ -21,7 +21,7 @@ from ffgym.simulation import Rig, SimulatedRig
 from ffgym.studies import CircleStudy, OneAxisStudy, circle_references, circle_study, one_axis_study, sine_references
 
 SEED = 0
-"""Of the noise of a workcell's sensors, and of what a diagnosis draws."""
+"""Seed of the noise of a workcell's sensors, and of what a diagnosis draws."""
 
 
 def run(config: Demo) -> None:

@@ -33,13 +33,13 @@ class Nominal:
 
     machine: Machine
     reference: str | Path
-    """What a machine file calls its robot: a built-in name, or the path of a description."""
+    """Name of the robot in a machine file: a built-in name, or the path of a description."""
     origins: tuple[Origin, ...] = ()
-    """Of the effects that it has already."""
+    """Origins of the effects that it has already."""
     prior: ParameterPrior | None = None
-    """How sure its numbers are, if they were fitted to the logs."""
+    """Uncertainty of its numbers, if they were fitted to the logs."""
     draft: RobotDraft | None = None
-    """What its description says, if numbers were fitted that it lacks."""
+    """Its description as read, if numbers were fitted that it lacks."""
 
     @property
     def knows_servo(self) -> bool:

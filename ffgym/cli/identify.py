@@ -39,7 +39,7 @@ _ONLY = {"friction": ("joints", "stribeck_velocity"), "rigid_body": ("terms", "s
 """Options that only one kind of identification has."""
 
 _NEEDS = ("position", "torque")
-"""What every identification takes of a log."""
+"""Channels that every identification takes of a log."""
 
 CUTOFF_HZ = 100.0
 """Cut-off of the low-pass filter of angles and torques: it hardly rounds reversals, and takes most of the noise."""
@@ -99,11 +99,11 @@ class LogSet:
     """Recordings of one robot."""
 
     used: tuple[Recording, ...]
-    """To identify from."""
+    """Recordings to identify from."""
     held_out: tuple[Recording, ...]
-    """To validate with."""
+    """Recordings to validate with."""
     doubts: tuple[str, ...]
-    """What the quality gate has against logs that are used all the same."""
+    """Objections of the quality gate to logs that are used all the same."""
 
 
 def read_logs(config: Identify, robot: RobotDescription, *, known: bool = True) -> LogSet:
@@ -147,9 +147,9 @@ class IdentifyOutcome:
     """One identification; every kind of it gives one to `ffgym identify`."""
 
     title: str
-    """Of the parameter file."""
+    """Title of the parameter file."""
     text: str
-    """For people."""
+    """Outcome in words."""
     quantities: Mapping[str, Quantity]
     """Entries of the parameter file."""
     numbers: Mapping[str, Any]

@@ -18,7 +18,7 @@ from ffgym.simulation.plant.machine_file import is_machine_file, origins_of, rob
 from ffgym.simulation.protocols import load_protocols
 
 PAGE, NUMBERS = "improvement.html", "improvement.json"
-"""What is written beside the rounds, with the page's pictures."""
+"""Files beside the rounds, with the page's pictures."""
 
 DPI = 100
 """Pixels per inch of the pictures."""

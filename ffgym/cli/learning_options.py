@@ -17,7 +17,7 @@ class PolicyOptions:
     """Options that decide a policy, but its seed."""
 
     algorithm: Literal["ppo", "sac", "tqc", "recurrent_ppo"] = "ppo"
-    """Of stable-baselines3 and sb3-contrib."""
+    """Algorithm of stable-baselines3 and sb3-contrib."""
     base: str = "elastic"
     """Law below the policy: none, lugre_static, lugre_dynamic, elastic, or model:machine.toml."""
     robot: str = "irb4600_60_205"
@@ -70,7 +70,7 @@ class PolicyTraining(PolicyOptions):
     """Train a residual policy at position p1, on robots drawn around the nominal one; go on where it was stopped."""
 
     seed: int = 0
-    """Of everything that is random."""
+    """Seed of everything that is random."""
     out: Path | None = None
     """Folder for policy.npz, training.json and TensorBoard's files; a training that was stopped in it goes on."""
     json: Numbers = None
@@ -115,7 +115,7 @@ class BSpline(NetworkOptions):
     resume: bool = False
     """Go on where an interrupted training with the same options stopped; begin if there is none."""
     seed: int = 0
-    """Of the noise of a workcell's sensors."""
+    """Seed of the noise of a workcell's sensors."""
     json: Numbers = None
 
 
@@ -156,9 +156,9 @@ class Leaderboard:
     json: Path | None = None
     """Also write every circle to this file."""
     executor: Literal["local", "ray"] = "local"
-    """Where the work is done: on this machine, or on a Ray cluster."""
+    """Place of the work: on this machine, or on a Ray cluster."""
     address: str | None = None
-    """Of a running Ray cluster; none begins one on this machine."""
+    """Address of a running Ray cluster; none begins one on this machine."""
     jobs: int = 0
     """Processes, or pieces that a cluster works on at once; 0 is one per core. Results are the same at any number."""
 
@@ -173,15 +173,15 @@ class Submit:
     name: str
     """Short name, as in tables."""
     author: str
-    """Who made it."""
+    """Author of the row."""
     track: Literal["causal", "causal, nominal parameters", "per task"]
-    """What it may know, see docs/agents."""
+    """Knowledge that the agent may use, see docs/agents."""
     title: str | None = None
-    """What it is, in a line; none is the name."""
+    """Title in a line; none is the name."""
     out: Path = Path("agent.zip")
     """File to write."""
     seed: int = 0
-    """Of the agent's randomness and the sensors' noise."""
+    """Seed of the agent's randomness and the sensors' noise."""
     env_steps: int = 0
     """Control steps of simulated training that it took; a claim that nobody can check."""
     robot_seconds: float = 0.0

@@ -56,15 +56,15 @@ class ListColumns:
     force: bool = False
     """Write over a file that is there."""
     delimiter: str | None = None
-    """Of a text file: what separates cells; none given takes what the first row holds."""
+    """Separator of cells in a text file; none given takes the one of the first row."""
     decimal: str = "."
-    """Of a text file: decimal point or comma."""
+    """Decimal sign of a text file: point or comma."""
     encoding: str = "utf-8-sig"
-    """Of a text file, e.g. latin-1."""
+    """Encoding of a text file, e.g. latin-1."""
     names_row: int | None = None
-    """Of a text file: line with the names of columns, from 1, 0 for none; none given takes the first that is text."""
+    """Line of a text file with the names of columns, from 1, 0 for none; none given takes the first that is text."""
     units_row: int | None = None
-    """Of a text file: line with units, which is skipped."""
+    """Line of a text file with units, which is skipped."""
     json: Path | None = None
     """Also write what the file holds to this file."""
 
@@ -130,8 +130,8 @@ class Identify:
     """Parts of the torque that a rigid body is fitted with; none given is bodies, rotor_inertia, coulomb, viscous,
     offset. There are springs and viscous_asymmetry too."""
     spread: float | None = None
-    """How far masses and rotors may be from the description, a relative standard deviation, e.g. 0.03 for CAD; none
-    given is what predicts held-out parts of the logs best."""
+    """Distance of masses and rotors from the description, a relative standard deviation, e.g. 0.03 for CAD; none given
+    is the one that predicts held-out parts of the logs best."""
     cutoff_hz: float | None = None
     """Cut-off of the low-pass filter of angles and torques, which must lie below half the sample rate; none given is
     100 Hz for friction and 5 Hz for a rigid body."""
@@ -140,7 +140,7 @@ class Identify:
     level: float = 0.9
     """Probability of the intervals."""
     seed: int = 0
-    """Of random starts and resamples."""
+    """Seed of random starts and resamples."""
     unchecked: bool = False
     """Use logs that the quality gate calls insufficient."""
     json: Numbers = None
@@ -159,8 +159,8 @@ class Diagnose:
     extended.toml of an earlier diagnosis."""
     columns: ColumnMap = None
     calibration: float | None = None
-    """How well the nominal numbers are known: their relative standard deviation. None given is 0.005, or with --fit
-    what the fit says."""
+    """Uncertainty of the nominal numbers: their relative standard deviation. None given is 0.005, or with --fit what
+    the fit says."""
     fit: bool = False
     """Fit masses, rotors and friction to the logs before, for a robot whose numbers are not known; its description may
     lack them."""
@@ -177,7 +177,7 @@ class Diagnose:
     """Causes to look for; fewer take less time, and a diagnosis of the extended model finds further ones. Each wave of
     one that repeats with an angle counts."""
     seed: int = 0
-    """Of the noise of simulated logs and of resamples."""
+    """Seed of the noise of simulated logs and of resamples."""
     json: Path | None = None
     """Also write diagnosis.json under this name."""
     threads: int = 0
@@ -199,7 +199,7 @@ class Improve:
     """Fit all numbers of the model to the first recordings before it is diagnosed: for a machine that is far from its
     description in many at once."""
     protocols: tuple[str, ...] = ("diagnosis",)
-    """What is recorded in each round, as for ffgym record; what a diagnosis proposes is added to the next round."""
+    """Motions in each round, as for ffgym record; what a diagnosis proposes is added to the next round."""
     rounds: int = 4
     """At most; there are fewer where a diagnosis finds nothing to add."""
     most_causes: int = 3
@@ -213,7 +213,7 @@ class Improve:
     radii_mm: tuple[float, ...] = (1.0, 5.0)
     """Radii of these circles; protocols draw circles of 3 mm."""
     seed: int = 0
-    """Of the sensors' noise, and of what the diagnosis draws."""
+    """Seed of the sensors' noise, and of what the diagnosis draws."""
     json: Path | None = None
     """File for all numbers; none is improvement.json in the folder."""
     threads: Threads = 0

@@ -61,7 +61,7 @@ class Simulate:
     sensors: bool = False
     """Record what resolvers and laser tracker measure, instead of the exact state; a workcell is always measured."""
     seed: int = 0
-    """Of the sensors' noise."""
+    """Seed of the sensors' noise."""
     record_dt_ms: RowPeriod = RECORD_DT_MS
     flexible: Elastic = True
     friction: Friction = True
@@ -104,11 +104,11 @@ class Play:
     fps: float = 25.0
     """Pictures per second of the video."""
     width: int = 960
-    """Of the picture [pixel]."""
+    """Width of the picture [pixel]."""
     height: int = 540
-    """Of the picture [pixel]."""
+    """Height of the picture [pixel]."""
     seed: int = 0
-    """Of everything that the environment draws."""
+    """Seed of everything that the environment draws."""
     json: Path | None = None
     """Also write return, length, errors and origin to this file."""
 
@@ -163,13 +163,14 @@ class Record:
     parameters: Path | None = None
     """Parameter file for the law's model of the robot; the machine keeps its own numbers."""
     seed: int = 0
-    """Of the sensors' noise."""
+    """Seed of the sensors' noise."""
     exact: bool = False
     """Record the exact state of a simulated robot, with what no machine knows, instead of what sensors measure."""
     torque_noise_percent: float = 0.0
     """White noise of the measured torque, in percent of each drive's peak torque."""
     later_min: float = 0.0
-    """How much later in the day the session begins than the machine is set up for; one that warms up is warmer then."""
+    """Time by which the session begins later in the day than the machine is set up for; a machine that warms up is
+    warmer then."""
     record_dt_ms: RowPeriod = RECORD_DT_MS
     format: Literal["npz", "csv"] = "npz"
     """Format of the recordings."""

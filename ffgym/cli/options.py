@@ -12,45 +12,45 @@ import tyro
 from ffgym.paths import SPEEDS
 
 Numbers = Annotated[Path | None, tyro.conf.arg(help="Also write every number to this file.")]
-"""Of `--json`."""
+"""Option `--json`."""
 
 PageFile = Annotated[
     Path | None, tyro.conf.arg(help="Page with pictures to write, .html, in one file that can be sent.")
 ]
-"""Of `--report`."""
+"""Option `--report`."""
 
 Threads = Annotated[
     int, tyro.conf.arg(help="Threads of the simulation, 0 for all cores; results are the same at any number.")
 ]
-"""Of `--threads`."""
+"""Option `--threads`."""
 
 ColumnMap = Annotated[
     str | None,
     tyro.conf.arg(help="Column map for files of other tools: a built-in name, or a file that ends in .toml."),
 ]
-"""Of `--columns`."""
+"""Option `--columns`."""
 
 RowPeriod = Annotated[float, tyro.conf.arg(help="Time between the rows of a recording.")]
-"""Of `--record-dt-ms`."""
+"""Option `--record-dt-ms`."""
 
 Procedure = Annotated[
     str | None, tyro.conf.arg(help="Procedure of a RAPID program to run; none is main, or the only one.")
 ]
-"""Of `--entry`."""
+"""Option `--entry`."""
 
 Elastic = Annotated[bool, tyro.conf.arg(help="Elastic joints; no-flexible makes them rigid.")]
-"""Of `--flexible`."""
+"""Option `--flexible`."""
 
 Friction = Annotated[bool, tyro.conf.arg(help="Friction; no-friction leaves it out.")]
-"""Of `--friction`."""
+"""Option `--friction`."""
 
 Gravity = Annotated[bool, tyro.conf.arg(help="Gravity; no-gravity leaves it out.")]
-"""Of `--gravity`."""
+"""Option `--gravity`."""
 
 Springs = Annotated[
     bool, tyro.conf.arg(help="Springs between links, e.g. a counterbalance; no-springs leaves them out.")
 ]
-"""Of `--springs`."""
+"""Option `--springs`."""
 
 RECORD_DT_MS = 1.0
 """Time between the rows of a recording [ms], as the library has it."""

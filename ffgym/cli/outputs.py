@@ -31,7 +31,7 @@ def given_options(command: Any, names: Sequence[str]) -> list[str]:
 
 
 _SUFFIXES = {"--report": ".html", "--page": ".html", "--json": ".json"}
-"""How files must end whose form does not follow from their name, so that no description or program is written over."""
+"""Endings of files whose form does not follow from their name, so that no description or program is written over."""
 
 
 def check_outputs(

@@ -12,7 +12,7 @@ from ffgym.cli.progress import progress_bar
 from ffgym.core.errors import FFGymError
 
 PACKAGES = ("torch", "stable-baselines3", "sb3-contrib")
-"""What training needs."""
+"""Packages that training needs."""
 
 
 def options_of(training: Training, base: str | None = None) -> list[str]:

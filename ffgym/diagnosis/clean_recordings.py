@@ -53,6 +53,7 @@ def has_foreign_servo(log: Log) -> bool:
         parts = [motion[counts] for motion, counts in zip(rows(values).swapaxes(0, 1), valid.T, strict=True)]
         return np.concatenate([part - part.mean(axis=0) for part in parts if len(part)])
 
+    # share of the measured torque that the predicted one explains, by joint; none where they oppose each other
     measured, foretold = about_mean(log.feedback), about_mean(predict_feedback(log, log.robot))
     pairs = (measured, foretold), (measured, measured), (foretold, foretold)
     both, one, other = (np.einsum("sn,sn->n", a, b) for a, b in pairs)
@@ -133,7 +134,7 @@ class CleanRecordings:
 
     recordings: tuple[Recording, ...]
     simulated: bool
-    """Whether they are of its controller along the log's set-points; else the motors move as measured."""
+    """True for simulations of the controller along the log's set-points; else the motors move as measured."""
 
 
 def make_clean_recordings(log: Log, run: Replay) -> CleanRecordings:

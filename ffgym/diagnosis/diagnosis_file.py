@@ -17,10 +17,10 @@ from ffgym.diagnosis.residual import UNITS
 from ffgym.diagnosis.result import Diagnosis
 
 FORMAT = "ffgym-diagnosis"
-"""What the entry `format` says."""
+"""Value of the entry `format`."""
 
 VERSION = 1
-"""What the entry `version` says; it changes when an entry changes its meaning or goes away."""
+"""Value of the entry `version`; it changes when an entry changes its meaning or goes away."""
 
 LEVELS: Mapping[str, str] = MappingProxyType(
     {
@@ -98,9 +98,11 @@ def _levels(*objects: Any) -> list[dict[str, Any]]:
     """Levels as JSON, of the objects that stand for them."""
     kind, found = dict[str, dict[str, dict[str, Any]]], []
     tables = [from_json(kind, table, name) for name, table in zip(LEVELS, objects, strict=True)]
+    # all tables must list the same components, as a row of levels takes one entry of each
     places = [[(channel, component) for channel in table for component in table[channel]] for table in tables]
     if any(own != places[0] for own in places):
         raise FFGymError(f"{', '.join(LEVELS)} must have the same channels and components, in the same order.")
+    # a row of levels per component, in one unit
     for channel, component in places[0]:
         if channel not in UNITS:
             raise FFGymError(f"{next(iter(LEVELS))} has unknown channel {channel!r}; there are {', '.join(UNITS)}.")

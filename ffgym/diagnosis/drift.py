@@ -69,6 +69,7 @@ def find_drifts(log: Log, run: Replay, rest: Mapping[Channel, Array], blocks: Ti
         rate, error, chance = _fit_line(v, e, day)
         if chance > limits.drift_level or abs(rate) * np.ptp(day) < limits.drift_size or not _is_steady(v, e, day):
             continue
+        # report it with the recordings whose level is known
         found.append(
             Drift(
                 effect=name,

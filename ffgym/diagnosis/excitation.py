@@ -55,12 +55,14 @@ def sort_effects(
 
 def _explain_missing(kind: type[Effect], log: Log, machine: Machine) -> str:
     """Explain why a log cannot show an effect at all; empty if it can."""
+    # signals that the effect shows in
     if issubclass(kind, TrackerEffect) and log.tool is None:
         return "the log has no tracked tool position (tcp.position)"
     if issubclass(kind, ClockEffect) and "link.position" in kind.families and log.link is None:
         return "the log has no encoders behind the gearbox (link.position)"
     if kind.side == "controller" and not issubclass(kind, ClockEffect) and not log.shows_servo:
         return _NO_FEEDBACK
+    # parts of the nominal model that the effect acts on
     if kind.needs_elasticity and bool(machine.physical.drive.is_rigid.all()):
         return "the joints are described as rigid"
     if kind.at_low_speed and not describes_low_speed(log.robot).any():
@@ -69,6 +71,7 @@ def _explain_missing(kind: type[Effect], log: Log, machine: Machine) -> str:
         return "the model has it already, and a machine cannot have it twice"
     if kind.needs_tool and log.robot.tool is None:
         return "the robot has no tool"
+    # variables that the effect depends on, which must change enough to tell it from a constant
     for name in kind.varies_with:
         if name == "temperature" and log.temperature is None and machine.climate is None:
             return "the log has no temperature"

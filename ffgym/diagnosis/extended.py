@@ -161,6 +161,7 @@ def save_extended(
     machine = extend_machine(nominal, diagnosis.causes, diagnosis.numbers)
     if machine.climate is None:
         machine = replace(machine, climate=derive_climate(recordings))
+    # origins: those of the nominal effects, none of fitted numbers, and the diagnosis for the causes
     beside = len(machine.effects) - len(diagnosis.causes)
     known = [*origins, *(Origin() for _ in range(beside - len(origins)))]
     new = [_describe_origin(cause, nominal.robot, diagnosis) for cause in diagnosis.causes]

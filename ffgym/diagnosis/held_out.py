@@ -226,6 +226,7 @@ def compare_replays(
     # replay both models
     log = assemble_log(before.physical, recordings, cutoff=cutoff)
     rest = [compute_residuals(log, predict(replay(log, model))) for model in (before, after)]
+    # RMS over rows that count; the measured signal less its mean, which says nothing of a motion
     counting, measured = find_counting_rows(log), filter_measured(log)
     return tuple(
         LoopLevel(

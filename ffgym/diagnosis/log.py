@@ -148,6 +148,7 @@ def assemble_log(
     for i, recording in enumerate(recordings):
         known[ends : max(ends, len(recording) - ends), i] = True
         known[: len(recording), i] &= recording.valid.any(axis=1)
+    # positions and rates of one low-pass, so that all that is compared has one band
     positions = [read_joint_position(robot, recording, low_pass) for recording in recordings]
     rates = [differentiate(q, recording.dt) for q, recording in zip(positions, recordings, strict=True)]
 

@@ -125,6 +125,7 @@ def report_beyond_limits(robot: RobotDescription, recordings: Sequence[Recording
     kinematics, found = robot.kinematics, []
     for j, joint in enumerate(robot.joints):
         unit, (least, most) = kinematics.units[j], kinematics.range[j]
+        # position at both ends of the range, then speed
         for value, is_out in ((low[j], low[j] < least), (high[j], high[j] > most)):
             if is_out:
                 found.append(

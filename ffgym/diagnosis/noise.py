@@ -26,7 +26,8 @@ _ROUNDING = 1e-12
 """Relative differences of angles that are those of floating point."""
 
 _MULTIPLE, _MOST = 0.02, 0.99
-"""How near a change must be to a multiple of the smallest one, and how many must, for that to be the encoder's step."""
+"""Largest distance of a change from a multiple of the smallest one, and least share of such changes, for an encoder's
+step."""
 
 _QUIETEST, _QUIETEST_SERVO = 0.3, 1.0
 """Share of its RMS in all motions that the noise of a component has in each of them at least. An encoder that stands
@@ -41,16 +42,16 @@ class Noise:
     """White noise of each signal, standard deviations, shape (M, N), or (M, 3) for the tool; torques may have more."""
 
     angle: Array
-    """Of `motor.position`, motor side [rad]."""
+    """Noise of `motor.position`, motor side [rad]."""
     step: Array
-    """Of the encoder, motor side [rad]; 0 if it has none."""
+    """Step of the encoder, motor side [rad]; 0 if it has none."""
     torque: Array
-    """Of the acting motor torque, motor side [N m]."""
+    """Noise of the acting motor torque, motor side [N m]."""
     tool: Array | None
     link: Array | None
     feedback: Array | None
     colours: Mapping[str, NoiseSpectrum] = field(default_factory=dict)
-    """By family of columns; the noise of others is white."""
+    """Spectra by family of columns; the noise of others is white."""
 
 
 def estimate_noise(run: Replay) -> Noise:
@@ -91,6 +92,7 @@ def _add_spectra(noise: Noise, log: Log, like: Replay, own: Replay) -> Noise:
     for family, name in (("motor.effort", "torque"), ("feedback.effort", "feedback"), ("tcp.position", "tool")):
         if family not in left:
             continue
+        # only samples that the filter of the motion knows
         known, signals = log.known.T, (getattr(log, name), left[family], white[family])
         seen, rest, own_rest = ([values[rows, i] for i, rows in enumerate(known)] for values in signals)
         if not all(np.isfinite(values).all() for values in seen):
@@ -99,6 +101,7 @@ def _add_spectra(noise: Noise, log: Log, like: Replay, own: Replay) -> Noise:
         above, sampling = getattr(noise, name), log.sampling
         level, alike = np.median(above, axis=0), family == "tcp.position"
         bands = sampling.cutoff, sampling.motion_filter, log.dt
+        # estimate the part that falls with frequency, and take it off the white part
         colour = estimate_noise_spectrum(seen, rest, own_rest, *bands, level=level, alike=alike)
         if not colour.is_white:
             colours[family], less[name] = colour, colour.beside(above)
@@ -150,6 +153,7 @@ def add_noise(exact: Recording, noise: Noise, i: int, rng: np.random.Generator) 
         more = np.sqrt(max(float(noise.angle[i, j]) ** 2 - step**2 / 12, 0.0))
         seen = angle + rng.normal(scale=more, size=n) if more > 0 else angle
         columns[f"motor.position.{joint}"] = np.round(seen / step) * step if step > 0 else seen
+        # white noise of torques, and the part that falls with frequency
         for family, size in (("motor.effort", noise.torque), ("feedback.effort", noise.feedback)):
             if size is not None and exact.has(family):
                 drawn = rng.normal(scale=size[i, j], size=n)

@@ -141,9 +141,11 @@ def _extend_into_band(
     fast, white = inside > 0.5 * inside[-1], np.zeros(len(energy))
     if np.median(left / known) < limits.beyond_white:
         return white, 0.0
+    # noise of each corner frequency, as loud above the band as measured
     shares = np.exp(-2 * np.pi * _CORNERS * dt)
     fresh = np.array([np.sqrt(np.mean(energy / _shape(share, frequency, dt), axis=1)) for share in shares])
     angles = np.maximum(known - energy.mean(axis=1)[:, None], 0.0)  # what the model leaves of itself beside white noise
+    # take the corner whose noise and that of angles come nearest to what is left in the band
     over = np.stack(
         [left / (angles + s[:, None] ** 2 * _shape(share, inside, dt)) for s, share in zip(fresh, shares, strict=True)]
     )
@@ -196,11 +198,13 @@ def _compute_spectra(rows: Sequence[Array], dt: float) -> Array | None:
     for values in rows if width > 4 * limits.frequencies_per_group else ():
         n = len(values) // width
         for part in values[: n * width].reshape(n, width, values.shape[1]):
+            # less mean and slope, which would leak into the lowest frequencies
             about = part - part.mean(axis=0)
             about = about - time * np.sum(about * time, axis=0) / np.sum(time**2)  # its straight line
             spectra.append(2 * dt / float(np.sum(window**2)) * np.abs(np.fft.rfft(about * window, axis=0)) ** 2)
     if len(spectra) < limits.fewest_parts:
         return None
+    # means over neighbouring frequencies scatter less than single lines
     energy: Array = np.stack(spectra)[:, limits.lowest_periods :]
     n_groups = energy.shape[1] // limits.frequencies_per_group
     groups: Array = (

@@ -92,6 +92,7 @@ def _derive_prior(fit: RigidBodyFit) -> ParameterPrior:
         for label, fitted, width, size in zip(fit.labels, fit.fitted, widths, estimates, strict=True)
         if fitted and label.startswith(("coulomb.", "viscous."))
     ]
+    # the share by which fitted friction is unsure, never less than an exact fit can claim
     share = min(1.0, max(limits.fitted_share, float(np.median(shares)) if shares else limits.fitted_share))
     return ParameterPrior(
         share=share,

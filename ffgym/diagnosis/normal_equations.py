@@ -15,7 +15,7 @@ from ffgym.diagnosis.resampling import TimeBlocks
 from ffgym.diagnosis.residual import Channel
 
 Values = Mapping[tuple[Channel, int], Array]
-"""By channel and component: (R, M) or (R, M, K)."""
+"""Arrays by channel and component: (R, M) or (R, M, K)."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

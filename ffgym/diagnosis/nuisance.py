@@ -121,7 +121,7 @@ class JointDamping(NativeEffect):
 
 
 Refit = Callable[[Sequence[Recording]], RobotDescription]
-"""From recordings, whose torque is without that of causes, to the robot that they are of."""
+"""Function from recordings, whose torque is without that of causes, to the robot that they are of."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -133,15 +133,15 @@ class ParameterPrior:
     levels: float | None = None
     """Standard deviation of Coulomb and viscous friction, relative, where they are known less well; None is `share`."""
     torque_constant: float = 0.0
-    """Of torque per current, relative, where the torque of a log is a current times a number that nobody measured; 0
-    where torque is known."""
+    """Error of torque per current, relative, where the torque of a log is a current times a number that was not
+    measured; 0 where torque is known."""
     offset: float = settings().prior.offset * settings().prior.share
     """Standard deviation of torque offsets, as a share of the Coulomb torque."""
     tool: float = settings().prior.tool_offset
     """Standard deviation of the tool's place, each axis [m]."""
     base: float = 0.0
-    """Of each base parameter of the rigid arm, as a share of the torque that motors take: for masses and inertias that
-    were fitted to torque, which knows these combinations alone. 0: of masses and rotors one by one, by `share`."""
+    """Error of each base parameter of the rigid arm, as a share of the torque that motors take: for masses and inertias
+    that were fitted to torque, which knows these combinations alone. 0: of masses and rotors one by one, by `share`."""
 
     refit: Refit | None = field(default=None, repr=False, compare=False)
     """Fits the numbers anew that were fitted to the logs: to what is left of their torque without that of causes."""
@@ -186,7 +186,7 @@ class NuisanceParameter:
     sigma: float
     """Standard deviation of its parameter, in the parameter's unit."""
     at: float = 0.0
-    """Where the nominal machine stands already, in standard deviations from what is described."""
+    """Place of the nominal machine already, in standard deviations from what is described."""
 
     @property
     def per_sigma(self) -> Parts:
@@ -252,10 +252,12 @@ def _list_latencies(run: Replay) -> list[NuisanceParameter]:
     """
     limits = settings().prior
     log, drive, servo = run.log, run.robot.drive, run.robot.servo
+    # time derivative of each signal that may be late, and by how much it may be
     signals: list[tuple[type[Lateness], Channel, Array, float]] = [
         (RowOffset, "torque", -np.gradient(run.torque, log.dt, axis=0), limits.late_rows * log.dt),
         (Lateness, "torque", -np.gradient(run.bristles.torque, log.dt, axis=0), limits.friction_lag),
     ]
+    # the servo's own delays: of its output, and of the speed that it measures
     if log.shows_servo:
         computed = -np.gradient(predict_feedback(run.read, run.robot), log.dt, axis=0)
         known = servo.velocity_gain * drive.motor_angle(run.read.ddq)

@@ -41,7 +41,7 @@ class Perturbation:
     spring: Array | None = None
     """More torque of springs at the nominal deflection, link side [N m]."""
     joint_q: Array | None = None
-    """How much further the gearbox output truly was than read, link side [rad]."""
+    """Angle by which the gearbox output truly was further than read, link side [rad]."""
     joint_ddq: Array | None = None
     """Its acceleration."""
 
@@ -87,13 +87,16 @@ def perturb_numbers(run: Replay, other: RobotDescription) -> Perturbation:
         new, old = getattr(other.drive, name), getattr(drive, name)
         return np.subtract(new, old, out=np.zeros_like(old), where=new != old)
 
+    # motor side: friction along the same motion, and torque that accelerates rotors
     if not have_same_numbers(other.friction, robot.friction):
         motor = _compute_friction(run, other.friction, 0.0) - run.bristles.torque
     if np.any(heavier := more("rotor_inertia")):
         motor = add(motor, heavier * drive.motor_angle(run.log.ddq))
+    # springs: torque that other stiffness gives at the same deflection
     stiffer, damped = more("joint_stiffness"), more("joint_damping")
     if np.any(stiffer) or np.any(damped):
         spring = -(stiffer * run.deflection.angle + damped * run.deflection.rate)
+    # links: torque of other masses along the same motion
     if not have_same_links(other, robot):
         links = run.link_torque(other) - run.own_link_torque
     return Perturbation(motor=motor, links=links, spring=spring)
@@ -121,7 +124,7 @@ def perturb_motion(run: Replay, further: Array) -> Perturbation:
 
 
 Parts = Mapping[tuple[Channel, int], Array]
-"""By channel and component, shape (R, M) each; what is not there does not change."""
+"""Rows by channel and component, shape (R, M) each; what is not there does not change."""
 
 
 def propagate(run: Replay, pushes: Sequence[Perturbation]) -> list[Parts]:

@@ -54,13 +54,13 @@ class PreparedSearch:
 
     problem: FitProblem
     run: Replay
-    """Of the nominal machine over its own motion: where motors move as measured, a wrong spring swings at a frequency
-    of its own, and what an effect changes would be seen through that swing."""
+    """Replay of the nominal machine over its own motion: where motors move as measured, a wrong spring swings at a
+    frequency of its own, and what an effect changes would be seen through that swing."""
     null: NullSimulation
     floor: Mapping[Channel, Array]
     """RMS of noise alone, (M, C)."""
     simulated: bool
-    """Whether that motion is of the controller along set-points, which other logs may share."""
+    """True if that motion is of the controller along set-points, which other logs may share."""
     no_servo: str = ""
     """Why the feedback torque is not compared, though the log has it; empty if it is."""
 
@@ -72,7 +72,7 @@ class DiagnosisCache:
     key: bytes = b""
     known: "NominalRun | None" = None
     columns: dict[str, list[Sensitivity]] = field(default_factory=dict)
-    """Of effects, by their name."""
+    """Columns of effects, by their name."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -140,6 +140,7 @@ def prepare(
             replace(nuisance, at=place) for nuisance, place in zip(known.nuisances, at.tolist(), strict=True)
         )
         problem = replace(problem, nuisances=nuisances)
+    # springs may swing freely at first, by a state that the log does not show: such rows count less
     problem = replace(problem, weights=downweight(problem.weights, fit_first_swing(problem)))
     return PreparedSearch(problem=problem, run=known.run, null=null_residuals, floor=floor, simulated=known.simulated)
 

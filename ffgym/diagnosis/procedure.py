@@ -58,7 +58,7 @@ class Examination:
     """The extended model: the nominal one with the causes."""
     nominal: Machine
     rewiring: Rewiring = field(default_factory=Rewiring)
-    """How columns should be read, if the verdict is `wiring`."""
+    """Mended reading of columns, if the verdict is `wiring`."""
 
 
 def diagnose(
@@ -228,6 +228,7 @@ class _Pass:
         if model is not None:
             final = replace(final, hypotheses=model.hypotheses)
         causes = list_causes(final, verdict.gains, prior, self.rng)
+        # rivals that tie call for a motion that tells them apart
         ties = bool(causes) and any(rival.tied for rival in found.rivals)
         rivals = (*found.rivals, *select_reported(verdict, blind)) if causes else ()
         if ties:

@@ -29,7 +29,7 @@ class Variable:
     of: Callable[[LogRows], Array]
     """Values, shape (R, N)."""
     by_direction: bool = True
-    """Whether both directions are looked at apart: a sign-locked effect vanishes in their mean."""
+    """True if both directions are looked at apart: a sign-locked effect vanishes in their mean."""
     logarithmic: bool = False
 
 
@@ -47,7 +47,7 @@ VARIABLES: Mapping[str, Variable] = MappingProxyType(
         ),
     }
 )
-"""What residuals are shown over, by name."""
+"""Variables that residuals are shown over, by name."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -79,6 +79,7 @@ def compute_profiles(rows: LogRows, component: int, joint: int, variable: Variab
     directions: dict[str, BoolArray] = {"both": np.ones(len(speed), dtype=np.bool_)}
     if variable.by_direction:
         directions = {"forwards": speed > limits.rest, "back": speed < -limits.rest}
+    # rows with a residual and a value of the variable
     values = variable.of(rows)[:, joint]
     usable = np.isfinite(rows.residual[:, component]) & np.isfinite(values)
     if variable.logarithmic:

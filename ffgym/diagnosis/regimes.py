@@ -32,11 +32,11 @@ class LogRows:
     position: Array
     """Joint position behind the gearbox, link side [rad], shape (R, N)."""
     load: Array
-    """What the motor bears of the load behind the gearbox, motor side [N m], shape (R, N)."""
+    """Part of the load behind the gearbox that the motor bears, motor side [N m], shape (R, N)."""
     travel: Array
     """Travel of each motor since it turned [rad], shape (R, N)."""
     stood: Array
-    """How long each motor had stood when its move began [s], shape (R, N)."""
+    """Time for which each motor had stood before its move began [s], shape (R, N)."""
     temperature: Array
     """[degC], shape (R, N)."""
 
@@ -112,7 +112,7 @@ class ResidualMap:
     ratio: Array
     """RMS of the residual over the noise floor of each row's motion, shape (C, P): about 1 where nothing is wrong."""
     rows: IntArray
-    """How many rows, shape (C, P)."""
+    """Number of rows, shape (C, P)."""
 
     @property
     def overall(self) -> Array:
@@ -181,6 +181,7 @@ def _find_motion_regimes(rows: LogRows, friction: LuGreParameters, j: int) -> di
     """Each row in exactly one regime of motion."""
     limits = settings().patterns
     speed, travel, stood = np.abs(rows.speed[:, j]), rows.travel[:, j], rows.stood[:, j] >= limits.dwell
+    # scales of the friction model: deflection of bristles at breakaway, speed at which viscous friction prevails
     bristle = friction.static[j] / friction.bristle_stiffness[j]
     fast = friction.coulomb[j] / friction.viscous[j] if friction.viscous[j] > 0 else np.inf
     in_order = {
@@ -192,6 +193,7 @@ def _find_motion_regimes(rows: LogRows, friction: LuGreParameters, j: int) -> di
         "fast": speed >= fast,
         "mid": np.ones_like(stood),
     }
+    # a row belongs to the first regime that it satisfies
     left = np.ones_like(stood)
     found = {}
     for name, those in in_order.items():

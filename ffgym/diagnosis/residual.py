@@ -11,9 +11,10 @@ from ffgym.effects import State
 from ffgym.robot import RobotDescription
 
 Channel = Literal["torque", "tool", "link", "servo"]
-"""What is compared: `torque` of each motor over its measured motion, motor side [N m]; `tool`, tracked position against
-that of the model behind the measured motors [m], x, y, z of the world; `link`, angle of each link by an encoder behind
-the gearbox [rad]; `servo`, feedback torque of each motor against the documented servo on the measured error [N m]."""
+"""Signals that are compared: `torque` of each motor over its measured motion, motor side [N m]; `tool`, tracked
+position against that of the model behind the measured motors [m], x, y, z of the world; `link`, angle of each link by
+an encoder behind the gearbox [rad]; `servo`, feedback torque of each motor against the documented servo on the measured
+error [N m]."""
 
 UNITS: Mapping[Channel, str] = {"torque": "N m", "tool": "m", "link": "rad", "servo": "N m"}
 """Unit of each channel; `torque`, `servo`: motor side, `link`: link side."""
@@ -45,7 +46,7 @@ class MotionResidual:
     since_reversal: Array
     """Travel of each motor since it last turned or started after a rest [rad], motor side, >= 0, shape (R, N)."""
     at_rest_for: Array
-    """How long each motor has stood when its present move began [s]; 0 if it only turned; shape (R, N)."""
+    """Time for which each motor has stood before its present move began [s]; 0 if it only turned; shape (R, N)."""
     judged: Mapping[Channel, BoolArray] = field(default_factory=dict)
     """Rows in which the model claims to know a component, shape (R, N) or (R, 3); all, where a channel is not named."""
 

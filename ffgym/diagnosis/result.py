@@ -25,7 +25,7 @@ class Size:
     """Size of a parameter with its interval."""
 
     name: str
-    """Of the parameter; then a dot and the axis of a vector, or the other joint of a pair."""
+    """Name of the parameter; then a dot and the axis of a vector, or the other joint of a pair."""
     value: float
     unit: str
     interval: tuple[float, float]
@@ -66,9 +66,10 @@ class FittedNumber:
     """A number of the nominal model that was fitted beside the causes, as the extended model has it."""
 
     entry: str
-    """Of a description, such as 'friction.coulomb'; or 'effects.' with the name of an effect and its parameter."""
+    """Entry of a description, such as 'friction.coulomb'; or 'effects.' with the name of an effect and its
+    parameter."""
     unit: str
-    """As the entry is kept: SI units, on the side that descriptions keep it on."""
+    """Unit as the entry is kept: SI units, on the side that descriptions keep it on."""
     before: tuple[float, ...]
     """All its values, row by row."""
     after: tuple[float, ...]
@@ -107,10 +108,10 @@ class Pattern:
     frequency: float | None
     """Cycles per motor turn, or [Hz] of a line; None for others."""
     amplitude: float
-    """Of a sine with the same energy, in the unit of the channel."""
+    """Amplitude of a sine with the same energy, in the unit of the channel."""
     share: float
-    """Of the residual's energy in this component that it explains, on rows that were not used; 0 for a dependence,
-    which foretells nothing."""
+    """Share of the residual's energy in this component that it explains, on rows that were not used; 0 for a
+    dependence, which foretells nothing."""
     message: str
     """One sentence."""
     leads: tuple[str, ...] = ()
@@ -126,7 +127,7 @@ class Drift:
     joint: str
     motions: tuple[str, ...]
     days: tuple[float, ...]
-    """Of each motion, since the first one."""
+    """Day of each motion, since the first one."""
     changes: tuple[float, ...]
     """Against the model of all recordings, as a share of its level."""
     errors: tuple[float, ...]
@@ -229,13 +230,13 @@ class Diagnosis:
     """Columns that are not what they are called, the most telling first; then there is nothing else."""
     levels: tuple[Level, ...] = ()
     gains: bool = False
-    """Whether the extended model leaves less than the nominal one of motions that it was not fitted to; if it does not,
+    """True if the extended model leaves less than the nominal one of motions that it was not fitted to; if it does not,
     it is worse than before, and is not written."""
     threshold: float = 0.0
     """Energy that the best effect removes by chance in one of a thousand logs of a perfect model, on rows that were not
     used; 1 is the energy of noise in one component. Effects are tried whose score is larger. No share."""
     quality: tuple[str, ...] = ()
-    """How a long log was thinned; what the quality gate flagged or refused."""
+    """Sentences on how a long log was thinned, and on what the quality gate flagged or refused."""
     provenance: dict[str, Any] = field(default_factory=dict)
     """Seed, versions, fingerprints, options."""
 

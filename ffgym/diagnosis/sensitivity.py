@@ -41,11 +41,11 @@ class Sensitivity:
     """Empty for the machine as a whole."""
     parameter: str
     part: int | None = None
-    """Which number of a vector, or which other joint of a pair."""
+    """Place of the number in a vector, or which other joint of a pair."""
     choice: int = 0
     """Columns of one effect, joint and choice belong together."""
     span: int = 0
-    """Which of the values that span a phase or the like."""
+    """Place among the values that span a phase or the like."""
     shape: Mapping[str, Array] = field(default_factory=dict)
     """Values of the shapes, of this joint or of the machine."""
     parts: Parts

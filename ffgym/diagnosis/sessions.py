@@ -18,7 +18,7 @@ class SessionProposal:
 
     name: str
     why: str
-    """What it shows, in one phrase."""
+    """Purpose, in one phrase."""
     steps: tuple[Mapping[str, Any], ...]
     """Each with `protocol` and settings of that protocol."""
 

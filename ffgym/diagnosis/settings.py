@@ -78,7 +78,7 @@ class NoiseFloorSettings:
     """Noise floor: how much of a residual sensors and unknown motion explain."""
 
     torque_change_floor: float = 0.002
-    """What is added to the noise of torques, as a share of the RMS of their changes: no model foretells torque
+    """Part that is added to the noise of torques, as a share of the RMS of their changes: no model foretells torque
     better than to some per mille, however quiet the sensors; chosen."""
     draws: int = 2
     """Draws of the noise; an RMS over thousands of rows is known to some per cent from two."""

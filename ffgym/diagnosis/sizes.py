@@ -61,7 +61,7 @@ class HeldOutGain:
     before: Mapping[Channel, Array]
     after: Mapping[Channel, Array]
     is_better: bool
-    """Whether less is left than before, in units of the noise of each row."""
+    """True if less is left than before, in units of the noise of each row."""
 
 
 def compute_held_out_gain(problem: FitProblem, nominal: Fit, found: Fit, prior: ParameterPrior) -> HeldOutGain | None:

@@ -116,7 +116,7 @@ class Candidate:
     columns: IntArray
     """Their places among all columns."""
     one_sided: bool
-    """Whether its single parameter cannot be negative."""
+    """True if its single parameter cannot be negative."""
 
 
 def screen(

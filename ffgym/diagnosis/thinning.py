@@ -96,9 +96,9 @@ class _Windows:
     lasting: Array
     """Time from its first edge to its last one [s]."""
     rests: IntArray
-    """How many of its ends are at rest."""
+    """Number of its ends that are at rest."""
     usable: BoolArray
-    """Whether all its rows are there, and joints move."""
+    """True if all its rows are there, and joints move."""
     information: Array
     """Products of the regressor's columns over it, shape (W, K, K)."""
 

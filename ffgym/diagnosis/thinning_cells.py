@@ -117,9 +117,9 @@ class Cells:
     """C cells of one recording, one after the other."""
 
     edges: Array
-    """Where they begin and end [s], shape (C + 1,)."""
+    """Times at which they begin and end [s], shape (C + 1,)."""
     at_rest: BoolArray
-    """Whether the joints rest there, or the recording itself begins or ends, shape (C + 1,)."""
+    """True if the joints rest there, or the recording itself begins or ends, shape (C + 1,)."""
     information: Array
     """Products of the regressor's columns over each cell [s], shape (C, K, K)."""
     moving: Array

@@ -82,8 +82,8 @@ NUMBERS: tuple[type[Effect], ...] = (
     LinkMass,
     JointStiffness,
 )
-"""What is fitted on every joint that has it, as shares of what the description says. Springs keep their damping ratio:
-recordings tell it only at resonance."""
+"""Numbers that are fitted on every joint that has them, as shares of those of the description. Springs keep their
+damping ratio: recordings tell it only at resonance."""
 
 
 def _precision() -> float:

@@ -15,7 +15,7 @@ from ffgym.robot import RobotDescription
 from ffgym.simulation.plant import Machine
 
 Cycles = Mapping[str, Sequence[float]]
-"""By joint: how often something periodic may repeat per motor turn, the most likely first."""
+"""Repetitions of a periodic effect per motor turn that are likely, by joint, the most likely first."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -26,17 +26,18 @@ class Variant:
     """The effect by itself."""
     parameter: str
     part: int | None
-    """Which number of a vector, or the joint that causes it in a pair; None for one per joint or for the machine."""
+    """Place of the number in a vector, or the joint that causes it in a pair; None for one per joint or for the
+    machine."""
     step: float
-    """What `parameter` is away from its null value."""
+    """Distance of `parameter` from its null value."""
     shape: Mapping[str, Array]
     """Values of its shapes, as the effect has them."""
     joints: tuple[int, ...]
     """Joints that have it, each a column of its own; empty for one column of the whole machine."""
     choice: int
-    """Which of the shapes that are tried; columns of one choice belong together."""
+    """Number among the shapes that are tried; columns of one choice belong together."""
     span: int
-    """Which of the values that span a phase or the like."""
+    """Place among the values that span a phase or the like."""
 
 
 def compute_step(known: Parameter) -> float:

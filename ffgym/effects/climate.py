@@ -19,13 +19,13 @@ class Climate:
     """
 
     ambient: float = 20.0
-    """Of the room, and of a machine just switched on [degC]."""
+    """Temperature of the room, and of a machine just switched on [degC]."""
     rise: Array = field(default_factory=lambda: np.zeros(1))
     """Rise of each joint in the end [K], shape (N,); (1,) is the same for all."""
     time_constant: float = 1200.0
     """[s]; 5 to 20 min on industrial robots."""
     running_since: float = 0.0
-    """How long the machine has run when the motion begins [s]."""
+    """Time for which the machine has run before the motion begins [s]."""
 
     def __post_init__(self) -> None:
         check_number("climate.ambient", self.ambient, unit="degC", low=-40.0, high=80.0)

@@ -252,11 +252,12 @@ class Torques:
     """Torques that effects add, each (..., N) or None for nothing."""
 
     motor: Array | None = None
-    """On the rotor, motor side [N m]; positive accelerates the motor, so that friction is minus a friction law."""
+    """Torque on the rotor, motor side [N m]; positive accelerates the motor, so that friction is minus a friction
+    law."""
     spring: Array | None = None
     """Between gearbox output and link, link side [N m]; positive accelerates the link and pushes the gearbox back."""
     link: Array | None = None
-    """On the link from the link before it, link side [N m]; the gearbox does not carry it."""
+    """Torque on the link from the link before it, link side [N m]; the gearbox does not carry it."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -15,10 +15,10 @@ from ffgym.robot.reading.quantity import OTHER_UNITS
 Resample = Literal["", "gaps", "linear", "hold"]
 
 MOST_BITS = 32
-"""Of a counter; whole numbers of more bits do not fit a float64 in files of text."""
+"""Bits of a counter; whole numbers of more bits do not fit a float64 in files of text."""
 
 AXES = ("motion", "time", "part")
-"""What an axis of an array may be."""
+"""Meanings that an axis of an array may have."""
 
 _TURN = 2 * np.pi
 _MINUTE = 60.0
@@ -44,7 +44,7 @@ COUNTS = MappingProxyType({"count": "rad", "count/s": "rad/s", "count/s^2": "rad
 """Units of an encoder, which `counts_per_turn` makes angles."""
 
 _SHIFTS = {"K": -273.15}
-"""What is added after the factor: 0 degC is 273.15 K, by definition."""
+"""Offsets that are added after the factor: 0 degC is 273.15 K, by definition."""
 
 DRIVING = ("A", "mA", "V", "mV", "%")
 """Units of what drives a motor, or of its share of a rated torque, which a scale makes torques."""

@@ -18,7 +18,7 @@ from ffgym.recordings.rewiring import Rewire, Rewiring
 from ffgym.recordings.schema import FAMILIES, closest
 
 TO_FILL_IN = "?"
-"""What stands in a draft where only the owner of a log knows."""
+"""Mark in a draft for what only the owner of a log knows."""
 
 _NEUTRAL = {"factor": 1.0, "offset": 0.0, "delay": 0.0}
 
@@ -30,7 +30,7 @@ class ColumnMap:
     where: str
     """Name of the file or text, for messages."""
     folder: Path = Path()
-    """Where the path of a robot's description starts."""
+    """Folder from which the path of a robot's description starts."""
     robot: str = ""
     """Built-in robot, path, or with joints in `header` just a name; empty if the caller says which."""
     header: Mapping[str, Any] = field(default_factory=dict)
@@ -38,7 +38,7 @@ class ColumnMap:
     columns: Mapping[str, MappedColumn]
     """Family or column -> where its numbers are."""
     layout: TextLayout = field(default_factory=TextLayout)
-    """Of a text file."""
+    """Layout of a text file."""
     split: str = ""
     """Array whose value tells the motions apart; empty if there is one, or they lie along an axis."""
     names: str = ""
@@ -46,7 +46,7 @@ class ColumnMap:
     meta: Mapping[str, Any] = field(default_factory=dict)
     """JSON values, or tables {"source": name} for arrays of the file."""
     trim: bool = False
-    """Whether rows that a column with a clock of its own does not reach are dropped."""
+    """True if rows that a column with a clock of its own does not reach are dropped."""
     rewiring: Rewiring = field(default_factory=Rewiring)
     """Corrections of what is read."""
 

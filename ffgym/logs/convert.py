@@ -25,7 +25,7 @@ _DONE = {
     "linear": "samples of another clock, interpolated linearly",
     "hold": "samples of another clock, held until the next",
 }
-"""What is said in the header about resampled columns."""
+"""Sentences for the header about resampled columns."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

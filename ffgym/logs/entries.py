@@ -19,10 +19,10 @@ from ffgym.recordings import Header
 TIMESTAMP = "timestamp"
 
 _PLACE = re.compile(r"\{(joint|number|index)((?<!joint)[+-]\d+)?\}")
-"""Where the name of an array differs from joint to joint."""
+"""Part of an array's name that differs from joint to joint."""
 
 _ANY = {"joint": ".+", "number": r"\d+", "index": r"\d+"}
-"""What may stand in a place of a name, as long as it is not known whose log it is."""
+"""Texts that may stand in a place of a name, as long as the robot of the log is not known."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -32,7 +32,7 @@ class Gathered:
     values: NDArray[Any]
     """Shape (M, T, P): motions, rows, parts; the file's own number type, so that no digit of a clock is lost."""
     stacked: bool
-    """Whether the array had an axis of motions."""
+    """True if the array had an axis of motions."""
     stream: str | None
     """Stream of the file that they belong to, None if it has no streams."""
 
@@ -53,7 +53,7 @@ class Entries:
     """All entries of a map that a file has arrays for."""
 
     timestamp: MappedColumn
-    """How the times of the rows are known."""
+    """Column of the times of the rows."""
     times: Gathered | None
     """Them, one part; None for a constant rate."""
     others: dict[str, Entry]

@@ -34,9 +34,9 @@ class LogFormat(ABC):
     packages: ClassVar[tuple[str, ...]] = ()
     """Packages that reading imports, beside those that ffgym needs anyway."""
     extra: ClassVar[str] = ""
-    """What pip has to install where they are missing; empty is the packages."""
+    """Packages for pip to install where they are missing; empty is `packages`."""
     is_text: ClassVar[bool] = False
-    """Whether the table [file] of a column map says how it is laid out."""
+    """True if the table [file] of a column map says how it is laid out."""
 
     def __init_subclass__(cls) -> None:
         _KINDS.append(cls)

@@ -27,7 +27,7 @@ class LoggedMotion:
     n_rows: int = 0
     """Rows that every array with the clock of the file must have if it is cut by rows."""
     meta: Mapping[str, Any]
-    """What the file says about it."""
+    """Notes of the file about it."""
 
     def of(self, gathered: Gathered) -> NDArray[Any]:
         """Its part of an array with the clock of the file, shape (T, P)."""

@@ -26,9 +26,9 @@ class LowPass:
     """Butterworth low-pass that runs forward and backward, so that nothing is delayed."""
 
     cutoff: float = 40.0
-    """Where each of both runs has lost 3 dB [Hz]; the default is that of thesis 6.1.2."""
+    """Frequency at which each run has lost 3 dB [Hz]; the default is that of thesis 6.1.2."""
     order: int = 2
-    """Of each run; the default is that of thesis 6.1.2."""
+    """Order of each run; the default is that of thesis 6.1.2."""
     settling: float = 3.0
     """Periods of the cut-off at either end of a record that do not count: the filter does not know what lies beyond."""
 

@@ -32,7 +32,7 @@ class Config:
     threads: int = 0
     """Threads of the engine, 0 for all cores."""
     parts: tuple[Part, ...] = get_args(Part)
-    """What to measure."""
+    """Parts to measure."""
     json: Path | None = None
     """File for all numbers, with versions, physics fingerprint and machine."""
 

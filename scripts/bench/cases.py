@@ -187,8 +187,8 @@ def beginnings(threads: int, n: int = 64) -> Iterator[Amount]:
 # ---- what a decision of each agent costs, against a step of the environment it decides for
 
 FREQUENCY = 1.0
-"""Of the sine [Hz] on one axis, on which learning families are trained in seconds; long enough for the decisions that
-are timed. The law of a robot costs as much, but for its joints."""
+"""Frequency of the sine [Hz] on one axis, on which learning families are trained in seconds; long enough for the
+decisions that are timed. The law of a robot costs as much, but for its joints."""
 DECISIONS = 100
 """In one measurement: they take 0.01 s to 0.1 s."""
 

@@ -18,11 +18,11 @@ class Ratio:
     """Ratio of two speeds, from pairs of measurements next to each other in time."""
 
     title: str
-    """What is measured against what."""
+    """Names of both sides of the comparison."""
     rates: tuple[float, ...]
-    """Of what is measured, one per turn."""
+    """Rates of the measured side, one per turn."""
     against: tuple[float, ...]
-    """Of what it is measured against."""
+    """Rates of the side that it is compared with."""
     unit: str
     wanted: float | None = None
     """The ratio that is wanted at least."""

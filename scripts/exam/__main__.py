@@ -28,7 +28,7 @@ class HoldExam:
     """Hide effects in logs of a simulated robot, drawn by seed, diagnose them, and mark the answers."""
 
     seed: int = 7
-    """Of the exam: what is hidden, where, how large, with which errors of calibration and noise."""
+    """Seed of the exam: what is hidden, where, how large, with which errors of calibration and noise."""
     exam: ExamName = "own"
     """own: logs of the built-in robot, simulated; independent: logs of drawn machines by a plant that shares no
     equation, integrator, controller or motion with the simulation."""

@@ -33,7 +33,7 @@ class CurrentOffset(Sensor):
     """Torque by current sensors that show something of no current."""
 
     offset: Array
-    """As torque, motor side [N m], shape (N,)."""
+    """Offset as torque, motor side [N m], shape (N,)."""
 
     def apply(self, recording: Recording, rng: np.random.Generator) -> Recording:
         """Round the resolver's angle and add noise to it."""
@@ -54,7 +54,7 @@ class Bench:
     torque_noise: Array | None = None
     """Motor side [N m], shape (N,); None is `TORQUE_NOISE` of the Coulomb torque."""
     tracker_noise: float | None = None
-    """Of each coordinate [m]; None is that of the description."""
+    """Noise of each coordinate [m]; None is that of the description."""
     record_dt: float = RECORD_DT
     """Sample period [s]."""
     lacks: tuple[str, ...] = ()

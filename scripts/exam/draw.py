@@ -48,7 +48,7 @@ PERIODIC: tuple[type[Effect], ...] = (
     *(EFFECTS[name] for name in ("cogging", "torque_ripple", "kinematic_error", "resolver_ripple")),
     *(VARIANTS[name] for name in ("two_wave_cogging", "two_wave_ripple", "two_wave_gear_error")),
 )
-"""What repeats with the turn of a motor, by a number of cycles that an answer must give."""
+"""Effects that repeat with the turn of a motor, by a number of cycles that an answer must give."""
 
 _LIBRARY: tuple[type[Effect], ...] = tuple(kind for name, kind in EFFECTS.items() if name not in _NOT_HERE)
 
@@ -83,9 +83,9 @@ class Case:
     row: Row
     number: int
     bench: Bench
-    """Where its log comes from."""
+    """Bench that records its log."""
     audible: Bench
-    """Where loudness is told: with temperatures, as an effect is as loud without them."""
+    """Bench that loudness is computed on: with temperatures, as an effect is as loud without them."""
     machine: Machine
     """Machine with errors of calibration, but without what is hidden."""
     current_offset: Array

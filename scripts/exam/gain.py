@@ -20,7 +20,7 @@ _LATER = 1200.0
 """When the motions are made, since the machine was switched on [s]; chosen: soon after the session."""
 
 _SEED = 5
-"""Of the phases of the large motion, which no protocol of a diagnosis has."""
+"""Seed of the phases of the large motion, which no protocol of a diagnosis has."""
 
 
 def gain_of(case: Case, causes: Sequence[Cause], numbers: Sequence[FittedNumber] = ()) -> Gain:

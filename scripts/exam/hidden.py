@@ -21,7 +21,7 @@ _WRIST = 3
 """Last joints, between which wrists have coupling losses."""
 
 _NEARBY = 0.03
-"""How far from where motions are centred a damaged tooth is [rad]; chosen: all motions but the smallest pass it."""
+"""Distance of a damaged tooth from the centre of motions [rad]; chosen: all motions but the smallest pass it."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -32,7 +32,7 @@ class Hidden:
     joint: str
     """Empty for the machine as a whole."""
     beside: Mapping[str, float] = field(default_factory=dict)
-    """What errors of the description add to its numbers: one number is off by both, and nobody can tell them apart."""
+    """Errors of the description that add to its numbers: one number is off by both, and they cannot be told apart."""
 
     @property
     def answer(self) -> str:

@@ -36,7 +36,7 @@ from scripts.exam.hidden import Hidden
 from scripts.exam.paper import Paper
 
 _NOISE_SEED = 0
-"""Of the log that tells the noise; one for all exams, whose noise is the same to a per cent."""
+"""Seed of the log that tells the noise; one for all exams, whose noise is the same to a per cent."""
 
 _HALVINGS = 8
 """Times that an effect is halved which no arm would hold; chosen: some 2 kg m^2 on a spring, on a last link of 0.05."""
@@ -50,11 +50,11 @@ class Yardstick:
     """Noise and calibration errors in the motions of an exam."""
 
     rms: Mapping[Channel, Array]
-    """Of noise, (M, C) by channel."""
+    """RMS of noise, (M, C) by channel."""
     nuisance_columns: Sequence[Parts]
     """Columns per standard deviation."""
     design: DesignMatrix
-    """Those columns, weighted."""
+    """Design matrix of those columns, weighted."""
 
     def energy(self, added: Rows) -> float:
         """Energy of a difference of residuals, in energies of the noise, of the component where that is largest.

@@ -44,7 +44,7 @@ class SizeMark:
     true: float
     interval: tuple[float, float]
     scale: float
-    """How far the true one is from null; of a vector its length."""
+    """Distance of the true size from null; of a vector its length."""
 
     @property
     def error(self) -> float:
@@ -91,24 +91,24 @@ class Mark:
     causes: tuple[Said, ...]
     tied: tuple[Said, ...]
     first_is_right: bool
-    """Whether the first cause is one that is hidden, in an answer that names at all."""
+    """True if the first cause is one that is hidden, in an answer that names at all."""
     sizes: tuple[SizeMark, ...] = ()
     cycles_off: float | None = None
     """Cycles per motor turn said less true, of a periodic effect that is named; None for others."""
     clue_found: bool | None = None
-    """Whether the strongest pattern is the one that it must be, of an effect outside the library."""
+    """True if the strongest pattern is the one that it must be, of an effect outside the library."""
     patterns: tuple[str, ...] = ()
     gain: Gain | None = None
-    """What the extended model gains on motions that were not diagnosed; None if nothing is named."""
+    """Gain of the extended model on motions that were not diagnosed; None if nothing is named."""
     conditions: str = ""
-    """Of a log whose machine, controller and columns are drawn, too."""
+    """Conditions of a log whose machine, controller and columns are drawn, too."""
     seconds: float = 0.0
     same_bytes: bool | None = None
-    """Whether a second diagnosis of the same log gave the same bytes; None if none was made."""
+    """True if a second diagnosis of the same log gave the same bytes; None if none was made."""
     proposed: str | None = None
     """Protocol that was proposed to tell rivals apart."""
     then: Outcome | None = None
-    """What the diagnosis of both logs came to, when the proposed protocol was recorded, too."""
+    """Outcome of the diagnosis of both logs, when the proposed protocol was recorded, too."""
 
     @property
     def loudness(self) -> float:

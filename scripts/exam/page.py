@@ -29,9 +29,9 @@ class Config:
     """Exam whose results are written, and their page."""
 
     seed: int = 7
-    """Of the exam."""
+    """Seed of the exam."""
     exam: ExamName = "own"
-    """Which, see `python -m scripts.exam`; the part of the page is marked `exam`, or `independent`."""
+    """Name of the exam, see `python -m scripts.exam`; the part of the page is marked `exam`, or `independent`."""
     out: Path = Path("exam")
     """Folder in which `python -m scripts.exam` has kept its marks."""
     commit: str = "not told"

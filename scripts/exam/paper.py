@@ -43,7 +43,7 @@ class Truth:
     joint: str
     """Empty for the machine as a whole."""
     is_foreign: bool
-    """Whether its equation is another than that of the library, so that sizes do not compare."""
+    """True if its equation is another than that of the library, so that sizes do not compare."""
     loudness: float
     """Distance from the noise, see `scripts.exam.loudness`."""
     numbers: dict[str, float]
@@ -63,6 +63,6 @@ class Paper:
     """Accuracy of the description that the diagnosis is given."""
     truth: tuple[Truth, ...] = ()
     clue: Clue | None = None
-    """What an answer must say, of an effect outside the library."""
+    """Clue that an answer must give to an effect outside the library."""
     conditions: str = ""
     """Description of a machine, controller and log that are drawn."""

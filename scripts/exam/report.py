@@ -23,7 +23,7 @@ GOOD, TIE, PART, SILENT, WRONG = (
     "not found, or refused",
     "wrong",
 )
-"""What answers are summed up to."""
+"""Classes of answers."""
 
 _LOOKS = {
     GOOD: ("o", "#2a8f5b"),

@@ -62,7 +62,7 @@ class SizesExam(Exam):
     torque_noise: tuple[float, ...] = ()
     """Motor side [N m], for each joint or one for all; none is 3 % of the Coulomb torque."""
     tracker_noise: float | None = None
-    """Of each coordinate [m]; None is that of the description."""
+    """Noise of each coordinate [m]; None is that of the description."""
     record_dt: float = RECORD_DT
     """Sample period [s]."""
     effects: tuple[str, ...] = ()

@@ -47,7 +47,7 @@ class Line:
     demand: str
     got: str
     of: int
-    """How many answers it is taken from."""
+    """Number of answers that it is taken from."""
     is_met: bool | None
     """None if there are none."""
 

@@ -57,7 +57,7 @@ that rounding errors do not repeat from period to period."""
 INERTIA_ERROR = 0.05
 """Share of the inertia that the known model lacks; the thesis estimates up to 5 %."""
 SEED = 0
-"""Of the noise."""
+"""Seed of the noise."""
 
 
 def coverage(

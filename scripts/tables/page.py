@@ -28,7 +28,7 @@ class Contents:
     numbers: Mapping[str, Any] = field(default_factory=dict)
     """Numbers behind them as JSON can hold them."""
     pictures: Mapping[str, "Figure"] = field(default_factory=dict)
-    """By name of the file without its ending."""
+    """Pictures by name of the file without its ending."""
 
     def write(self, page: Path) -> None:
         """Renew the parts of a page, and the pictures that it shows from its folder pictures/."""

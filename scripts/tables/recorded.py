@@ -38,7 +38,8 @@ DATA_VARIABLE = "FFGYM_DATA"
 """Environment variable with the folder of published recordings."""
 
 AUTHORS_FILTERING = Filtering(motion=LowPass(cutoff=100.0, order=4), parallel=LowPass(cutoff=40.0, order=4), moving=0.0)
-"""As the EMPS scripts: position at 100 Hz, both sides below 40 Hz, every tenth row; standstill counts, too."""
+"""Filters as in the EMPS scripts: position at 100 Hz, both sides below 40 Hz, every tenth row; standstill counts,
+too."""
 ASYMMETRIC_TERMS = (*DEFAULT_TERMS, "viscous_asymmetry")
 RESAMPLES = RigidBodyOptions().resamples
 """Bootstrap resamples of the tables; tests take fewer."""

@@ -45,7 +45,7 @@ class Item:
     chapter: str
     """'chapter-4', 'chapter-5', 'chapter-6' or 'beyond'."""
     title: str
-    """What it shows; the heading names figure or table beside it."""
+    """Subject; the heading names figure or table beside it."""
     claims: tuple[Claim, ...] = ()
     figures: Callable[[Laboratory], Sequence[ReportFigure]] = lambda laboratory: ()
     tables: Callable[[Laboratory], Sequence[SpeedTable]] = lambda laboratory: ()
@@ -53,7 +53,7 @@ class Item:
     numbers: Callable[[Laboratory], Sequence[Table]] = lambda laboratory: ()
     """Other tables."""
     counterpart: str = ""
-    """For figures of the real robot: which simulated item stands for it."""
+    """Simulated item that stands for a figure of the real robot."""
 
     @property
     def heading(self) -> str:

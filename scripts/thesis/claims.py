@@ -61,7 +61,7 @@ class Check:
     """One comparison of two numbers; it is true if `value` is below `limit`."""
 
     where: str
-    """What is compared, with its unit, e.g. 'static LuGre, r = 1 mm [mm]'."""
+    """Compared quantity, with its unit, e.g. 'static LuGre, r = 1 mm [mm]'."""
     value: float
     limit: float
 
@@ -83,9 +83,9 @@ class Claim:
     name: str
     """Unique, e.g. '4.6-roundness'."""
     statement: str
-    """What the thesis says, in our words."""
+    """Statement of the thesis, in our words."""
     criterion: str
-    """Which numbers decide, and what must be true of them; where nothing can decide, why."""
+    """Numbers that decide, and the condition on them; where nothing can decide, the reason."""
     checks: Callable[[Laboratory], Sequence[Check]]
     """The comparisons; none if nothing comparable was published or can be simulated."""
     share: float = EVERY

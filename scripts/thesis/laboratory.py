@@ -26,11 +26,11 @@ Stage = Callable[[str, str], AbstractContextManager[Progress]]
 """Called with a title and a unit when a piece of work begins; yields what is told of its progress."""
 
 SEED = 0
-"""Of sensor noise, of the first weights of NARX networks, and of starts and resamples of identified friction; nothing
-else is random."""
+"""Seed of sensor noise, of the first weights of NARX networks, and of starts and resamples of identified friction;
+nothing else is random."""
 
 IDENTIFIED = "lugre_identified"
-"""What dynamic LuGre with identified parameters is called beside the one with old ones."""
+"""Name of dynamic LuGre with identified parameters, beside the one with old ones."""
 
 WORKCELL = "workcell:thesis"
 """Name of the machine that stands for the thesis' real robot in chapter 6."""

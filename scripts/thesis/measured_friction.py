@@ -43,7 +43,7 @@ class MeasuredFriction:
     records: dict[int, FrictionTorque]
     """Its records of Table 6.1 that were made, by number."""
     found: FrictionIdentification
-    """From the ladders and set D."""
+    """Friction from the ladders and set D."""
     _errors: dict[str, dict[int, Validation]] = field(default_factory=dict, init=False, repr=False)
 
     @property

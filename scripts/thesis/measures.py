@@ -27,7 +27,7 @@ from scripts.thesis.narx import ESTIMATION, VALIDATION, static_misfit
 RECORDS = {"ESTIMATION": ESTIMATION, "VALIDATION": VALIDATION}
 """Names of the two sines of thesis 6.2.2."""
 NOTHING = Laboratory()
-"""For numbers that need no results."""
+"""No results, for numbers that need none."""
 BEND = 1.0
 """Motor speed [rad/s] below which the thesis sees friction's nonlinearity (5.1.1)."""
 Joint = int | Sequence[int] | None

@@ -48,7 +48,7 @@ MIXTURE = ((2.0, 0.3), (1.5, 0.9), (1.2, 2.3), (0.8, 4.1))
 """Amplitudes [rad/s] and frequencies [Hz] of a motion whose reversals differ, with loops within loops; chosen."""
 
 Data = Literal["sine", "set D"]
-"""What a network is fitted to: the one sine of thesis 6.2.2, or the records of set D of Table 6.1."""
+"""Data that a network is fitted to: the one sine of thesis 6.2.2, or the records of set D of Table 6.1."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,7 +99,7 @@ OTHERS = (
         name="free_run", label="(6.20), fitted in free run", regressors=OUTPUT, focus="simulation", n_evaluations=100
     ),
 )
-"""What does not help enough: more of the thesis' regressors, longer lags, and a fit to the free run."""
+"""Changes that do not help enough: of the thesis' regressors, longer lags, and a fit to the free run."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -110,7 +110,7 @@ class NarxFit:
     model: NarxModel
     """One motor per start."""
     errors: Mapping[str, Errors]
-    """By record; shape (S,) each."""
+    """Errors by record; shape (S,) each."""
 
     def rms(self, record: str) -> Array:
         """RMS error in free run [N m] of each start, shape (S,)."""

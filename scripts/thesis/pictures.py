@@ -36,7 +36,7 @@ from scripts.thesis.tables import VALIDATING, fit_of_static, mean_rms, spread
 RATES = (0.4, 0.8, 1.6, 2.2)
 """Learning rates of the figure of stability: half and all of that of thesis 5.3.1, and two beyond; chosen."""
 ITERATIONS = 15
-"""As in thesis 5.3.1."""
+"""Iterations as in thesis 5.3.1."""
 
 
 def _name(figure: ReportFigure, name: str, title: str) -> ReportFigure:

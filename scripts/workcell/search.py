@@ -47,7 +47,7 @@ _BATCH = 8
 _STEP = 0.2
 """Step of finite differences, in spreads; chosen: far above the noise of stick-slip, below where the model bends."""
 _LARGEST_STEP = 0.05
-"""Of factors, whatever their spread."""
+"""Largest step of factors, whatever their spread."""
 _DAMPINGS = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0)
 """Factors on the damping of the last step that are tried."""
 
@@ -57,7 +57,7 @@ class Played(FeedForwardLaw):
     """A law whose torques are known already."""
 
     torques: dict[int, Array]
-    """By `id` of the reference [N m], shape (T, N) each."""
+    """Torques by `id` of the reference [N m], shape (T, N) each."""
     name: str = "played"
 
     def torque(self, reference: Reference) -> Array:

@@ -31,7 +31,7 @@ class Calibrated:
     """A nominal machine with other numbers, and what they leave."""
 
     sizes: Array
-    """By which they differ, in standard deviations of the doubts; 0 for those that are no numbers of the robot."""
+    """Differences in standard deviations of the nuisance parameters; 0 for those that are no numbers of the robot."""
     trial: Trial
     equations: NormalEquations
     cost: float
@@ -57,6 +57,7 @@ def calibrate(
     now = None if slopes is None else problem.place(at_rest, described, slopes)
     if now is None or not (causes or problem.is_bent(now)):
         return None
+    # descend from there; a search that is not thorough ends below the energy that slopes promise
     limits = settings().estimator
     most = np.inf if thoroughly else limits.promises * problem.predict_energy(now)
     steps = Steps(

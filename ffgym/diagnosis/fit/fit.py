@@ -87,6 +87,7 @@ def replay_hypotheses(
     machine = build_machine(numbers, hypotheses)
     if machine is None:
         return None
+    # measured minus predicted, less the bias that replaying itself has
     try:
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             run = replay(problem.log, machine, problem.like, beside=beside)

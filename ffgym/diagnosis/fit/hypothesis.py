@@ -28,7 +28,7 @@ class FreeParameter:
 
     name: str
     part: int | None
-    """Which number of a vector."""
+    """Place of the number in a vector."""
     value: float
     step: float
     """A practical change, > 0."""
@@ -37,7 +37,7 @@ class FreeParameter:
     nudge: float
     """A change by which slopes are found, > 0."""
     of_session: bool = False
-    """Whether it is the time in which a session changes something."""
+    """True for the time in which a session changes something."""
 
 
 def _find_span(p: Parameter, value: float) -> tuple[float, float, float]:
@@ -70,7 +70,7 @@ class Hypothesis:
     joint: str
     """Empty for the machine as a whole."""
     source: int | None
-    """Of an effect of one joint on another: the joint that causes it."""
+    """Joint that causes an effect of one joint on another."""
     values: Mapping[str, Array]
     """Value of every parameter, () or (3,) each."""
     null: frozenset[str] = frozenset()
@@ -128,6 +128,7 @@ class Hypothesis:
             if p.per in ("machine", "vector"):
                 full[name] = value
                 continue
+            # other joints get the neutral size, with which the effect does nothing there
             at = list(robot.joints).index(self.joint)
             spread = np.full(shape, p.neutral if p.role == "size" else float(value))
             if p.per == "pair":

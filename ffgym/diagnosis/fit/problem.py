@@ -133,15 +133,18 @@ def split_components(residual: Mapping[Channel, Array]) -> Values:
 
 def compute_exchange_changes(run: Replay, machines: Sequence[Machine]) -> list[Parts]:
     """Compute the change of all predictions for each of several machines in place of that of the replay."""
+    # torques of all machines pass through the springs of the arm together, as one solution serves many loads
     known: dict[TorqueEffect, Perturbation] = {}
     pushes = [_perturb_exchange(run, machine, known) for machine in machines]
     found: list[Parts] = []
     for machine, pushed in zip(machines, propagate(run, pushes), strict=True):
         gone, come = _list_exchange(run.machine, machine)
         both = (*gone, *come)
+        # an effect with joints of its own has no torque that acts on the nominal arm: replay it
         if any(isinstance(effect, ModelEffect) for effect in both):
             found.append(replay_change(run, machine))
             continue
+        # add the changes by trackers, clocks and the controller along the same motion
         parts = dict(pushed)
         if run.log.tool is not None and any(isinstance(effect, TrackerEffect) for effect in both):
             every = run.log.sampling.stride
@@ -169,9 +172,11 @@ def _list_exchange(before: Machine, after: Machine) -> tuple[list[Effect], list[
 def _perturb_exchange(run: Replay, machine: Machine, known: dict[TorqueEffect, Perturbation]) -> Perturbation:
     """Compute the perturbation by an exchange of machines; perturbations of effects are kept in `known`."""
     gone, come = _list_exchange(run.machine, machine)
+    # effects that change numbers of the description: one perturbation by all new numbers
     total = Perturbation()
     if any(isinstance(effect, NativeEffect) for effect in (*gone, *come)):
         total = perturb_numbers(run, machine.physical)
+    # torques add up: subtract those that are gone, and add those that come
     for sign, effects in ((-1.0, gone), (1.0, come)):
         for effect in effects:
             if isinstance(effect, TorqueEffect):
@@ -195,12 +200,14 @@ def compute_tangents(
     `known`, by their places.
     """
     known = known or {}
+    # machines with one free number moved by its practical step, for finite differences
     machines, steps = [], []
     for i, hypothesis in enumerate(hypotheses):
         for k in range(0 if i in known else len(hypothesis.list_free())):
             machine, step = _nudge(run.machine, len(before.effects) + i, hypothesis, k)
             machines.append(machine)
             steps.append(step)
+    # changes by all machines at once, put back in the order of the hypotheses
     parts = iter(zip(compute_exchange_changes(run, machines), steps, strict=True))
     columns: list[Parts] = []
     for i, hypothesis in enumerate(hypotheses):

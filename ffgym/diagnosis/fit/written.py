@@ -30,7 +30,7 @@ from ffgym.recordings import Recording
 from ffgym.simulation.plant import Machine
 
 _ROUNDING = 1e-12
-"""By which a breakaway torque is more than the Coulomb torque at least, as a share of it: sums are rounded."""
+"""Least excess of a breakaway torque over the Coulomb torque, as a share of it: sums are rounded."""
 
 
 def with_numbers(nominal: Machine, nuisances: Sequence[NuisanceParameter], sizes: Array) -> Machine:
@@ -47,6 +47,7 @@ def with_numbers(nominal: Machine, nuisances: Sequence[NuisanceParameter], sizes
         )
         place = joints.index(column.joint) if column.joint else () if column.part is None else column.part
         own[column.parameter][place] += size * nuisance.sigma
+    # numbers go into the description where it has them, and stand beside it as effects where it has not
     robot, beside = nominal.robot, list[Effect]()
     for effect in (kind(**own) for kind, own in values.items()):
         if effect.is_null:
@@ -163,10 +164,12 @@ def _refit(problem: FitProblem, fit: Fit, refit: Refit, chosen: BoolArray) -> Tr
     """Fit the numbers that were fitted to the logs anew, to the torque that the causes leave."""
     motions = np.unique(problem.blocks.motion[chosen]).tolist()
     numbers, hypotheses, best = problem.nominal, fit.hypotheses, None
+    # twice, as causes and numbers each depend on the other
     for last in (False, True):
         tried, plain = replay_hypotheses(problem, hypotheses, numbers), replay_hypotheses(problem, (), numbers)
         if tried is None or plain is None:
             return best
+        # fit the numbers to the torque without what the causes add
         added = tried.run.torque - plain.run.torque
         effects = tried.machine.effects
         left = [_without_causes(problem, i, effects, added[: problem.log.lengths[i], i]) for i in motions]
@@ -174,6 +177,7 @@ def _refit(problem: FitProblem, fit: Fit, refit: Refit, chosen: BoolArray) -> Tr
         best = replay_hypotheses(problem, hypotheses, numbers)
         if best is None or last or not hypotheses:
             return best
+        # move the sizes of the causes to what suits the new numbers
         x = _solve(_evidence(problem, best), fit, np.zeros(fit.n_nuisances), chosen)
         hypotheses = move_hypotheses(hypotheses, x[fit.n_nuisances :])
     return best

@@ -49,7 +49,7 @@ _AMPLITUDES: dict[Amplitude, str] = {
 
 
 _Found = tuple[float, Pattern]
-"""How much energy above the noise a pattern stands for, and the pattern."""
+"""Energy above the noise that a pattern stands for, and the pattern."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -173,6 +173,7 @@ def _describe(
     if isinstance(form, VariableFunction | Dependence) and joint:
         words = _VARIABLES.get(form.variable, form.variable)
     named = f"{words} of {joint}" if joint else words
+    # words for the form, which says more than the name of a variable
     kind: PatternKind = "dependence"
     match form:
         case SpectralLine():
@@ -192,6 +193,7 @@ def _describe(
             says = "wanders with time, whatever moves"
         case _:
             says = f"depends on the {named}, in none of the forms that are known"
+    # amplitude of a sine of the same energy, as readers compare peaks
     amplitude = float(np.sqrt(2 * np.mean(part**2)))
     size = f"{amplitude:.3g} {UNITS[rows.channel]}" + ("" if kind == "dependence" else f", {share:.0%} of the residual")
     return Pattern(

@@ -18,7 +18,7 @@ class DependenceForm(ABC):
     joint: int | None
     """Joint whose variable it is; None for time."""
     own_only: bool
-    """Whether only residuals of that joint, and of the tool, may depend on it."""
+    """True if only residuals of that joint, and of the tool, may depend on it."""
 
     def may_act_on(self, rows: PatternRows, component: int) -> bool:
         """Tell whether a component of a channel may depend on it."""
@@ -65,7 +65,7 @@ Variable = Literal[
     "power",
     "none",
 ]
-"""What a function depends on; `none` is a constant, which only makes sense times a sign."""
+"""Variable that a function depends on; `none` is a constant, which only makes sense times a sign."""
 
 COARSE, FINE = 8, 40
 """Knots of a smooth function, and of one with a local bump; chosen: 40 over the range of a joint's large motions tell
@@ -133,6 +133,7 @@ def list_functions(n_joints: int) -> list[VariableFunction]:
     of_other: list[Variable] = ["size of speed", "load", "angle"]
     # time since a motion began, the same in all motions, whatever they do
     found = [VariableFunction(variable="time", joint=None, knots=knots, evenly=True) for knots in (COARSE, FINE)]
+    # functions of a joint's own variables, without and with the sign of its speed
     for j in range(n_joints):
         found += [
             VariableFunction(variable="none", joint=j, signed=j),
@@ -152,6 +153,7 @@ def list_functions(n_joints: int) -> list[VariableFunction]:
             *(VariableFunction(variable=v, joint=j, signed=j, knots=_count_knots(v), own_only=True) for v in own),
             *(VariableFunction(variable=v, joint=j, knots=_count_knots(v), own_only=True) for v in own[:-1]),
         ]
+    # friction of a joint that depends on the motion of another
     for j, other in permutations(range(n_joints), 2):
         found += [VariableFunction(variable=v, joint=other, signed=j) for v in of_other]
     return found

@@ -23,7 +23,7 @@ _STATES = {
     "temperature": "temperature",
 }
 _OF_MOTION = {"acceleration": "motor_acceleration", "travel": "since_reversal", "rest": "at_rest_for"}
-"""Where a motion's residual has what motors did."""
+"""Field of a motion's residual for each variable of did."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -46,7 +46,7 @@ class PatternRows:
     t: Array
     """Time since the motion began [s], shape (R,)."""
     did: Mapping[str, Array]
-    """What motors have done by its name, (R, N) each, motor side: `angle` [rad], `speed`, its size and its smoothed
+    """States and past of the motors by name, (R, N) each, motor side: `angle` [rad], `speed`, its size and its smoothed
     `sign`, `acceleration`, `load`, `torque`, `power`, `temperature` [degC], `travel` since the last reversal and `way`
     there and back since the motion began [rad], and `rest` before the present move [s]."""
     motion_starts: IntArray

@@ -47,7 +47,7 @@ class LinkTerms:
     """h: gravity, springs between links, Coriolis and centrifugal parts [N m], shape (T, M, N); where joints bend, as
     it would be if they did not."""
     bending: Bending | None = None
-    """What is added where joints bend, beside inertia; None is nothing."""
+    """Terms that are added where joints bend, beside inertia; None is nothing."""
     bent: Array | None = None
     """About how joints bend [rad], (T, M, N): where poses are beside those of the motors; None is not at all."""
 
@@ -72,6 +72,7 @@ def _slopes(arm: RigidArm, q: Array, dq: Array, ddq: Array, places: IntArray, jo
         """Torque of links at poses (P, N), link side [N m]."""
         return arm.inverse_dynamics(q, dq, at[2], gravity=True) + arm.spring_torque(q)
 
+    # forward differences by one joint after the other
     plain = torque(at[0], at[1])
     for j in joints.tolist():
         step = np.zeros(n)
@@ -112,9 +113,11 @@ def terms_beside(
     """
     limits = settings().replay
     bent = np.zeros_like(q) if known.bent is None else known.bent
+    # mass matrix and bias of the other arm, at samples that are enough for their difference
     there, slow = q + bent, places_of(len(q), max(1, round(limits.bending_period / dt)))
     mass, bias = _terms(arm, there, dq, slow)
     bending, more_by_place = None, 0.0
+    # slopes by bending, likewise; their torque at the known deflection is part of the bias already
     if known.bending is not None:
         slower = places_of(len(q), max(1, round(limits.other_masses_period / dt)))
         rate, place = _slopes(arm, there, dq, ddq, slower, joints)
@@ -134,7 +137,7 @@ def terms_beside(
 _AXES = 3
 
 _LEAN = 1e-3
-"""By which the base is turned to see what that asks of joints [rad]; chosen: little, and far from rounding."""
+"""Angle by which the base is turned for differences of its torques [rad]; chosen: little, and far from rounding."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -144,7 +147,7 @@ class Tilt:
     angle: Array
     """About the axes of the world [rad], shape (T, M, 3)."""
     torque: Array
-    """What it asks of the joints of the arm, link side [N m], shape (T, M, N)."""
+    """Torque that the motion of the base takes of the joints of the arm, link side [N m], shape (T, M, N)."""
 
     def move(self, points: Array, every: int = 1) -> Array:
         """Move points (T', M, 3) [m] of the arm with the base; `every` so many samples."""
@@ -158,7 +161,7 @@ class BaseTerms:
     upright: LinkTerms
     """(T, M, 3 + N)."""
     lean: Array
-    """What the joints of the arm take more for each radian that the base leans [N m/rad], shape (T, M, N, 3)."""
+    """Torque that the joints of the arm take more for each radian that the base leans [N m/rad], shape (T, M, N, 3)."""
 
 
 def base_terms(log: Log, robot: RobotDescription) -> BaseTerms:

@@ -53,6 +53,7 @@ def swing(by_load: Array, by_place: Array, by_rate: Array, load: Array, start: A
     band = np.zeros((min(n, _AT_ONCE), 3 * e, 3 * e + 1))
     band[:, : 2 * e, 3 * e] = -1.0
     band[:, :e, e] = band[:, 2 * e :, e] = -dt
+    # a stretch of samples at a time, so that the banded matrix stays small; each begins where the one before ended
     by, of = joint, joint[:, None]
     rate, place = np.zeros((e, v)), start
     for first in range(0, n, _AT_ONCE):
@@ -66,6 +67,7 @@ def swing(by_load: Array, by_place: Array, by_rate: Array, load: Array, start: A
         solved = _solve_banded(band[:count].reshape(-1, 3 * e + 1), right.reshape(v, -1).T).T.reshape(right.shape)
         found[:, rows] = solved[:, :, [1, 0, 2]].transpose(2, 1, 3, 0)
         place, rate = found[0, rows.stop - 1], found[1, rows.stop - 1] + dt * found[2, rows.stop - 1]
+    # correct the predicted place and rate by the acceleration of the sample
     found[0] += dt**2 / 4 * found[2]
     found[1] += dt / 2 * found[2]
     return found

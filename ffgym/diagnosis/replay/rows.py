@@ -68,23 +68,23 @@ class Replay:
     """Motion and torques of a machine whose motors move as measured; (T, M, N) each."""
 
     read: Log
-    """As resolvers read the motors, which is what the servo acts on."""
+    """Log as resolvers read the motors, which is what the servo acts on."""
     log: Log
-    """As motors truly moved."""
+    """Log as motors truly moved."""
     machine: Machine
     robot: RobotDescription
-    """With the effects that other numbers bring about."""
+    """Description with the effects that other numbers bring about."""
     links: LinkTerms
-    """Where the links are."""
+    """Terms of the links."""
     springs: Springs
     deflection: Deflection
     bristles: Bristles
     state: State
-    """Of all joints; `motor_torque` is the model's."""
+    """States of all joints; `motor_torque` is the model's."""
     torque: Array
     """Motor torque that the motion takes [N m], motor side."""
     tilt: Tilt | None = None
-    """Of a base that gives way."""
+    """Tilt of a base that gives way."""
 
     @cached_property
     def coarse_springs(self) -> tuple[int, Springs]:
@@ -152,6 +152,7 @@ def replay(
         exact: whether links that bend ask for what they do there, not for what slopes about the measured motion say;
             it takes a little longer.
     """
+    # another replay lends the terms of its links if log and links are the same, and its springs if drives are, too
     robot, read = machine.physical, log
     drive, log = robot.drive, _truly(log, machine)
     if like is not None and (like.log is not log or not have_same_links(like.robot, robot)):
@@ -186,6 +187,7 @@ def replay(
     if bases:
         tilt = tilt_of(log, robot, bases[0], base_terms(log, robot) if like is None else like.base_terms)
     rigid_torque = links.torque(log.ddq) + (0.0 if tilt is None else tilt.torque)
+    # deflections of another replay hold if nothing that acts on the arm differs
     stands = tilt is None and alike_driven is not None and alike_driven.tilt is None
     if alike_driven is not None and stands and not on_arm and not arm_effects(alike_driven.machine):
         deflection = alike_driven.deflection

@@ -36,7 +36,7 @@ class FlownAwayError(FFGymError):
 
 
 Push = Callable[[int, Array, Array], Array]
-"""What acts on the springs at sample k, at deflection and rate (M, N), link side [N m], (M, N)."""
+"""Torque that acts on the springs at sample k, at deflection and rate (M, N), link side [N m], (M, N)."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -77,7 +77,7 @@ class Springs:
     """d [N m s/rad], shape (N,)."""
     dt: float
     bending: Bending | None = None
-    """What links that bend ask for beside their inertia; None is nothing."""
+    """Torque that bending links take beside their inertia; None is nothing."""
 
     @cached_property
     def elastic(self) -> IntArray:
@@ -103,9 +103,11 @@ class Springs:
             )
         )
         mass, _, place = self._terms(rows)
+        # phase error of Newmark's method to the sixth order, and the mass that undoes it
         phase = np.linalg.solve(mass, self.dt**2 * place)  # its square, of a step
         full = np.eye(mass.shape[-1]) + phase / 40 + phase @ phase / 144
         late = mass @ np.linalg.solve(full, phase) / 6
+        # straight lines between samples of the slowly changing mass
         left = np.clip(np.searchsorted(rows, at, side="right") - 1, 0, max(len(rows) - 2, 0))
         right = np.minimum(left + 1, len(rows) - 1)
         x = (at - rows[left]) / np.maximum(rows[right] - rows[left], 1)
@@ -159,7 +161,9 @@ class Springs:
         found = Deflection(angle=angle, rate=rate, acceleration=acceleration)
         if not len(e):
             return found
+        # springs in equilibrium at the first sample
         rest = np.linalg.solve(self._terms(slice(0, 1))[2][0], torque[0][:, e])
+        # few loads: one banded system per motion
         if shape[3] <= _FEW:
             for m in range(shape[1]):
                 swung = swing(*self._step(motion=m), torque[:, m, e], rest[m], dt)
@@ -221,6 +225,7 @@ class Springs:
         """
         e, dt, shape, n = self.elastic, self.dt, torque.shape, len(self.elastic)
         found = Deflection(angle=np.zeros(shape), rate=np.zeros(shape), acceleration=np.zeros(shape))
+        # matrices of all steps; rows of the state that they act on: load, place and rate
         steps, every = np.concatenate(self._step(slice(None)), axis=-1), slice(None) if n == shape[2] else e
         np.negative(steps[..., n:], out=steps[..., n:])  # place and rate pull back
         push(0, start, np.zeros_like(start))
@@ -229,6 +234,7 @@ class Springs:
         x[:], change = start[:, e], np.zeros((shape[1], n))
         found.angle[0][:, every] = x
         expected, expected_rate = start.copy(), np.zeros_like(start)
+        # predict place and rate, evaluate the push there, solve for the acceleration
         for k in range(1, shape[0]):
             rate += dt * change
             x += dt * rate
@@ -238,6 +244,7 @@ class Springs:
             load[:] = (torque[k] + push(k, expected, expected_rate))[:, every]
             change = np.matmul(steps[k], moved)[..., 0]
             found.angle[k][:, every], found.rate[k][:, every], found.acceleration[k][:, every] = x, rate, change
+        # correct place and rate by the acceleration at the sample
         np.add(found.angle, dt**2 / 4 * found.acceleration, out=found.angle)
         np.add(found.rate, dt / 2 * found.acceleration, out=found.rate)
         return found
@@ -252,6 +259,7 @@ def between(values: Array, every: int) -> Array:
     n = (len(values) - 1) * every + 1
     found = np.empty((n, *values.shape[1:]))
     found[::every] = values
+    # Lagrange's cubic through the two samples on either side
     before, left, right, after = padded[:-3], padded[1:-2], padded[2:-1], padded[3:]
     for part in range(1, every):
         x = part / every

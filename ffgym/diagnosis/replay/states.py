@@ -77,6 +77,7 @@ def state_of(log: Log, machine: Machine, bristles: Bristles) -> State:
         deflection=none,
         deflection_rate=none,
     )
+    # warming goes on since the start of the session, not of the motion
     state.set_values(running_since=state.running_since + log.started[:, None])
     if log.temperature is not None:
         state.set_values(temperature=log.temperature)
@@ -119,6 +120,7 @@ def flown(
         now = each[0].with_values(deflection=angle, deflection_rate=np.zeros_like(angle))
         return springs.restoring(angle) - torque[0] - _behind(step(effects, now, relax(effects, now), dt)[0], angle)
 
+    # begin in equilibrium, with memories that rest there
     rest = find_rest(pull, start)
     memories = relax(effects, each[0].with_values(deflection=rest, deflection_rate=np.zeros_like(rest)))
 
@@ -127,6 +129,7 @@ def flown(
         added, memories[:] = step(effects, each[k], memories, dt / every)
         return _behind(added, angle)
 
+    # integrate, at several steps a sample where springs are stiff
     if every == 1:
         return springs.integrate(torque, push, rest)
     return springs.finer.integrate(between(torque, every), push, rest).at_every(every)

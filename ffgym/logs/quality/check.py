@@ -70,7 +70,7 @@ class QualityReport:
     """[s]."""
     findings: tuple[Finding, ...]
     conditioning: tuple[str, ...] = ()
-    """What conditioning did before, in sentences."""
+    """Sentences on what conditioning did before."""
 
     @property
     def verdict(self) -> Overall:
@@ -104,7 +104,7 @@ class Seen:
     columns: tuple[str, ...] = ()
     joint: str = ""
     words: Mapping[str, Any] = field(default_factory=dict)
-    """What the message of the check says beside the value, by the names in its braces."""
+    """Words of the check's message beside the value, by the names in its braces."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -114,7 +114,7 @@ class Check:
     name: str
     judge: Callable[[CheckedLog], Iterable[Seen]]
     figure: str
-    """What the number is."""
+    """Name of the number."""
     unit: str
     flag: float | None = None
     """Above this, the figure is flagged; None if it never is."""
@@ -123,7 +123,7 @@ class Check:
     why: str
     """Why the limits are where they are."""
     message: str = ""
-    """What is said of a figure above a limit."""
+    """Statement about a figure above a limit."""
     every: bool = False
     """Keep figures that are in order, all of them; else only the worst is kept."""
 

@@ -44,7 +44,7 @@ _REST = 0.25
 """Time [s] for which all joints rest after a stop, at least."""
 
 _HARDER = 1.5
-"""How much harder than anything else in the log a stop brakes."""
+"""Factor by which a stop brakes harder than anything else in the log."""
 
 _SLOW = 0.05
 """Largest sample period [s] at which braking is seen."""
@@ -68,7 +68,7 @@ class _Repair:
     columns: dict[str, Array] = field(default_factory=dict)
     """Columns that are replaced."""
     texts: list[str] = field(default_factory=list)
-    """What was found, where."""
+    """Findings with their places."""
 
     @cached_property
     def masked(self) -> BoolArray:

@@ -84,7 +84,7 @@ def _judge(name: str) -> Callable[[CheckedLog], Iterator[Seen]]:
 
 
 COVERAGE = tuple(check(_judge(name), name) for name in FIGURES)
-"""What a log excites."""
+"""Checks of what a log excites."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,7 +94,7 @@ class Need:
     columns: Sequence[str] = ()
     """Families that it takes."""
     torque: bool = False
-    """Whether the header must say what the torque is."""
+    """True if the header must say what the torque is."""
     least: Mapping[str, float] = field(default_factory=dict)
     """Figures of coverage that at least one joint must reach, by name."""
     sound: Sequence[str] = ()

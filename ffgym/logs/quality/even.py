@@ -92,11 +92,11 @@ class Times:
     s: Array
     """[s], increasing, shape (S,)."""
     period: float
-    """Of the even clock that they are to be brought to [s]."""
+    """Period of the even clock that they are to be brought to [s]."""
     kept: bool
-    """Whether they are the time stamps."""
+    """True if they are the time stamps."""
     stepped: bool = False
-    """Whether steps of the clock were taken out."""
+    """True if steps of the clock were taken out."""
 
 
 def times_of(log: CheckedLog) -> Times:

@@ -115,9 +115,9 @@ class Judged:
     recordings: tuple[Recording, ...]
     """Conditioned, in their order."""
     left_out: tuple[str, ...]
-    """Which logs are not used, and why, a sentence each."""
+    """Logs that are not used, and why, a sentence each."""
     flagged: tuple[str, ...]
-    """What was left out, what conditioning did, what was accepted, and what else was flagged."""
+    """Sentences on what was left out, conditioned, accepted or flagged otherwise."""
 
 
 def judge_logs(

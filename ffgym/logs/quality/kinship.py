@@ -23,7 +23,7 @@ UNIT_FACTORS = {
     "thousandths for whole units": 1e3,
     "thousands for whole units": 1e-3,
 }
-"""What a column is multiplied by when its unit is not the one of the schema."""
+"""Factors by which a column is multiplied when its unit is not the one of the schema."""
 
 CLOSE = 0.05
 """Difference of two slopes that are the same: less than between any two factors that are looked for."""
@@ -61,7 +61,7 @@ _WHOLE, _PARTS = ("motor.effort", "command.effort"), ("feedforward.effort", "fee
 """Families of the motor torque, and of the parts of its command."""
 
 _OTHERWISE = "another scale or zero point"
-"""What was done to a signal whose factor nothing explains."""
+"""Name of a change of a signal whose factor nothing explains."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +83,7 @@ class TorqueSignals:
     slack: float
     """Largest difference that servo errors and elasticity leave between signals of different channels."""
     noisy: bool
-    """Whether measured noise may be larger than the increments of a slow motion, so that values must agree instead."""
+    """True if measured noise may be larger than the increments of a slow motion, so that values must agree instead."""
 
     @cached_property
     def increments(self) -> dict[str, Array]:

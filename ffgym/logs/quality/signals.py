@@ -113,7 +113,7 @@ class Comparison:
     correlation: float
     """In [-1, 1], at `lag`; 0 if one does not change."""
     lag: float
-    """By how many rows a is later than b."""
+    """Number of rows by which a is later than b."""
 
 
 def compare(a: Array, b: Array, lags: int = 0) -> Comparison:

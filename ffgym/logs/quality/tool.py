@@ -43,15 +43,15 @@ class ToolFit:
 
     scale: float
     angle: float
-    """Of the turn [deg]; nan if the path is too straight to tell."""
+    """Angle of the turn [deg]; nan if the path is too straight to tell."""
     offset: float
     """Between the middles of both paths [m]."""
     left: float
     """Share of the measured path that the copy leaves."""
     lag: float
-    """By how much it is later [s]."""
+    """Delay of the tracker [s]."""
     varies: bool
-    """Whether the speed along the path changes enough to tell that."""
+    """True if the speed along the path changes enough to tell that."""
 
 
 @lru_cache(maxsize=4)

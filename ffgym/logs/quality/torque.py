@@ -39,9 +39,9 @@ class Model:
     q: Array
     """Joint positions that they are for, link side, averaged."""
     gravity: Array
-    """Of links and springs, at rest."""
+    """Torque of links and springs, at rest."""
     motion: Array
-    """Of links and rotors in motion."""
+    """Torque of links and rotors in motion."""
     friction: Array
     """At steady speed."""
     measured: Array

@@ -57,7 +57,7 @@ class TorqueParts:
     dq: Array
     ddq: Array
     torque: Array
-    """As recorded, shape (R, N)."""
+    """Recorded torque, shape (R, N)."""
     gear_ratio: Array
     """Shape (N,)."""
     trembling: Array

@@ -26,7 +26,7 @@ class Place:
     channel: Channel
     component: str
     index: int
-    """Of the component, which is also that of the joint."""
+    """Index of the component, which is also that of the joint."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

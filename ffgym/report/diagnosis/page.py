@@ -58,7 +58,7 @@ def render_diagnosis_page(report: DiagnosisReport) -> str:
 
 
 def _reading(diagnosis: Diagnosis) -> Section:
-    """How to read the page: a short paragraph, and terms on request."""
+    """Introduction to the page: a short paragraph, and terms on request."""
     words, motions = words_of("diagnosis"), ", ".join(diagnosis.motions) or "none"
     verdicts = "; ".join(f"**{word}**, {meaning}" for word, meaning in VERDICTS.items())
     terms = Details("Terms, verdicts and motions", [words["terms"], f"Verdicts: {verdicts}.", f"Motions: {motions}."])

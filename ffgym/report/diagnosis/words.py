@@ -22,7 +22,7 @@ from ffgym.report.table import WIDTH, Cell, Column, Kind, Table, wrap_text
 from ffgym.robot import RobotDescription
 
 VERDICTS = words_of("verdicts")
-"""What each verdict means."""
+"""Meaning of each verdict."""
 
 
 def place_of(effect: str, joint: str) -> str:
@@ -184,7 +184,7 @@ def together(unjudged: Sequence[UnjudgedEffect]) -> list[tuple[str, str]]:
 
 
 NOMINAL, EXTENDED = "nominal model", "extended model"
-"""What models are called in pictures."""
+"""Names of models in pictures."""
 
 LOOKS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
     {
@@ -193,7 +193,7 @@ LOOKS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         EXTENDED: {"color": NEW, "linewidth": 1.1},
     }
 )
-"""How lines are drawn."""
+"""Styles of lines."""
 
 FINE: Mapping[str, tuple[float, str]] = MappingProxyType(
     {"N m": (1.0, "N m"), "N": (1.0, "N"), "m": (1e6, "µm"), "rad": (1e6, "µrad")}
@@ -224,7 +224,7 @@ BEHIND = {
 of the motor behind the gearbox."""
 
 _NUMBERS = ("measured", "noise_floor", "before", "after")
-"""What a level holds in its unit."""
+"""Fields of a level in its unit."""
 
 
 def scale_of(robot: RobotDescription, channel: Channel, joint: int) -> tuple[float, str]:

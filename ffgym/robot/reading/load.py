@@ -124,8 +124,8 @@ def _read_text(path: Path) -> str:
 
 
 GROUPS = {"friction": "friction", "drive": "drive", "links": "bodies", "tool": "tool"}
-"""What a parameter file may hold, and the part of the description it goes to: physics that can be identified. Geometry,
-servo and sample times are known by design and stay in the description."""
+"""Tables of a parameter file, and the part of the description that each goes to: physics that can be identified.
+Geometry, servo and sample times are known by design and stay in the description."""
 
 
 def with_parameters(robot: RobotDescription, path: str | Path) -> RobotDescription:

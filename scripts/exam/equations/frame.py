@@ -53,7 +53,7 @@ class Outsider(Equation):
 
     signature: ClassVar[str] = "only in patterns of the residual"
     words: ClassVar[tuple[str, ...]]
-    """See `Clue`."""
+    """Words of the clue, see `Clue`."""
     share: Array
 
     def clue(self, joints: tuple[str, ...], joint: str) -> Clue:

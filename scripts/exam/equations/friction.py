@@ -10,7 +10,7 @@ from ffgym.robot.friction import advance_slip
 from scripts.exam.equations.frame import any_phase, bending_speed, of_coulomb, shape, size, two_waves, variant
 
 _WIDTHS = np.array([0.25, 0.5, 0.75, 1.0])
-"""Where elements of Maxwell slip break loose, in units of the last one; chosen: even."""
+"""Deflections at which elements of Maxwell slip break loose, in units of the last one; chosen: even."""
 
 _LONG = 10.0
 """Rest [s] at which the breakaway torque has grown by its share; also what a machine at rest has rested."""

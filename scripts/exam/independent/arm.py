@@ -76,15 +76,15 @@ class Pose:
     """Places and orientations of bodies at joint positions q."""
 
     rotation: Array
-    """Of each link in the world, shape (B, N, 3, 3)."""
+    """Rotation of each link in the world, shape (B, N, 3, 3)."""
     axis: Array
     """Joint axes in the world, shape (B, N, 3)."""
     origin: Array
-    """Of the link frames [m], shape (B, N, 3)."""
+    """Origin of the link frames [m], shape (B, N, 3)."""
     centre: Array
-    """Of mass [m], shape (B, N, 3)."""
+    """Centre of mass [m], shape (B, N, 3)."""
     offset: Array
-    """Of each frame from the previous one, in the world [m], shape (B, N, 3)."""
+    """Offset of each frame from the previous one, in the world [m], shape (B, N, 3)."""
 
 
 def bodies_of(robot: RobotDescription, count: int = 1) -> Bodies:

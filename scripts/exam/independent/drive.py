@@ -37,7 +37,7 @@ class Contact:
     stiffness: Array
     """Stiffness at rest, and of all blocks together when they turn back after sliding [N m/rad], shape (B, N)."""
     has_blocks: BoolArray
-    """Where blocks rub, shape (B, N)."""
+    """Joints where blocks rub, shape (B, N)."""
 
     @cached_property
     def shares(self) -> tuple[Array, Array]:
@@ -132,15 +132,15 @@ class Cascade(Servo):
     period: float
     """Sample time [s]."""
     steps_of_turn: float
-    """Of the encoder."""
+    """Steps per turn of the encoder."""
     corner: float
-    """Of the speed filter [Hz]."""
+    """Corner frequency of the speed filter [Hz]."""
     rise: float
     """Time constant of the current [s]."""
     delay: int
     """Samples from order to current."""
     share_ahead: float
-    """Of the speed of set-points that the speed loop is told."""
+    """Share of the speed of set-points that the speed loop is told."""
     _every: int = 1
     _angle: Array = field(default_factory=lambda: np.zeros(0))
     _speed: Array = field(default_factory=lambda: np.zeros(0))

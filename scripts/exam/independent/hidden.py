@@ -39,9 +39,9 @@ class Kind:
     needs: tuple[str, ...] = ()
     """'elastic' joints, a 'tracker', 'temperature', or a 'neighbour'."""
     at_machine: bool = False
-    """Whether it is of the machine as a whole."""
+    """True for a fault of the machine as a whole."""
     of_number: bool = False
-    """Whether its size is the relative error of a number that is described."""
+    """True if its size is the relative error of a number that is described."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -65,15 +65,15 @@ class Concealed:
     """An effect as it is hidden."""
 
     name: str
-    """See `KINDS`."""
+    """Name of the effect, see `KINDS`."""
     index: int
-    """Of its joint."""
+    """Index of its joint."""
     size: float
     shape: Shape
     joint: str
     """Empty for the machine as a whole."""
     beside: Mapping[str, float] = field(default_factory=dict)
-    """What errors of the description add to its numbers: one number is off by both, and nobody can tell them apart."""
+    """Errors of the description that add to its numbers: one number is off by both, and they cannot be told apart."""
 
     @property
     def kind(self) -> Kind:

@@ -45,8 +45,8 @@ FAULTS: Mapping[str, str] = MappingProxyType(
         "neighbour": "torque on this joint by the angle of the next, the first after the last [N m]",
     }
 )
-"""What a machine may have beside its description, one number per joint; friction acts through the strength of the
-contact, and torques are of the motor side if nothing else is said."""
+"""Faults that a machine may have beside its description, one number per joint; friction acts through the strength of
+the contact, and torques are of the motor side if nothing else is said."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -74,7 +74,7 @@ class Numbers:
     usual_speed: Array
     """At which bent viscous friction is as described [rad/s]."""
     faults: Mapping[str, Array] = field(default_factory=dict)
-    """Those of `FAULTS` that some machine has."""
+    """Values of `FAULTS` that some machine has."""
 
     @property
     def shape(self) -> tuple[int, int]:

@@ -10,7 +10,7 @@ from ffgym.core.types import Array
 
 Kind = Literal["sines", "points", "spline", "triangles"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
-"""What there is."""
+"""All kinds of motions."""
 
 REST = 0.3
 """Time of rest at either end [s]; chosen: springs come to rest."""

@@ -44,11 +44,11 @@ class Course:
     """Behind springs [rad]."""
     dq: Array
     angle: Array
-    """Of the motors, as their resolvers read it [rad]."""
+    """Angle of the motors, as their resolvers read it [rad]."""
     speed: Array
-    """Of that angle [rad/s]."""
+    """Rate of that angle [rad/s]."""
     torque: Array
-    """Of the motors, as their currents say [N m]."""
+    """Torque of the motors, as their currents say [N m]."""
 
 
 class Plant:

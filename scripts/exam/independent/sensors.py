@@ -17,13 +17,13 @@ NOISES: tuple[Noise, ...] = get_args(Noise)
 """Kinds of noise: independent from row to row; with a memory of some milliseconds; a tenth of the others."""
 
 ANGLE_NOISE = 2e-5
-"""Of a motor's angle [rad], standard deviation; chosen: a step of 17 bit over sqrt 12."""
+"""Noise of a motor's angle [rad], standard deviation; chosen: a step of 17 bit over sqrt 12."""
 
 TORQUE_NOISE = 0.02
-"""Of currents, as a share of the Coulomb torque; chosen."""
+"""Noise of currents, as a share of the Coulomb torque; chosen."""
 
 TOOL_NOISE = 2e-5
-"""Of a tracker, each axis [m]; chosen: laser trackers over some metres."""
+"""Noise of a tracker, each axis [m]; chosen: laser trackers over some metres."""
 
 QUIET = 0.1
 """Noise of quiet sensors over that of others."""
@@ -40,13 +40,13 @@ class View:
     """Errors with which the tracker sees the tool; nothing by default."""
 
     offset: Array = field(default_factory=lambda: np.zeros(3))
-    """Of the reflector, in the axes of the flange [m]."""
+    """Offset of the reflector, in the axes of the flange [m]."""
     shift: Array = field(default_factory=lambda: np.zeros(3))
-    """Of the tracker's frame [m]."""
+    """Displacement of the tracker's frame [m]."""
     turn: Array = field(default_factory=lambda: np.zeros(3))
-    """Of the tracker's frame, as a rotation vector [rad]."""
+    """Rotation of the tracker's frame, as a rotation vector [rad]."""
     latency: float = 0.0
-    """By which positions are old [s]."""
+    """Age of positions [s]."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -20,13 +20,13 @@ CONTROLS: tuple[Control, ...] = get_args(Control)
 """Controllers: that of the description; a cascade; that of the description along set-points that are logged early."""
 
 STEP = 0.0005
-"""Of the integrator [s]; chosen: at half of it torques change by less than a hundredth of their noise."""
+"""Step of the integrator [s]; chosen: at half of it torques change by less than a hundredth of their noise."""
 
 SETTLING = 0.4
 """Time before the log in which the arm comes to rest [s]; chosen: the slowest swing dies out."""
 
 EARLY = 0.03
-"""By which set-points are logged before the servo gets them [s]; chosen: interpolators of controllers."""
+"""Time by which set-points are logged before the servo gets them [s]; chosen: interpolators of controllers."""
 
 _PERIOD = 0.001
 """Sample time of the cascade [s]."""
@@ -48,7 +48,7 @@ _ROW_DT = (0.001, 0.002, 0.004, 0.005, 0.008, 0.01)
 """Sample periods of logs [s]: those of controllers between 1 kHz and 100 Hz."""
 
 _LOGGED = (0.5, 0.5, 0.4, 0.5, 0.3)
-"""How often tracker, set-points, feedback, speeds and temperatures are logged."""
+"""Shares of logs with tracker, set-points, feedback, speeds and temperatures."""
 
 _PAUSE = (20.0, 120.0)
 """Between motions [s]."""
@@ -59,11 +59,11 @@ class Setup:
     """Machine, controller, motions and sensors of a log, without effects and without noise."""
 
     robot: RobotDescription
-    """What is told of the machine."""
+    """Description that the diagnosis gets."""
     share: float
-    """How sure its numbers are said to be, as a share of them."""
+    """Stated uncertainty of its numbers, as a share of them."""
     numbers: Numbers
-    """What it is."""
+    """True numbers of the machine."""
     control: Control
     columns: Columns
     noise: Noise
@@ -71,13 +71,13 @@ class Setup:
     motions: tuple[tuple[Array, Array, Array], ...]
     """Joint positions, speeds and accelerations at half steps, all of one length, shape (T, N) each."""
     started: Array
-    """Of the motions, on the clock of the session [s], shape (M,)."""
+    """Start of the motions, on the clock of the session [s], shape (M,)."""
     warming: Array
-    """Of the joints, beyond what the description holds for [K], shape (M, N)."""
+    """Warming of the joints, beyond what the description holds for [K], shape (M, N)."""
     current_offset: Array
     """[N m], shape (N,)."""
     view: View
-    """Of the tracker."""
+    """Pose of the tracker."""
 
     @property
     def label(self) -> str:

@@ -60,13 +60,14 @@ class WiringHypothesis:
     parts: tuple[int, ...]
     """Numbers of the joints, or of the axes of the tracker; empty for the clock."""
     factors: tuple[float, ...] = ()
-    """Of sign, unit, side, clock and current: by which the given numbers must be multiplied, one per part."""
+    """Factors by which the given numbers must be multiplied for mistakes of sign, unit, side, clock and current, one
+    per part."""
     order: tuple[int, ...] = ()
-    """Of swaps: the column that holds each part."""
+    """Column that holds each part, for swaps."""
     amount: float = 0.0
-    """Of a zero [rad or m, as kept], and of a delay [s of the clock as given]."""
+    """Size of a zero [rad or m, as kept], and of a delay [s of the clock as given]."""
     unit: str = ""
-    """Of units: what the numbers are in."""
+    """Unit of the numbers, for units."""
 
     @property
     def cost(self) -> float:
@@ -198,9 +199,9 @@ class Mistake:
     joints: tuple[str, ...]
     """Joints, or axes of the tracker; empty for the clock."""
     factors: tuple[float, ...]
-    """By which the numbers must be multiplied, one per joint; empty if they must not."""
+    """Factors by which the numbers must be multiplied, one per joint; empty if they must not."""
     amount: float
-    """Of a zero, which must be added [rad or m, as kept]; of a delay [s of the clock as given]."""
+    """Size of a zero, which must be added [rad or m, as kept]; of a delay [s of the clock as given]."""
     before: float
     """Share of the energy of the signal that tells it, left unexplained by the logs as given."""
     after: float

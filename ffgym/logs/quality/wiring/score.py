@@ -239,9 +239,9 @@ class Pair:
     columns: tuple[tuple[str, int], ...]
     """Families and orders of derivatives that are added."""
     others: tuple[tuple[str, int], ...]
-    """Those that say the same."""
+    """Other columns that say the same."""
     scale: Array
-    """By which the others are multiplied, shape (N,)."""
+    """Factors by which the others are multiplied, shape (N,)."""
 
     @cached_property
     def families(self) -> frozenset[str]:

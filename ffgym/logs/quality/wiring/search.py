@@ -36,8 +36,8 @@ _EXPLAINED_BY_RATE = 0.05
 """The same of another clock, which acts on inertia as an unknown mass does."""
 
 _TELLING = 8.0
-"""How much more the given reading leaves than the mended one where that is below `_SHARE`: of paths of the tool, in
-which joints show that turn little."""
+"""Factor by which the given reading leaves more than the mended one where that is below `_SHARE`: of paths of the tool,
+in which joints show that turn little."""
 
 _LEAST_DELAY, _LEAST_ROWS = 0.04, 1.6
 """Delay [s], or in rows if those are longer, from which on a torque is of another time: no servo is stable with it, and
