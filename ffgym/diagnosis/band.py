@@ -17,7 +17,7 @@ from ffgym.diagnosis.patterns.rows import TO_HALF, collect_pattern_rows
 from ffgym.diagnosis.patterns.significance import judge_form
 from ffgym.diagnosis.replay import Replay, predict, replay
 from ffgym.diagnosis.residual_rows import assemble_residual, compute_residuals, find_counting_rows
-from ffgym.diagnosis.sampling import white_noise
+from ffgym.diagnosis.sampling import estimate_noise_above_band
 from ffgym.diagnosis.settings import settings
 from ffgym.simulation.plant import Machine
 
@@ -60,7 +60,7 @@ def compute_motion_bandwidth(log: Log) -> float:
             continue
         padded = np.concatenate([q, np.repeat(q[-1:], max(0, width - n), axis=0)])
         frequency, power = scipy.signal.welch(padded, fs=1 / log.dt, nperseg=width, axis=0, detrend="constant")
-        white = 2 * log.dt * white_noise(q, log.sampling.motion_filter, log.dt) ** 2
+        white = 2 * log.dt * estimate_noise_above_band(q, log.sampling.motion_filter, log.dt) ** 2
         total = total + n * np.maximum(power - white, 0.0)
     # frequency below which nearly all power of every joint's speed lies
     speed = np.asarray(total) * frequency[:, None] ** 2

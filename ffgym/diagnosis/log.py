@@ -10,7 +10,7 @@ import numpy as np
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.log_columns import pad, read_feedback, read_set_points, read_temperatures, read_tool
-from ffgym.diagnosis.sampling import Sampling, white_noise, without_trembling
+from ffgym.diagnosis.sampling import Sampling, estimate_noise_above_band, without_trembling
 from ffgym.diagnosis.settings import settings
 from ffgym.logs.preparation import (
     LowPass,
@@ -197,7 +197,9 @@ def _trembling(robot: RobotDescription, recordings: Sequence[Recording], low_pas
     noise = []
     for recording in recordings:
         angle = read_joint_side(robot, recording)
-        noise.append(_pass_white_noise(low_pass, recording.dt) * white_noise(angle, low_pass, recording.dt))
+        noise.append(
+            _pass_white_noise(low_pass, recording.dt) * estimate_noise_above_band(angle, low_pass, recording.dt)
+        )
     width = limits.trembling * np.median(noise, axis=0)
     steps = np.round(limits.trembling_per_octave * np.log2(np.maximum(width, np.finfo(np.float64).tiny)))
     rounded: Array = np.where(width > 0, 2.0 ** (steps / limits.trembling_per_octave), 0.0)

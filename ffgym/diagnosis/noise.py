@@ -17,7 +17,7 @@ from ffgym.diagnosis.noise_spectrum import NoiseSpectrum, estimate_noise_spectru
 from ffgym.diagnosis.replay import Replay, predict, predict_feedback, predict_tracker, replay
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.residual_rows import compute_residuals, filter_measured, find_valid_rows
-from ffgym.diagnosis.sampling import white_noise
+from ffgym.diagnosis.sampling import estimate_noise_above_band
 from ffgym.diagnosis.settings import settings
 from ffgym.logs.preparation import read_motor_side
 from ffgym.recordings import Recording
@@ -64,7 +64,7 @@ def estimate_noise(run: Replay) -> Noise:
     low_pass = log.sampling.motion_filter
 
     def each(values: Array) -> Array:
-        return np.stack([white_noise(values[:n, i], low_pass, log.dt) for i, n in enumerate(log.lengths)])
+        return np.stack([estimate_noise_above_band(values[:n, i], low_pass, log.dt) for i, n in enumerate(log.lengths)])
 
     def least(values: Array | None, family: str) -> Array | None:
         if values is None:
@@ -72,7 +72,9 @@ def estimate_noise(run: Replay) -> Noise:
         return np.minimum(each(values), each(left[family])) if family in left else each(values)
 
     return Noise(
-        angle=np.stack([white_noise(read_motor_side(log.robot, one), low_pass, log.dt) for one in log.recordings]),
+        angle=np.stack(
+            [estimate_noise_above_band(read_motor_side(log.robot, one), low_pass, log.dt) for one in log.recordings]
+        ),
         step=find_encoder_steps(log),
         torque=np.minimum(each(log.torque), each(left["motor.effort"])),
         tool=least(log.tool, "tcp.position"),

@@ -18,7 +18,7 @@ import numpy as np
 import scipy
 
 from ffgym.core.types import Array
-from ffgym.diagnosis.sampling import white_noise
+from ffgym.diagnosis.sampling import estimate_noise_above_band
 from ffgym.diagnosis.settings import settings
 from ffgym.logs.preparation import LowPass
 
@@ -119,7 +119,7 @@ def estimate_noise_spectrum(
                 found[0, one], found[1, one] = fresh, stays
     else:
         # energy in the quietest short stretches: a step or a blow lies between them, noise does not
-        shortest = np.mean([white_noise(values, low_pass, dt) ** 2 for values in signal], axis=0)
+        shortest = np.mean([estimate_noise_above_band(values, low_pass, dt) ** 2 for values in signal], axis=0)
         for j in np.flatnonzero(heard.mean(axis=1) < limits.steady * 2 * dt * shortest):
             fresh_j, flat = _fit_falling(frequency[high], heard[j], dt)
             found[:, j] = fresh_j, _fit_memory(of_band[0], of_band[1][j], of_band[2][j], fresh_j, flat, dt), flat

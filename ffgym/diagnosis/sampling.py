@@ -15,10 +15,11 @@ _FREQUENCIES = 500
 """Frequencies that a share of the band is summed over; chosen: a low-pass is smooth."""
 
 
-def white_noise(values: Array, low_pass: LowPass, dt: float) -> Array:
+def estimate_noise_above_band(values: Array, low_pass: LowPass, dt: float) -> Array:
     """Estimate the standard deviation of white noise of signals (T, C) above the low-pass, in their quiet blocks.
 
-    Only blocks in which a signal moves count, if it does: a reading in steps that stands has no noise.
+    Only blocks in which a signal moves count, if it does: a reading in steps that stands has no noise. The quality gate
+    knows no band, and estimates noise by differences of rows.
     """
     limits = settings().sampling
     known = np.nan_to_num(values)

@@ -104,7 +104,12 @@ class LuGreParameters:
 
 def stribeck_level(dq: Array, coulomb: Array, static: Array, stribeck_velocity: Array) -> Array:
     """Compute the steady-state friction level g(v) [N m], without viscous part, at motor speed `dq` [rad/s]."""
-    return coulomb + (static - coulomb) * np.exp(-((dq / stribeck_velocity) ** 2))
+    return coulomb + (static - coulomb) * stribeck_decay(dq, stribeck_velocity)
+
+
+def stribeck_decay(dq: Array, stribeck_velocity: float | Array, exponent: float | Array = 2) -> Array:
+    """Compute the share of the breakaway peak that is left at motor speed `dq` [rad/s]: 1 at rest, 1/e at v_s."""
+    return np.exp(-(np.abs(dq / stribeck_velocity) ** exponent))
 
 
 WIDTHS = np.array([0.002, 0.004, 0.008, 0.016, 0.032])

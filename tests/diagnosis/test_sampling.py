@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.sampling import Sampling, white_noise, without_trembling
+from ffgym.diagnosis.sampling import Sampling, estimate_noise_above_band, without_trembling
 from ffgym.diagnosis.settings import settings
 from ffgym.logs.preparation import LowPass, differentiate, differentiate_motions
 
@@ -125,13 +125,13 @@ def test_the_noise_of_a_signal_is_found_beneath_its_motion(deviation):
     t = NOISE_DT * np.arange(8000)
     motion = np.stack([100 * np.sin(2 * np.pi * 1.3 * t), 3 * np.cos(2 * np.pi * 7.0 * t)], axis=1)
     values = motion * min(deviation, 1.0) * 1e3 + rng.normal(scale=deviation, size=motion.shape)
-    np.testing.assert_allclose(white_noise(values, LOW_PASS, NOISE_DT), deviation, rtol=0.05)
+    np.testing.assert_allclose(estimate_noise_above_band(values, LOW_PASS, NOISE_DT), deviation, rtol=0.05)
 
 
 @pytest.mark.parametrize(("dt", "cutoff"), [(0.001, 100.0), (0.002, 100.0), (0.005, 50.0), (0.01, 38.0)])
 def test_white_noise_is_found_whatever_part_of_the_band_shows_it(dt, cutoff):
     values = np.random.default_rng(2).normal(size=(round(4.0 / dt), 200))
-    found = white_noise(values, LowPass(cutoff=cutoff), dt)
+    found = estimate_noise_above_band(values, LowPass(cutoff=cutoff), dt)
     assert np.sqrt(np.mean(found**2)) == pytest.approx(1.0, abs=0.08)
 
 
@@ -140,14 +140,14 @@ def test_reversals_that_come_every_second_are_no_noise_of_rare_samples():
     t = 0.01 * np.arange(2400)
     friction = np.tanh(50 * np.sin(np.pi * t))
     values = friction + np.random.default_rng(3).normal(scale=0.005, size=t.size)
-    assert white_noise(values[:, None], LowPass(cutoff=38.0), 0.01)[0] == pytest.approx(0.005, rel=0.3)
+    assert estimate_noise_above_band(values[:, None], LowPass(cutoff=38.0), 0.01)[0] == pytest.approx(0.005, rel=0.3)
 
 
 def test_some_peaks_are_no_noise():
     rng = np.random.default_rng(1)
     values = rng.normal(size=(8000, 1))
     values[::400] += 100.0
-    assert white_noise(values, LOW_PASS, NOISE_DT)[0] < 2.5
+    assert estimate_noise_above_band(values, LOW_PASS, NOISE_DT)[0] < 2.5
 
 
 def test_what_a_machine_does_above_its_band_in_fast_motion_is_no_noise():
@@ -156,14 +156,14 @@ def test_what_a_machine_does_above_its_band_in_fast_motion_is_no_noise():
     slow = np.sin(np.pi * t)
     ripple = 0.5 * np.clip(slow, 0.0, None) ** 2 * np.sin(2 * np.pi * 180.0 * t)
     values = slow + ripple + rng.normal(scale=0.01, size=8000)
-    np.testing.assert_allclose(white_noise(values[:, None], LOW_PASS, NOISE_DT), 0.01, rtol=0.1)
+    np.testing.assert_allclose(estimate_noise_above_band(values[:, None], LOW_PASS, NOISE_DT), 0.01, rtol=0.1)
 
 
 def test_a_reading_in_steps_has_the_noise_of_where_it_moves():
     t = NOISE_DT * np.arange(8000)
     angle = np.where(t < 5.0, 0.3, 0.3 + 2.0 * (t - 5.0))
     read = np.round(angle[:, None] / 0.013) * 0.013
-    np.testing.assert_allclose(white_noise(read, LOW_PASS, NOISE_DT), 0.013 / np.sqrt(12), rtol=0.2)
+    np.testing.assert_allclose(estimate_noise_above_band(read, LOW_PASS, NOISE_DT), 0.013 / np.sqrt(12), rtol=0.2)
 
 
 def test_a_motor_that_stands_is_read_as_standing():

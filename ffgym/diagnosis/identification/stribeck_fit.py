@@ -11,7 +11,7 @@ from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.diagnosis.identification.friction_data import FrictionTorque
 from ffgym.diagnosis.resampling import RESAMPLES, Blocks, bootstrap
 from ffgym.logs.quality.signals import stretches
-from ffgym.robot.friction import stribeck_level
+from ffgym.robot.friction import stribeck_decay, stribeck_level
 
 WINDOW = 0.1
 """Time over which speeds are averaged to compare them [s]: an encoder of 16 bit then resolves 1e-3 rad/s."""
@@ -204,7 +204,7 @@ def _solve(data: SteadyFriction, counts: Array, given: float | None) -> tuple[Ar
 
     def at(velocity: float) -> tuple[Array, float]:
         # regressors of f_c, f_s - f_c, f_v, and of the even part with both signs, since none may be negative
-        regressors = [sign, sign * np.exp(-((speed / velocity) ** 2)), speed]
+        regressors = [sign, sign * stribeck_decay(speed, velocity), speed]
         if both:
             regressors += [np.ones_like(speed), -np.ones_like(speed), size, -size]
         return scipy.optimize.nnls(root[:, None] * np.stack(regressors, axis=1), root * friction)

@@ -3,12 +3,11 @@
 from dataclasses import dataclass
 from typing import final
 
-import numpy as np
-
 from ffgym.core.types import Array
 from ffgym.effects.effect import FrictionEffect
 from ffgym.effects.parameters import parameter
 from ffgym.effects.state import State
+from ffgym.robot.friction import stribeck_decay
 
 
 @final
@@ -66,6 +65,5 @@ class FallingFriction(FrictionEffect):
 
     def friction(self, state: State) -> Array:
         """Return the further peak at low speed."""
-        x = np.abs(state.motor_speed / (self.width * state.stribeck_velocity))
-        peak = self.share * state.coulomb * np.exp(-(x**self.exponent))
-        return peak * state.friction_sign
+        decay = stribeck_decay(state.motor_speed, self.width * state.stribeck_velocity, self.exponent)
+        return self.share * state.coulomb * decay * state.friction_sign

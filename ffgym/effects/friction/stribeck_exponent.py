@@ -3,12 +3,11 @@
 from dataclasses import dataclass
 from typing import final
 
-import numpy as np
-
 from ffgym.core.types import Array
 from ffgym.effects.effect import FrictionEffect
 from ffgym.effects.parameters import parameter
 from ffgym.effects.state import State
+from ffgym.robot.friction import stribeck_decay
 
 
 @final
@@ -38,6 +37,6 @@ class StribeckExponent(FrictionEffect):
 
     def friction(self, state: State) -> Array:
         """Return the difference of both Stribeck curves."""
-        x = np.abs(state.motor_speed / state.stribeck_velocity)
-        peak = (state.static - state.coulomb) * (np.exp(-(x**self.exponent)) - np.exp(-(x**2)))
-        return peak * state.friction_sign
+        speed, velocity = state.motor_speed, state.stribeck_velocity
+        change = stribeck_decay(speed, velocity, self.exponent) - stribeck_decay(speed, velocity)
+        return (state.static - state.coulomb) * change * state.friction_sign

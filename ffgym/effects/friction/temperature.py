@@ -9,6 +9,7 @@ from ffgym.core.types import Array
 from ffgym.effects.effect import FrictionEffect
 from ffgym.effects.parameters import parameter
 from ffgym.effects.state import State
+from ffgym.robot.friction import stribeck_decay
 
 
 @final
@@ -79,6 +80,6 @@ class TemperatureFriction(FrictionEffect):
         """Return the change of friction at the present temperature."""
         warmer, v = state.temperature - self.reference, state.motor_speed
         viscous = self.viscous * state.viscous * np.expm1(-warmer / self.scale) * v
-        peak = state.static * np.exp(-((v / state.stribeck_velocity) ** 2))
+        peak = state.static * stribeck_decay(v, state.stribeck_velocity)
         level = warmer * (self.coulomb * state.coulomb + self.breakaway * peak) * state.friction_sign
         return viscous + level

@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 
 from ffgym.core.types import Array, BoolArray
-from ffgym.logs.quality.signals import TINY, average, white_noise
+from ffgym.logs.quality.signals import TINY, average, estimate_noise_by_differences
 from ffgym.recordings import FAMILIES, Recording
 from ffgym.recordings.schema import VALID
 from ffgym.robot import RigidArm, RobotDescription
@@ -151,7 +151,7 @@ class CheckedLog:
     @cached_property
     def angle_noise(self) -> Array:
         """White noise of `q` [rad or m, link side], shape (N,)."""
-        return white_noise(self.q)
+        return estimate_noise_by_differences(self.q)
 
     @cached_property
     def smoothing(self) -> float:

@@ -92,10 +92,10 @@ def average(values: Array, rows: int) -> Array:
     return scipy.ndimage.uniform_filter1d(values, rows | 1, axis=0, mode="nearest")
 
 
-def white_noise(values: Array) -> Array:
-    """Standard deviation of the white noise of signals (T, C), rows evenly spaced; an upper bound for slow sampling.
+def estimate_noise_by_differences(values: Array) -> Array:
+    """Estimate the standard deviation of white noise of signals (T, C), rows evenly spaced, by high differences.
 
-    The median of high differences, which bursts, jumps and stops do not move.
+    Bursts, jumps and stops do not move their median. For slow sampling it is an upper bound.
     """
     if len(values) <= 4 * _ORDER:
         return np.zeros(values.shape[1])

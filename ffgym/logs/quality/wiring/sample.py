@@ -9,7 +9,7 @@ import numpy as np
 from ffgym.core.measures import interpolate
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.logs.preparation import LowPass
-from ffgym.logs.quality.signals import white_noise
+from ffgym.logs.quality.signals import estimate_noise_by_differences
 from ffgym.recordings import FAMILIES, Recording
 
 BANDS = (5.0, 2.5, 1.2)
@@ -131,7 +131,9 @@ def _band(recordings: Sequence[Recording], families: Sequence[str]) -> float:
         for recording in recordings:
             angle, t = recording.joint_array("motor.position"), _even(recording)
             # of the density 2 dt noise^2 up to the cut-off, times (2 pi f)^4
-            noise = white_noise(angle) * (2 * np.pi * band) ** 2 * np.sqrt(2 * recording.dt * band / 5)
+            noise = (
+                estimate_noise_by_differences(angle) * (2 * np.pi * band) ** 2 * np.sqrt(2 * recording.dt * band / 5)
+            )
             slow = LowPass(cutoff=band)(interpolate(t, recording.t, angle), recording.dt)
             there = np.std(np.gradient(np.gradient(slow, t, axis=0), t, axis=0), axis=0)
             moved = np.ptp(slow, axis=0) > 0
