@@ -19,8 +19,8 @@ from ffgym.diagnosis.computing import FAILED
 from ffgym.diagnosis.log import assemble_log
 from ffgym.diagnosis.log_columns import build_reference, widen_limits
 from ffgym.diagnosis.replay import predict, replay
-from ffgym.diagnosis.residual import UNITS, components
-from ffgym.diagnosis.residual_rows import compute_residuals, filter_measured, find_counting_rows
+from ffgym.diagnosis.residual import UNITS
+from ffgym.diagnosis.residual_rows import compute_component_rms, compute_residuals
 from ffgym.diagnosis.sampling import Sampling
 from ffgym.logs.preparation import convert_to_motor_side, read_acting_torque
 from ffgym.paths import Reference
@@ -100,9 +100,7 @@ def compare_in_closed_loop(
             _compare(quantity, robot, recording, run, one, other)
             for recording, run, one, other in zip(recordings, runs, before, after, strict=True)
         ]
-        own, first, second = (
-            np.sqrt(np.mean(np.concatenate([part[k] for part in rows]) ** 2, axis=0)) for k in range(3)
-        )
+        own, first, second = (rms(np.concatenate([part[k] for part in rows]), 0) for k in range(3))
         names = ("x", "y", "z") if quantity == "tool" else robot.joints
         levels += [
             LoopLevel(quantity=quantity, component=name, unit=unit, measured=a, before=b, after=c)
@@ -226,18 +224,7 @@ def compare_replays(
     # replay both models
     log = assemble_log(before.physical, recordings, cutoff=cutoff)
     rest = [compute_residuals(log, predict(replay(log, model))) for model in (before, after)]
-    # RMS over rows that count; the measured signal less its mean, which says nothing of a motion
-    counting, measured = find_counting_rows(log), filter_measured(log)
     return tuple(
-        LoopLevel(
-            quantity=channel,
-            component=name,
-            unit=UNITS[channel],
-            measured=rms((values := measured[channel][..., c][rows]) - values.mean()),
-            before=rms(rest[0][channel][..., c][rows]),
-            after=rms(rest[1][channel][..., c][rows]),
-        )
-        for channel in rest[0]
-        for c, name in enumerate(components(channel, before.robot))
-        if (rows := counting[channel, c]).any()
+        LoopLevel(quantity=channel, component=name, unit=UNITS[channel], measured=measured, before=first, after=last)
+        for channel, name, (measured, first, last) in compute_component_rms(log, *rest)
     )

@@ -247,7 +247,7 @@ class _Pass:
             not_excited=quiet,
             not_judgeable=not_judgeable,
             separating_motion=propose_next_motion(found, problem.nominal, ready.floor, prior) if ties else None,
-            levels=compute_levels(problem, *residuals, ready.floor),
+            levels=compute_levels(log, *residuals, ready.floor),
             gains=gain is not None and gain.is_better,
             threshold=found.rounds[0].ranking.threshold,
         )

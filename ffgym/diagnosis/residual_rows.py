@@ -1,15 +1,16 @@
 """Computation of residuals: rows that count, measured minus predicted, and what each motor was doing there."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 import scipy
 
 from ffgym.core.errors import FFGymError
+from ffgym.core.measures import rms
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.replay import Replay
-from ffgym.diagnosis.residual import Channel, MotionResidual, Residual
+from ffgym.diagnosis.residual import Channel, MotionResidual, Residual, components
 from ffgym.diagnosis.settings import settings
 from ffgym.robot import RobotDescription
 
@@ -92,6 +93,21 @@ def find_counting_rows(log: Log) -> dict[tuple[Channel, int], BoolArray]:
         for c in np.flatnonzero(np.isnan(log.link).any(axis=(0, 1))).tolist():
             found["link", c] = np.zeros_like(valid)
     return found
+
+
+def compute_component_rms(log: Log, *residuals: Mapping[Channel, Array]) -> Iterator[tuple[Channel, str, list[float]]]:
+    """Compute, over rows that count, RMS of the measured signal less its mean, and of residuals by its side.
+
+    Residuals are (R, M, C) by channel, or (M, C) where all rows of a motion have the same. Components without rows that
+    count are left out: an encoder that is not there, or a joint that never moves.
+    """
+    counting, measured = find_counting_rows(log), filter_measured(log)
+    for channel in residuals[0]:
+        for c, name in enumerate(components(channel, log.robot)):
+            rows = counting[channel, c]
+            if rows.any():
+                left = [rms(np.broadcast_to(rest[channel][..., c], rows.shape)[rows]) for rest in residuals]
+                yield channel, name, [float(np.std(measured[channel][..., c][rows])), *left]
 
 
 def compute_residuals(log: Log, prediction: dict[Channel, Array]) -> dict[Channel, Array]:

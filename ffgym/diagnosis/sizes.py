@@ -5,17 +5,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ffgym.core.measures import rms
-from ffgym.core.types import Array, BoolArray
+from ffgym.core.types import Array
 from ffgym.diagnosis.computing import trim_heap
 from ffgym.diagnosis.fit.fit import Fit
 from ffgym.diagnosis.fit.hypothesis import FreeParameter, Hypothesis
 from ffgym.diagnosis.fit.problem import FitProblem
 from ffgym.diagnosis.fit.written import build_extended_model
+from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.nuisance import ParameterPrior, is_row_offset
 from ffgym.diagnosis.resampling import Pool, bootstrap, make_half_folds, make_motion_folds
-from ffgym.diagnosis.residual import UNITS, Channel, components
-from ffgym.diagnosis.residual_rows import filter_measured, find_counting_rows
+from ffgym.diagnosis.residual import UNITS, Channel
+from ffgym.diagnosis.residual_rows import compute_component_rms
 from ffgym.diagnosis.result import Cause, Level, Size
 from ffgym.diagnosis.settings import settings
 from ffgym.diagnosis.solving import solve_bounded
@@ -24,34 +24,21 @@ from ffgym.robot import RobotDescription
 
 
 def compute_levels(
-    problem: FitProblem, before: Mapping[Channel, Array], after: Mapping[Channel, Array], floor: Mapping[Channel, Array]
+    log: Log, before: Mapping[Channel, Array], after: Mapping[Channel, Array], floor: Mapping[Channel, Array]
 ) -> tuple[Level, ...]:
     """Compute RMS of every judged component, of residuals (R, M, C) before and after, beside the noise floor (M, C)."""
-    counting, measured = find_counting_rows(problem.log), filter_measured(problem.log)
-    listed = []
-    for channel in before:
-        for c, name in enumerate(components(channel, problem.log.robot)):
-            valid = counting[channel, c]
-            if not valid.any():
-                continue  # no row counts: an encoder that is not there, or a joint that never moves
-            # RMS over rows that count, less their mean
-            listed.append(
-                Level(
-                    channel=channel,
-                    component=name,
-                    unit=UNITS[channel],
-                    measured=float(np.std(measured[channel][:, :, c][valid])),
-                    noise_floor=_compute_rms(floor[channel][:, c][None] + 0 * valid, valid),
-                    before=_compute_rms(before[channel][:, :, c], valid),
-                    after=_compute_rms(after[channel][:, :, c], valid),
-                )
-            )
-    return tuple(listed)
-
-
-def _compute_rms(rows: Array, valid: BoolArray) -> float:
-    """Compute the RMS over rows that count."""
-    return rms(np.broadcast_to(rows, valid.shape)[valid])
+    return tuple(
+        Level(
+            channel=channel,
+            component=name,
+            unit=UNITS[channel],
+            measured=measured,
+            noise_floor=noise,
+            before=first,
+            after=last,
+        )
+        for channel, name, (measured, first, last, noise) in compute_component_rms(log, before, after, floor)
+    )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
