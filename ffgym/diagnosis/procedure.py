@@ -37,7 +37,14 @@ from ffgym.diagnosis.separation import propose_next_motion
 from ffgym.diagnosis.settings import settings
 from ffgym.diagnosis.sizes import compute_held_out_gain, compute_levels, is_there, list_causes
 from ffgym.diagnosis.thinning import read_notes, thin
-from ffgym.diagnosis.verdict import judge, list_blind_rivals, select_reported, weaken_for_blind_rivals, write_sentence
+from ffgym.diagnosis.verdict import (
+    describe_explained,
+    judge,
+    list_blind_rivals,
+    select_reported,
+    weaken_for_blind_rivals,
+    write_sentence,
+)
 from ffgym.logs.quality import condition_alike, judge_logs
 from ffgym.logs.quality.wiring import Wiring, find_wiring
 from ffgym.recordings import Recording, Rewiring
@@ -235,10 +242,12 @@ class _Pass:
             self.report("looking for a motion that tells rivals apart", 0.97)
         quiet = list_not_excited(found)
         residuals = (found.nominal.fit.residual,) * 2 if gain is None else (gain.before, gain.after)
+        levels = compute_levels(log, *residuals, ready.floor)
+        share = describe_explained(verdict, causes, levels, len(log.names))
         diagnosis = Diagnosis(
             **dict(self.said) | {"robot": log.robot.name, "motions": log.names},
             verdict=verdict.verdict,
-            sentence=write_sentence(verdict, causes, rivals, patterns, log.robot),
+            sentence=write_sentence(verdict, causes, rivals, patterns, log.robot, share),
             causes=causes,
             numbers=() if model is None else list_fitted_numbers(self.machine, model.numbers),
             drifts=find_drifts(log, found.final.fit.run, rest, problem.blocks),
@@ -247,7 +256,7 @@ class _Pass:
             not_excited=quiet,
             not_judgeable=not_judgeable,
             separating_motion=propose_next_motion(found, problem.nominal, ready.floor, prior) if ties else None,
-            levels=compute_levels(log, *residuals, ready.floor),
+            levels=levels,
             gains=gain is not None and gain.is_better,
             threshold=found.rounds[0].ranking.threshold,
         )

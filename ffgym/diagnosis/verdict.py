@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 from ffgym.diagnosis.fit.fit import Fit, Loudness, compute_explained, find_touched
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.fit.problem import FitProblem
-from ffgym.diagnosis.result import Cause, Pattern, Rival, UnjudgedEffect, Verdict
+from ffgym.diagnosis.held_out_share import compute_held_out_share
+from ffgym.diagnosis.result import Cause, Level, Pattern, Rival, UnjudgedEffect, Verdict
 from ffgym.diagnosis.search.rivals import select_tied
 from ffgym.diagnosis.search.rounds import SearchResult, find_adoption
 from ffgym.diagnosis.search.significance import compute_explained_by_newest, find_shapes_at_limit
@@ -106,14 +107,27 @@ def select_reported(judged: ReasonedVerdict, rivals: Sequence[Rival]) -> Sequenc
     return rivals if judged.verdict in ("ambiguous", "partly") else ()
 
 
+def describe_explained(judged: ReasonedVerdict, causes: Sequence[Cause], levels: Sequence[Level], motions: int) -> str:
+    """Describe the share of the misfit that causes explain, and the data on which they do.
+
+    The data are what was left out of the fit: motions in turn, or halves of a single one; all rows if nothing was.
+    """
+    held_out = compute_held_out_share(levels, [cause.joint for cause in causes])
+    if held_out is None:
+        return f"{100 * min(judged.explained, 1.0):.0f} % of the misfit of the rows that were fitted"
+    left_out = "motions that were" if motions > 1 else "the half of the log that was"
+    return f"{100 * held_out.share:.0f} % of the misfit on {left_out} left out of the fit"
+
+
 def write_sentence(
     judged: ReasonedVerdict,
     causes: Sequence[Cause],
     rivals: Sequence[Rival],
     patterns: Sequence[Pattern],
     robot: RobotDescription,
+    share: str,
 ) -> str:
-    """Write the verdict in one sentence."""
+    """Write the verdict in one sentence; `share` says how much of the misfit the causes explain, and on which data."""
     # parts of the sentence
     tied = [rival for rival in rivals if rival.tied]
     instead = [rival for rival in tied if rival.against in {cause.label for cause in causes}]
@@ -122,7 +136,6 @@ def write_sentence(
     counts = Counter(f"{cause.title} {('of ' + cause.joint if cause.joint else '')}".strip() for cause in causes)
     named = ", and ".join(name if n == 1 else f"{name} in {n} waves" for name, n in counts.items())
     others = _join_names(tied)
-    share = f"{100 * min(judged.explained, 1.0):.0f} %"
     # the sentence of each verdict
     if judged.verdict == "none":
         return f"These motions do not falsify the model of {robot.name}: what is left is noise and calibration."
@@ -141,8 +154,9 @@ def write_sentence(
             then = f"; what is left then depends on: {left}" if left else ""
             more = f"; beyond that, {_join_names(beyond)} would explain more{then}"
         besides = f" (these logs cannot tell it from {_join_names(instead)})" if instead else ""
-        return f"Partly explained by {named}{besides}: that removes {share} of what noise does not explain{more}."
-    return f"Consistent with {named}, which removes {share} of what noise does not explain."
+        return f"Partly explained by {named}{besides}: {share}{more}."
+    explain = "explains" if len(counts) == 1 else "explain"
+    return f"Consistent with {named}, which {explain} {share}."
 
 
 def _select_strongest(patterns: Sequence[Pattern]) -> list[str]:

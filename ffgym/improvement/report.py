@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
+from ffgym.diagnosis.held_out_share import compute_held_out_share
 from ffgym.improvement.gain import BASELINE, MODEL, LawScore
 from ffgym.improvement.loop import Improvement
 from ffgym.improvement.rounds import ImprovementRound
@@ -125,7 +126,7 @@ def _speeds(improvement: Improvement) -> list[float]:
 
 def _rounds(improvement: Improvement) -> Table:
     rounds = improvement.rounds
-    added = ["; ".join(_causes(each, "; explains {gain:.0%}")) or "nothing" for each in rounds]
+    added = ["; ".join(_causes(each, with_share=True)) or "nothing" for each in rounds]
     columns = [
         Column("round", [each.number for each in rounds]),
         Column("recorded", [f"{', '.join(each.protocols)}, {each.seconds:.0f} s" for each in rounds], kind="prose"),
@@ -142,10 +143,13 @@ def _round_lines(each: ImprovementRound) -> list[str]:
     return [first, *(f"  {cause}" for cause in _causes(each))]
 
 
-def _causes(each: ImprovementRound, behind: str = "") -> list[str]:
-    """List the causes that were added to the model, with sizes."""
-    return [
-        f"{title_of(cause.effect)}{f' of {cause.joint}' if cause.joint else ''}: "
-        f"{'; '.join(size_text(size) for size in cause.parameters)}{behind.format(gain=cause.held_out_gain)}"
-        for cause in each.diagnosis.causes
-    ]
+def _causes(each: ImprovementRound, *, with_share: bool = False) -> list[str]:
+    """List the causes that were added to the model, with sizes and the share explained on motions left out."""
+    listed = []
+    for cause in each.diagnosis.causes:
+        place = f"{title_of(cause.effect)}{f' of {cause.joint}' if cause.joint else ''}"
+        listed.append(f"{place}: {'; '.join(size_text(size) for size in cause.parameters)}")
+        held_out = compute_held_out_share(each.diagnosis.levels, [cause.joint])
+        if with_share and held_out is not None:
+            listed[-1] += f"; explains {held_out.share:.0%} of the misfit on data left out of its fit"
+    return listed

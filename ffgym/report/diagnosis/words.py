@@ -13,8 +13,9 @@ import numpy as np
 
 from ffgym.core.types import Array
 from ffgym.diagnosis.held_out import LoopLevel
+from ffgym.diagnosis.held_out_share import compute_held_out_share
 from ffgym.diagnosis.residual import UNITS, Channel, MotionResidual, Residual
-from ffgym.diagnosis.result import Cause, Diagnosis, Level, Rival, Size, UnjudgedEffect
+from ffgym.diagnosis.result import Cause, Diagnosis, Level, Rival, Size, UnjudgedEffect, make_label
 from ffgym.effects import EFFECTS
 from ffgym.report.identification.plots import MEASURED, NEW, OLD
 from ffgym.report.page import resource, words_of
@@ -38,6 +39,17 @@ def shown_share(gain: float) -> float:
 def title_of(effect: str) -> str:
     """Name an effect in words; by its name in the code if the library does not know it."""
     return EFFECTS[effect].title if effect in EFFECTS else effect.replace("_", " ")
+
+
+def first_sentence(text: str) -> str:
+    """Cut a docstring or a phrase after its first sentence, without the full stop, on one line."""
+    return re.split(r"\. (?=[A-Z])", " ".join(text.split()), maxsplit=1)[0].removesuffix(".")
+
+
+def in_words(label: str) -> str:
+    """Write the label of an effect with its title, e.g. 'load-dependent friction on j2'."""
+    effect, _, joint = label.partition(" on ")
+    return make_label(title_of(effect), joint)
 
 
 VERDICT_LINES = 3
@@ -77,9 +89,10 @@ def plain_size(effect: str, size: Size) -> tuple[str, str]:
     """
     name, _, part = size.name.partition(".")
     words = _size_words().get(effect, {}).get(name)
-    if words is None:
+    if words is None:  # an effect of another package, in the words of its declaration
         of = EFFECTS[effect].parameters().get(name) if effect in EFFECTS else None
-        words = f"{{value}} {name if of is None else of.meaning}"
+        meaning = "" if of is None else f" ({first_sentence(of.meaning)})"
+        words = "{value} " + f"{name}{meaning}".replace("{", "{{").replace("}", "}}")
     factor, unit = _READ_AS.get(size.unit, (1.0, "" if size.unit == "1" else size.unit))
     if "{percent}" in words:
         factor, unit = 100.0, "%"
@@ -89,51 +102,33 @@ def plain_size(effect: str, size: Size) -> tuple[str, str]:
     return text, f"{low} to {high} {unit}".strip()
 
 
-def held_out_share(diagnosis: Diagnosis, cause: Cause) -> tuple[float, str] | None:
-    """Compute the share of the misfit at the joint of a cause that all causes explain on motions that were left out.
-
-    One minus the energy above the noise that the extended model leaves over that of the nominal model, within 0 and 1,
-    in the channel in which the misfit of the nominal model stands furthest above the noise; with the channel. None
-    where no extended model was written, so that nothing was left out.
-    """
-    channels: dict[str, list[Level]] = {}
-    for level in diagnosis.levels:
-        if level.noise_floor > 0:
-            channels.setdefault(level.channel, []).append(level)
-    if all(level.before == level.after for own in channels.values() for level in own):
-        return None
-    found: list[tuple[float, float, str]] = []  # energy above the noise per component, share, channel
-    for channel, levels in channels.items():
-        # a channel that has no component of this joint, as the tool, shows it in all its components
-        own = [level for level in levels if level.component == cause.joint] or (
-            levels if channel == "tool" or not cause.joint else []
-        )
-        before, after = (
-            sum(max((value / level.noise_floor) ** 2 - 1.0, 0.0) for value, level in zip(values, own, strict=True))
-            for values in ([level.before for level in own], [level.after for level in own])
-        )
-        if before > 0:
-            found.append((before / len(own), shown_share(1.0 - after / before), channel))
-    if not found:
-        return None
-    _, share, channel = max(found)
-    return share, channel
-
-
 def causes_table(diagnosis: Diagnosis, *, on_page: bool = False) -> Table:
-    """Table of causes: joint, cause, size, interval, share explained on motions that were left out, rivals that tie."""
+    """Table of causes: joint, cause, size, interval, share explained on motions that were left out, rivals.
+
+    Effects that tie with a cause, or with each other, are not adopted; they stand below the causes, without a size.
+    """
     rows: list[tuple[Any, ...]] = []
     for cause in diagnosis.causes:
-        ties = [place_of(rival.effect, rival.joint) for rival in rivals_of(diagnosis, cause) if rival.tied]
-        rivals = "; ".join(ties) if on_page else str(len(ties) or "")
-        held_out = held_out_share(diagnosis, cause)
-        share = None if held_out is None else Cell(f"{held_out[0]:.0%}".replace("%", " %"), f"({held_out[1]})")
-        first = (cause.joint or "machine", title_of(cause.effect), share, rivals or "none")
+        held_out = compute_held_out_share(diagnosis.levels, [cause.joint])
+        share = None if held_out is None else Cell(f"{100 * held_out.share:.0f} %", f"({held_out.channel})")
+        rivals = _name_rivals(rivals_of(diagnosis, cause), on_page=on_page)
+        first = (cause.joint or "machine", title_of(cause.effect), share, rivals)
         sizes = [plain_size(cause.effect, size) for size in cause.parameters] or [("present", "-")]
         for k, (size, interval) in enumerate(sizes):
             joint, title, explained, against = first if k == 0 else ("", "", "", "")
             rows.append((joint, title, size, interval, explained, against))
-    headings = ("joint", "cause", "size", "90 % interval", "held out", "ties with" if on_page else "ties")
+    # effects that were not adopted as a tie left it open, each once
+    adopted = {(cause.effect, cause.joint) for cause in diagnosis.causes}
+    ties: dict[tuple[str, str], list[str]] = {}
+    for rival in diagnosis.rivals:
+        if rival.tied and (rival.effect, rival.joint) not in adopted:
+            ties.setdefault((rival.effect, rival.joint), []).append(in_words(rival.against))
+    for (effect, joint), against_them in ties.items():
+        first_of, *others = dict.fromkeys(against_them)
+        behind = f" and {' and '.join(others) if on_page else f'{len(others)} more'}" if others else ""
+        against = f"ties with {first_of}{behind}"
+        rows.append((joint or "machine", title_of(effect), "not adopted", None, None, against))
+    headings = ("joint", "cause", "size", "90 % interval", "held out", "rivals")
     kinds: tuple[Kind, ...] = (*("text",) * 5, "prose" if on_page else "text")
     columns = [
         Column(heading, [row[k] for row in rows], kind=kind)
@@ -142,11 +137,26 @@ def causes_table(diagnosis: Diagnosis, *, on_page: bool = False) -> Table:
     return Table(columns=columns, name="causes", fixed=2)
 
 
+def _name_rivals(rivals: Sequence[Rival], *, on_page: bool) -> str:
+    """Name rivals of a cause that tie, and the nearest that lost; in a terminal count them."""
+    own = {(rival.effect, rival.joint): rival for rival in reversed(rivals)}  # one of several waves may tie
+    ties, lost = [
+        [make_label(title_of(effect), joint) for (effect, joint), rival in reversed(own.items()) if rival.tied == tied]
+        for tied in (True, False)
+    ]
+    if not on_page:
+        counts = [f"{len(names)} {word}" for word, names in (("tied", ties), ("lost", lost)) if names]
+        return ", ".join(counts) or "none"
+    parts = [f"tied: {', '.join(ties)}"] if ties else []
+    if lost:
+        parts.append(f"lost: {lost[0]}" + (f" and {len(lost) - 1} more" if lost[1:] else ""))
+    return "; ".join(parts) or "none"
+
+
 def held_out_note(diagnosis: Diagnosis) -> str:
     """Say how the share in the column 'held out' was computed, or why there is none."""
     words = words_of("diagnosis")
-    shares = [held_out_share(diagnosis, cause) for cause in diagnosis.causes]
-    if all(share is None for share in shares):
+    if compute_held_out_share(diagnosis.levels, [cause.joint for cause in diagnosis.causes]) is None:
         return words["no_held_out"]
     return words["held_out_share" if len(diagnosis.motions) > 1 else "held_out_halves"]
 
@@ -284,11 +294,12 @@ def format_diagnosis(diagnosis: Diagnosis, robot: RobotDescription | None = None
     """
     diagnosis = in_joint_units(diagnosis, robot)
     parts = [format_findings(diagnosis)]
-    for tie in (rival for rival in diagnosis.rivals if rival.tied):
-        instead = tie.against.replace("_", " ")
-        parts.append(
-            wrap_text(f"cannot be excluded: {place_of(tie.effect, tie.joint)} instead of {instead}: {tie.reason}")
-        )
+    ties = [
+        f"cannot be excluded: {place_of(tie.effect, tie.joint)} instead of {place_of(tie.against, '')}: {tie.reason}"
+        for tie in diagnosis.rivals
+        if tie.tied
+    ]
+    parts += map(wrap_text, dict.fromkeys(ties))  # several waves of a cause may have the same rival
     parts += [wrap_text(f"between recordings: {drift.message}") for drift in diagnosis.drifts]
     for pattern in diagnosis.patterns:
         parts += [

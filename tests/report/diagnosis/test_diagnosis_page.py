@@ -4,6 +4,7 @@ import base64
 import re
 from dataclasses import replace
 from datetime import UTC, datetime
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,7 +14,8 @@ from ffgym.diagnosis.held_out import LoopLevel
 from ffgym.diagnosis.result import Diagnosis, Size
 from ffgym.effects import EFFECTS
 from ffgym.report.diagnosis import DiagnosisReport, evidence, format_diagnosis, render_diagnosis_page
-from ffgym.report.diagnosis.words import VERDICTS, _size_words, held_out_share, plain_size, rivals_of
+from ffgym.report.diagnosis import words as diagnosis_words
+from ffgym.report.diagnosis.words import VERDICTS, _size_words, causes_table, plain_size, rivals_of
 from ffgym.robot import load_robot
 from tests.diagnosis.residual_samples import made_up
 from tests.diagnosis.result_samples import full_diagnosis
@@ -70,7 +72,9 @@ def test_the_page_tells_everything_that_was_found(page):
     told += [rival.reason for rival in diagnosis.rivals] + [pattern.message for pattern in diagnosis.patterns]
     told += [one.reason for one in (*diagnosis.not_excited, *diagnosis.not_judgeable)]
     told += ["share = 0.021 (0.019 to 0.024)", "ffgym record irb4600_60_205 found/next.toml", "protocol = &#34;holds"]
-    told += ["j2load-dependent friction2.1 % of the torque that the gearbox carries1.9 to 2.4 %100 % (torque)payload"]
+    row = "j2load-dependent friction2.1 % of the torque that the gearbox carries1.9 to 2.4 %100 % (torque)"
+    told += [f"{row}tied: payload; lost: torque constant and saturation on j2"]
+    told += ["machinepayloadnot adopted––ties with load-dependent friction"]
     told += [datetime.now(UTC).strftime("%Y-%m-%d"), "logs/a.npz sha256:0123", "motions that were left out of the fit"]
     told += ["µm5023.41.2"]
     for words in told:
@@ -226,17 +230,37 @@ def test_every_size_of_every_effect_has_a_plain_meaning_with_its_unit():
     assert text == "2 N pull (x)"
 
 
-def test_the_share_explained_is_that_of_the_joint_on_motions_left_out_and_at_most_all_of_it():
+def test_the_table_says_on_which_data_the_share_was_explained():
     full = full_diagnosis()
-    share, channel = held_out_share(full, full.causes[0])
-    before, after = (0.09 / 0.012) ** 2 - 1, (0.013 / 0.012) ** 2 - 1
-    assert (share, channel) == (pytest.approx(1 - after / before), "torque")
-    quieter = tuple(replace(level, after=0.5 * level.noise_floor) for level in full.levels)
-    assert held_out_share(replace(full, levels=quieter), full.causes[0]) == (1.0, "torque")
     same = replace(full, levels=tuple(replace(level, after=level.before) for level in full.levels))
-    assert held_out_share(same, full.causes[0]) is None
     assert "no motion was left out" in " ".join(format_diagnosis(same).split())
     assert "each half was left out" in " ".join(format_diagnosis(replace(full, motions=("a",))).split())
+
+
+def test_the_table_names_rivals_and_has_a_row_for_each_effect_that_a_tie_left_out():
+    full = full_diagnosis()
+    dropped = replace(full.rivals[0], effect="viscous_level", joint="j3", against="payload")
+    again = replace(dropped, against="load_friction")
+    diagnosis = replace(full, rivals=(*full.rivals, dropped, again))
+    on_page = causes_table(diagnosis, on_page=True).rows
+    assert on_page[0][-1] == "tied: payload, viscous friction level on j3; lost: torque constant and saturation on j2"
+    assert on_page[1:] == (
+        ("machine", "payload", "not adopted", "-", "-", "ties with load-dependent friction"),
+        ("j3", "viscous friction level", "not adopted", "-", "-", "ties with payload and load-dependent friction"),
+    )
+    assert format_diagnosis(replace(diagnosis, rivals=(*diagnosis.rivals, again))) == format_diagnosis(diagnosis)
+    rows = causes_table(diagnosis).rows
+    assert rows[0][-1] == "2 tied, 1 lost"
+    assert rows[2][-1] == "ties with payload and 1 more"
+
+
+def test_an_effect_of_another_package_is_described_by_the_first_sentence_of_its_declaration(monkeypatch):
+    meaning = "share a of the Coulomb torque,\n  as in {1, 2}. A second sentence, e.g. on its range."
+    declared = SimpleNamespace(parameters=lambda: {"share": SimpleNamespace(meaning=meaning)})
+    monkeypatch.setattr(diagnosis_words, "EFFECTS", {"cover_friction": declared})
+    text, interval = plain_size("cover_friction", Size(name="share", value=0.01, unit="1/rad", interval=(0.009, 0.011)))
+    assert text == "0.01 1/rad share (share a of the Coulomb torque, as in {1, 2})"
+    assert interval == "0.009 to 0.011 1/rad"
 
 
 def test_a_verdict_has_at_most_three_lines_and_ends_at_a_clause():
