@@ -1,13 +1,15 @@
 """`ffgym demo`: the circle test of the thesis with any feed-forward agents, and a diagnosis; as tables and as pages."""
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
 from ffgym.agents.catalogue import CATALOGUE
+from ffgym.cli.diagnose import next_step, origin_of, period_of
 from ffgym.cli.laws import check_laws, make_laws, setting_for
+from ffgym.cli.log_options import Diagnose
 from ffgym.cli.motion_options import Demo
-from ffgym.cli.outputs import check_outputs, need_extra, print_places, provenance, write_numbers
+from ffgym.cli.outputs import check_outputs, hash_inputs, need_extra, print_places, provenance, write_numbers
 from ffgym.cli.progress import progress_bar, stages_bar
 from ffgym.core.files import write_text
 from ffgym.diagnosis import Diagnosis, examine
@@ -17,7 +19,7 @@ from ffgym.envs.machines import is_workcell, make_rig
 from ffgym.report import format_one_axis, format_text, write_report
 from ffgym.report.diagnosis import DiagnosisReport, format_findings, render_diagnosis_page
 from ffgym.robot import RigidArm, load_robot
-from ffgym.simulation import Rig, SimulatedRig
+from ffgym.simulation import Machine, Rig, SimulatedRig
 from ffgym.studies import CircleStudy, OneAxisStudy, circle_references, circle_study, one_axis_study, sine_references
 
 SEED = 0
@@ -33,7 +35,8 @@ def run(config: Demo) -> None:
     check_laws(config.agents, "--agents")
     circles, one_axis = _circles(config, make_rig(config.robot)), _one_axis(config)
     info = origin(config, circles)
-    page = write_report(config.report, circles, one_axis, info)  # files first: nobody may read what is printed
+    again = [info["command_line"], *["ffgym diagnose --out found"] * config.diagnosis]
+    page = write_report(config.report, circles, one_axis, info, again)  # files first: nobody may read what is printed
     rows = [asdict(cell) for cell in circles.cells]
     numbers = info | {"rows": rows, "one_axis": [asdict(result) for result in one_axis.results]}
     write_numbers(config, numbers)
@@ -47,11 +50,17 @@ def run(config: Demo) -> None:
 
 def _diagnose(file: Path) -> Diagnosis:
     """Diagnose the example logs: write a page, and print what their nominal model lacks."""
+    logs, options, nominal = example_logs(), Diagnose(seed=SEED), Machine(robot=load_robot(EXAMPLE_ROBOT))
     with stages_bar("diagnosing the example logs") as tell:
-        examined = examine(load_robot(EXAMPLE_ROBOT), example_logs(), seed=SEED, report=tell)
-    diagnosis = examined.diagnosis
-    after = examined.after if diagnosis.causes else None
-    write_text(file, render_diagnosis_page(DiagnosisReport(diagnosis=diagnosis, before=examined.before, after=after)))
+        examined = examine(nominal, logs, seed=SEED, report=tell)
+    diagnosis = replace(examined.diagnosis, provenance=origin_of(options, nominal))
+    page = DiagnosisReport(
+        diagnosis=diagnosis,
+        before=examined.before,
+        after=examined.after if diagnosis.causes else None,
+        commands=next_step(options, diagnosis, period_of(logs)).commands,
+    )
+    write_text(file, render_diagnosis_page(page))
     print(f"\nDiagnosis of the example logs, recordings of a machine like {EXAMPLE_ROBOT}:")
     print(format_findings(diagnosis))
     print(f"diagnosis: {file}")
@@ -82,4 +91,5 @@ def origin(config: Demo, study: CircleStudy) -> dict[str, Any]:
     seed = SEED if is_workcell(config.robot) else None
     info = provenance("ffgym demo", config, study.robot.name, study.fingerprint, seed)
     info["config"]["positions"] = list(dict.fromkeys(cell.position for cell in study.cells))
+    info["inputs"] = hash_inputs((config.robot, config.parameters, *(a.removeprefix("model:") for a in config.agents)))
     return info

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -21,7 +22,7 @@ from ffgym.diagnosis import Diagnosis, Examination, ParameterPrior, examine
 from ffgym.diagnosis.diagnosis_file import write_diagnosis
 from ffgym.diagnosis.extended import save_extended
 from ffgym.diagnosis.held_out import LoopLevel, check_comparable, compare_in_closed_loop, compare_replays, is_better
-from ffgym.diagnosis.nominal import EXAMPLE_ROBOT
+from ffgym.diagnosis.nominal import EXAMPLE_LOGS, EXAMPLE_ROBOT
 from ffgym.diagnosis.settings import settings
 from ffgym.diagnosis.thinning import read_notes
 from ffgym.logs import write_corrected
@@ -83,18 +84,14 @@ def _diagnose(config: Diagnose) -> None:
             most=config.most_causes,
             accept=config.accept,
         )
-    robot, physics = nominal.machine.robot, nominal.machine.physics(ModelOptions(looks=False))
-    passing = ("out", "json", "threads")
-    origin = provenance("ffgym diagnose", config, robot.name, physics, config.seed, passing=passing)
-    origin["inputs"] = hash_inputs(_read_by(config))
+    robot, origin = nominal.machine.robot, origin_of(config, nominal.machine)
     examined = replace(examined, diagnosis=replace(examined.diagnosis, provenance=origin))
     models = _models(config, examined, nominal, recordings)
     replayed, closed_loop = _compare(config, models, examined, nominal, held_out)
     if replayed and not is_better(replayed) and examined.diagnosis.causes:
         examined = replace(examined, diagnosis=replace(examined.diagnosis, gains=False))
         _remove(config, EXTENDED)
-    period = float(np.median(np.diff(recordings[0].t)))
-    step = next_step(config, examined.diagnosis, None if math.isclose(1e3 * period, RECORD_DT_MS) else period)
+    step = next_step(config, examined.diagnosis, period_of(recordings))
     _write(config, examined, replayed, closed_loop, step.commands)
     # everything for people
     diagnosis = examined.diagnosis
@@ -132,7 +129,20 @@ def _check(config: Diagnose) -> None:
 
 def _read_by(config: Diagnose) -> tuple[str | Path | None, ...]:
     """Inputs, which must not be written over."""
-    return (config.robot, config.columns, *config.logs, *config.validate)
+    return (config.robot or EXAMPLE_ROBOT, config.columns, *(config.logs or (EXAMPLE_LOGS,)), *config.validate)
+
+
+def origin_of(config: Diagnose, machine: Machine) -> dict[str, Any]:
+    """Origin of a diagnosis: the command without what only says where results go, the model, and the input files."""
+    passing, physics = ("out", "json", "threads"), machine.physics(ModelOptions(looks=False))
+    origin = provenance("ffgym diagnose", config, machine.robot.name, physics, config.seed, passing=passing)
+    return origin | {"inputs": hash_inputs(_read_by(config))}
+
+
+def period_of(recordings: Sequence[Recording]) -> float | None:
+    """Sample period of recordings [s]; None if it is that of `ffgym record`."""
+    period = float(np.median(np.diff(recordings[0].t)))
+    return None if math.isclose(1e3 * period, RECORD_DT_MS) else period
 
 
 def _inputs(config: Diagnose) -> tuple[Nominal, list[Recording]]:

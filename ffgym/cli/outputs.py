@@ -2,15 +2,20 @@
 
 import hashlib
 import re
+import shlex
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, fields
+from importlib import resources
 from itertools import combinations
 from pathlib import Path
-from typing import Any
+from typing import Any, get_type_hints
+
+import tyro
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import check_writable, write_json
 from ffgym.core.provenance import is_installed, versions
+from ffgym.robot import builtin_parameters, builtin_robots
 
 
 def need_extra(who: str, *packages: str, extra: str = "cli,report") -> None:
@@ -142,6 +147,7 @@ def provenance(
     """
     return {
         "command": command,
+        "command_line": write_command(command, config, passing=passing),
         "config": {name: _plain(value) for name, value in asdict(config).items() if name not in passing},
         "robot": robot,
         "seed": seed,
@@ -150,20 +156,63 @@ def provenance(
     }
 
 
+def write_command(command: str, config: Any, *, passing: Sequence[str] = ()) -> str:
+    """Write the line that runs a command again: its arguments, then the options that differ from their defaults.
+
+    Args:
+        command: e.g. 'ffgym demo'.
+        config: the dataclass of its options.
+        passing: options that are left out.
+    """
+    hints = get_type_hints(type(config), include_extras=True)
+    arguments, options = list[str](), list[str]()
+    for field in fields(config):
+        value = getattr(config, field.name)
+        if field.name in passing or value is None or value == field.default:
+            continue
+        words = [str(entry) for entry in (value if isinstance(value, tuple) else [value])]
+        markers = getattr(hints[field.name], "__metadata__", ())
+        option = next((name for marker in markers if (name := getattr(marker, "name", None))), field.name)
+        option = option.replace("_", "-")
+        if tyro.conf.Positional in markers:
+            arguments += words
+        elif isinstance(value, bool):
+            options.append(f"--{option}" if value else f"--no-{option}")
+        else:
+            options += [f"--{option}", *words]
+    return shlex.join([*command.split(), *arguments, *options])
+
+
+PACKAGE = Path(str(resources.files("ffgym")))
+"""Folder of the files that come with the package."""
+
+
 def hash_inputs(names: Iterable[str | Path | None]) -> list[str]:
     """Write name and SHA-256 of each input file, in the order given; folders stand for the files in them.
 
     Args:
-        names: files and folders; names that are no files, such as those of built-in robots, are left out.
+        names: files, folders and built-in robots; other names that are no files are left out.
     """
     files: list[Path] = []
-    for path in (Path(name) for name in names if name is not None):
+    for name in names:
+        if name is None:
+            continue
+        path = _file_in_package(str(name)) or Path(name)
         files += sorted(path.iterdir()) if path.is_dir() else [path]
     hashes = []
     for file in dict.fromkeys(file for file in files if file.is_file()):
+        shown = file.relative_to(PACKAGE.parent) if file.is_relative_to(PACKAGE) else file
         with open(file, "rb") as stream:
-            hashes.append(f"{file} sha256:{hashlib.file_digest(stream, 'sha256').hexdigest()}")
+            hashes.append(f"{shown} sha256:{hashlib.file_digest(stream, 'sha256').hexdigest()}")
     return hashes
+
+
+def _file_in_package(robot: str) -> Path | None:
+    """File of a built-in robot, or of one of its parameter sets."""
+    for folder, names in (("data", builtin_robots()), ("parameters", builtin_parameters())):
+        if robot in names:
+            return PACKAGE / "robot" / folder / f"{robot}.toml"
+    return None
 
 
 def _plain(value: Any) -> Any:

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from importlib import resources
+from pathlib import Path
 
 import numpy as np
 
@@ -107,11 +108,14 @@ EXAMPLE_ROBOT = "irb4600_60_205"
 """Nominal model of the machine that the logs are of."""
 
 
+EXAMPLE_LOGS = Path(str(resources.files("ffgym.diagnosis"))) / "data"
+"""Folder of the example logs."""
+
+
 def example_logs() -> list[Recording]:
     """The first recording of a machine that its model describes but for two faults, in the order of the session.
 
     `scripts/example_logs.py` makes them, on a machine of the workcell's kind.
     """
-    files = (resources.files("ffgym.diagnosis") / "data").iterdir()
-    logs = [decode(file.read_bytes()) for file in files if file.name.endswith(".npz")]
+    logs = [decode(file.read_bytes()) for file in EXAMPLE_LOGS.iterdir() if file.suffix == ".npz"]
     return sorted(logs, key=lambda log: float(log.header.meta["session_start"]))

@@ -81,6 +81,8 @@ class Page:
 
     title: str
     subtitle: str = ""
+    reading: "Sequence[Part]" = ()
+    """How to read the page, which comes first."""
     headline: Sequence[str] = ()
     """Main results, a paragraph each."""
     parts: Sequence[Part] = ()
@@ -111,9 +113,14 @@ def now() -> str:
 
 
 def provenance_lines(info: Mapping[str, Any]) -> dict[str, str]:
-    """Convert names and values to text; entries of a dict become lines, entries of a list share one."""
+    """Convert names and values to text; entries of a dict become lines, entries of a list share one.
+
+    The name of a command gives way to the line that runs it.
+    """
     lines: dict[str, str] = {}
     for name, value in info.items():
+        if name == "command" and "command_line" in info:
+            continue
         if isinstance(value, Mapping):
             lines |= provenance_lines(value)
         elif isinstance(value, list | tuple):

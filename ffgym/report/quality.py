@@ -42,12 +42,20 @@ def render_quality_page(reports: Sequence[tuple[str, QualityReport]], info: Mapp
     return Page(
         title="Quality of logs",
         subtitle="Verdict on each log, and every figure beside its limit. Reasons for the limits: docs/quality.md",
+        reading=[words_of("quality")["reading"]],
+        headline=[_summary([report for _, report in reports])],
         parts=[
-            Section("How to read this page", [words_of("quality")["reading"]]),
             *(_section(name, report, place) for place, (name, report) in enumerate(reports, 1)),
         ],
         provenance=info,
     ).html()
+
+
+def _summary(reports: Sequence[QualityReport]) -> str:
+    """Count the logs of each verdict."""
+    verdicts = [report.verdict for report in reports]
+    counts = [f"{verdicts.count(verdict)} **{verdict}**" for verdict in _WORDS if verdict in verdicts]
+    return f"{len(reports)} log{'s' * (len(reports) != 1)}: {', '.join(counts)}."
 
 
 def _section(name: str, report: QualityReport, place: int) -> Section:

@@ -1,6 +1,8 @@
 """The `ffgym` command: exit codes, and the demo with its report and numbers."""
 
+import html
 import json
+import re
 import subprocess
 import sys
 from dataclasses import replace
@@ -203,9 +205,21 @@ def test_the_demo_ends_with_a_diagnosis_on_a_page_in_print_and_in_the_numbers(on
     told = " ".join(capsys.readouterr().out.split())
     assert f"{one_finding.verdict}: {one_finding.sentence}" in told
     assert f"diagnosis: {tmp_path / 'r_diagnosis.html'}" in told
-    assert one_finding.sentence in (tmp_path / "r_diagnosis.html").read_text(encoding="utf-8")
+    page = html.unescape((tmp_path / "r_diagnosis.html").read_text(encoding="utf-8"))
+    assert one_finding.sentence in page
     numbers = json.loads((tmp_path / "n.json").read_text(encoding="utf-8"))
-    assert numbers["diagnosis"] == json.loads(json.dumps(diagnosis_document(one_finding)))
+    origin = numbers["diagnosis"].pop("provenance")
+    assert numbers["diagnosis"].items() <= json.loads(json.dumps(diagnosis_document(one_finding))).items()
+    # both pages say which files were read, and have commands to go on with
+    assert sum("ffgym/diagnosis/data/" in line for line in origin["inputs"]) == 8
+    assert all(line in page for line in origin["inputs"])
+    assert "ffgym diagnose --out found\nffgym record irb4600_60_205 found/next.toml --record-dt-ms 4" in page
+    (robot,) = numbers["inputs"]
+    assert re.fullmatch(r"ffgym/robot/data/irb4600_60_205.toml sha256:[0-9a-f]{64}", robot)
+    demo_page = html.unescape((tmp_path / "r.html").read_text(encoding="utf-8"))
+    assert robot in demo_page
+    again = f"ffgym demo --agents none --report {tmp_path / 'r.html'}"
+    assert f"<pre>{again} --json {tmp_path / 'n.json'} --positions p1 --speeds-mm-s 100.0\nffgym diagnose" in demo_page
     assert len(numbers["rows"]) == 3
 
 

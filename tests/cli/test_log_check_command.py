@@ -84,6 +84,8 @@ def test_the_page_holds_verdict_figures_and_picture(logs, tmp_path):
     page = place.read_text()
     assert page.count("data:image/svg+xml") == 2
     assert "degrees for radians" in page
+    assert "<p>2 logs: 1 <b>good</b>, 1 <b>insufficient</b>.</p>" in page
+    assert page.index("How to read this page") < page.index("2 logs:")
 
 
 def test_bad_input_is_one_line(tmp_path, capsys):

@@ -57,6 +57,11 @@ def test_cards_are_of_the_held_out_circles_that_were_run():
     assert re.search(r"rank 1, leaves \d", page)
 
 
+def test_how_to_read_the_page_comes_before_the_headline_and_the_table(board_page):
+    places = [board_page.index(words) for words in ("How to read this page", 'class="headline"', 'id="board"')]
+    assert places == sorted(places)
+
+
 def test_random_torque_is_not_told_to_have_learned(board_page):
     lines = data_of(board_page)[f"{THESIS_WORKCELL}|held_out"]["lines"]
     learned = {line[1]: line[3] for line in lines}

@@ -1,6 +1,7 @@
 """The one page: parts of every kind, numbered figures, and where its numbers come from."""
 
 import re
+from dataclasses import replace
 
 import pytest
 
@@ -47,6 +48,13 @@ def test_every_part_is_there_and_closed(page):
         '<th class="l">n</th>',
     ):
         assert said in html
+
+
+def test_how_to_read_a_page_comes_before_everything_else(page):
+    html = replace(page, reading=["First `this`."]).html()
+    assert re.search(r"How to read this page</h2>\s*<p>First <code>this</code>", html)
+    assert html.index("How to read this page") < html.index("Short.") < html.index("See <code>")
+    assert "How to read" not in page.html()
 
 
 def test_figures_are_numbered_through_all_sections(page):

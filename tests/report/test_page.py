@@ -61,6 +61,11 @@ def test_page_shows_every_cell_and_every_finding(page, circle, sine):
         assert f"<td>{1e3 * result.motor_rms_rad:.3f}</td>" in page
 
 
+def test_how_to_read_the_page_comes_before_results(page):
+    places = [page.index(words) for words in ("How to read this page", 'class="headline"', "Mean path error")]
+    assert places == sorted(places)
+
+
 def test_page_says_where_its_numbers_come_from(page, circle):
     assert circle.fingerprint in page
     assert '<th class="l">seed</th><td class="wrap"><code>7</code>' in page

@@ -1,7 +1,7 @@
 """Report page on the circle test and the sine test: pictures, tables, findings and provenance."""
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -22,13 +22,17 @@ from ffgym.report.circles.friction_plot import joint_loops_figure, one_axis_figu
 from ffgym.report.circles.paths_plot import paths_figure
 from ffgym.report.figure import ReportFigure
 from ffgym.report.laws import law_styles
-from ffgym.report.page import Legend, Note, Page, Part, Section, now, provenance_lines, verdict_cell, words_of
+from ffgym.report.page import Code, Legend, Note, Page, Part, Section, now, provenance_lines, verdict_cell, words_of
 from ffgym.report.table import Column, Table
 from ffgym.studies import CircleStudy, OneAxisStudy
 
 
 def write_report(
-    path: str | os.PathLike[str], circle_study: CircleStudy, one_axis_study: OneAxisStudy, info: Mapping[str, Any]
+    path: str | os.PathLike[str],
+    circle_study: CircleStudy,
+    one_axis_study: OneAxisStudy,
+    info: Mapping[str, Any],
+    commands: Sequence[str] = (),
 ) -> Path:
     """Write the report of both studies to `path`, whole or not at all.
 
@@ -38,6 +42,7 @@ def write_report(
         one_axis_study: the sine test.
         info: more lines of provenance by name, e.g. seed and command; they replace lines of the same name. A dict
             in it, e.g. of versions, gives a line per entry.
+        commands: commands that make the page again, and go on from it, as they run.
 
     Returns:
         The path.
@@ -47,11 +52,13 @@ def write_report(
     """
     target = Path(path)
     check_writable(target)  # drawing takes seconds
-    write_text(target, render_report(circle_study, one_axis_study, info))
+    write_text(target, render_report(circle_study, one_axis_study, info, commands))
     return target
 
 
-def render_report(circle_study: CircleStudy, one_axis_study: OneAxisStudy, info: Mapping[str, Any]) -> str:
+def render_report(
+    circle_study: CircleStudy, one_axis_study: OneAxisStudy, info: Mapping[str, Any], commands: Sequence[str] = ()
+) -> str:
     """Render the report as HTML; arguments as `write_report`."""
     tables = circle_tables(circle_study)
     styles = law_styles([*tables[0].agents, *(result.agent for result in one_axis_study.results)])
@@ -72,13 +79,14 @@ def render_report(circle_study: CircleStudy, one_axis_study: OneAxisStudy, info:
         title=f"Friction compensation on {circle_study.title}",
         subtitle="Simulated circle test and sine test with feed-forward friction compensation, beside the published "
         "numbers of the real robot.",
-        headline=[" ".join(headline(circle_study, one_axis_study))],
+        reading=[Legend(words["reading"], {s.label: s.colour for s in styles.values()})],
+        headline=headline(circle_study, one_axis_study),
         parts=[
             Section("Mean path error", [words["means"], summary_table(tables)]),
-            Section("How to read this page", [Legend(words["reading"], {s.label: s.colour for s in styles.values()})]),
             Section("What is and is not reproduced", verdicts),
             Section("Circle test", [*map(_at_speed, tables), *circle_figures(circle_study)]),
             Section("Sine test of one axis", [*sines, *one_axis_figures(one_axis_study)]),
+            *[Section("Make this page again", [words["again"], Code("\n".join(commands))])] * bool(commands),
         ],
         provenance=provenance(circle_study, one_axis_study, info),
         is_dated=False,  # its provenance has the date

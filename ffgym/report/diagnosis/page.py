@@ -35,9 +35,7 @@ def render_diagnosis_page(report: DiagnosisReport) -> str:
         FFGymError: if matplotlib or jinja2 is missing.
     """
     diagnosis = report.in_joint_units
-    words = words_of("diagnosis")
     sections = [
-        _reading(diagnosis),
         *_answer(report, diagnosis),
         *_gain(report, diagnosis),
         *_evidence(report),
@@ -45,24 +43,25 @@ def render_diagnosis_page(report: DiagnosisReport) -> str:
         *_rivals(report, diagnosis),
         *_limits(diagnosis),
     ]
-    meaning = words["meaning"].format(verdict=diagnosis.verdict, meaning=VERDICTS[diagnosis.verdict])
     n = len(diagnosis.motions)
     return Page(
         title=f"Diagnosis of {diagnosis.robot}",
         subtitle=f"Errors of the simulation model, their causes and their sizes, from {n} measured "
         f"motion{'s' * (n != 1)}.",
-        headline=[f"**{diagnosis.verdict.upper()}** {short_sentence(diagnosis)}", meaning],
+        reading=_reading(diagnosis),
+        headline=[f"**{diagnosis.verdict.upper()}** {short_sentence(diagnosis)}"],
         parts=[section for section in sections if section.parts],
         provenance=diagnosis.provenance,
     ).html()
 
 
-def _reading(diagnosis: Diagnosis) -> Section:
-    """Introduction to the page: a short paragraph, and terms on request."""
+def _reading(diagnosis: Diagnosis) -> list[Part]:
+    """Explain the page in a short paragraph with the meaning of the verdict, and terms on request."""
     words, motions = words_of("diagnosis"), ", ".join(diagnosis.motions) or "none"
     verdicts = "; ".join(f"**{word}**, {meaning}" for word, meaning in VERDICTS.items())
     terms = Details("Terms, verdicts and motions", [words["terms"], f"Verdicts: {verdicts}.", f"Motions: {motions}."])
-    return Section("How to read this page", [words["reading"], terms])
+    meaning = words["meaning"].format(verdict=diagnosis.verdict, meaning=VERDICTS[diagnosis.verdict])
+    return [f"{words['reading']} {meaning}", terms]
 
 
 def _answer(report: DiagnosisReport, diagnosis: Diagnosis) -> list[Section]:

@@ -78,7 +78,7 @@ def render_friction_page(report: FrictionReport, info: Mapping[str, Any]) -> str
                 f"{joint.joint}: inertial torque of the model off by {joint.inertia_error:.1%}, offset "
                 f"{joint.offset:.3f} N m; RMS of the fit {joint.bristles.rms_error:.4f} N m."
             )
-    parts: list[Part] = [Section("How to read this page", [words_of("friction")["reading"]]), *map(Note, report.doubts)]
+    parts: list[Part] = [*map(Note, report.doubts)]
     parts.append(Section("Parameters", [_parameters(found, with_reasons=True), *map(Note, notes)]))
     if report.after:
         parts.append(Section("Logs that were not used", [_validation(report)]))
@@ -86,6 +86,7 @@ def render_friction_page(report: FrictionReport, info: Mapping[str, Any]) -> str
         title=f"Friction of {found.prior.title}",
         subtitle=f"LuGre parameters from {len(found.segments)} logs, motor side, with {found.level:.0%} intervals. "
         "Parameters that the logs do not excite keep their values.",
+        reading=[words_of("friction")["reading"]],
         parts=[*parts, *friction_figures(report)],
         provenance=info,
     ).html()

@@ -129,8 +129,8 @@ def render_rigid_body_page(report: RigidBodyReport, used: Recording, info: Mappi
         title=f"Rigid body of {fit.robot.title}",
         subtitle=f"Bodies, rotors and friction from {len(fit.segments)} logs, with {fit.level:.0%} intervals. "
         f"{_summary(fit)}{fit.trade_off.chosen}.",
+        reading=[words_of("rigid_body")["reading"]],
         parts=[
-            Section("How to read this page", [words_of("rigid_body")["reading"]]),
             *map(Note, [*report.doubts, *filter(None, [excited])]),
             Section("What is left of the torque", [left, _errors(report)]),
             *(Section(title, [table]) for title, table in tables.items() if table.n_rows),

@@ -81,6 +81,13 @@ def test_the_page_tells_everything_that_was_found(page):
         assert words in text
 
 
+def test_how_to_read_the_page_comes_first_then_the_verdict_then_the_table_of_causes(page):
+    places = [
+        page.index(words) for words in ("How to read this page", "<b>ambiguous</b> means", "AMBIGUOUS", 'id="causes"')
+    ]
+    assert places == sorted(places)
+
+
 def test_pictures_are_numbered_and_begin_with_the_joint_that_is_blamed(page):
     figures = re.findall(r'<figure id="([\w-]+)">', page)
     assert len(set(figures)) == len(figures)
