@@ -115,12 +115,13 @@ def now() -> str:
 def provenance_lines(info: Mapping[str, Any]) -> dict[str, str]:
     """Convert names and values to text; entries of a dict become lines, entries of a list share one.
 
-    The name of a command gives way to the line that runs it.
+    The name of a command gives way to the line that runs it, which says too what options are not given.
     """
     lines: dict[str, str] = {}
+    if "command_line" in info:
+        given = {name: value for name, value in info["config"].items() if value not in (None, (), [], False)}
+        info = {name: value for name, value in info.items() if name != "command"} | {"config": given}
     for name, value in info.items():
-        if name == "command" and "command_line" in info:
-            continue
         if isinstance(value, Mapping):
             lines |= provenance_lines(value)
         elif isinstance(value, list | tuple):

@@ -5,7 +5,7 @@ from typing import Any
 
 from ffgym.logs.quality import Finding, QualityReport
 from ffgym.report.figure import ReportFigure, panels
-from ffgym.report.page import Details, Page, Section, words_of
+from ffgym.report.page import Details, Page, Part, Section, words_of
 from ffgym.report.table import Cell, Column, Table, wrap_text
 
 _WORDS = {
@@ -45,6 +45,7 @@ def render_quality_page(reports: Sequence[tuple[str, QualityReport]], info: Mapp
         reading=[words_of("quality")["reading"]],
         headline=[_summary([report for _, report in reports])],
         parts=[
+            _overview(reports),
             *(_section(name, report, place) for place, (name, report) in enumerate(reports, 1)),
         ],
         provenance=info,
@@ -58,6 +59,24 @@ def _summary(reports: Sequence[QualityReport]) -> str:
     return f"{len(reports)} log{'s' * (len(reports) != 1)}: {', '.join(counts)}."
 
 
+def _overview(reports: Sequence[tuple[str, QualityReport]]) -> Table:
+    """Tabulate the logs with their verdicts and the checks that are refused or flagged."""
+    checks = {
+        word: [", ".join(dict.fromkeys(f.check for f in report.problems if f.verdict == word)) for _, report in reports]
+        for word in ("refused", "flagged")
+    }
+    styles = {"insufficient": "refused", "usable": "flagged"}
+    verdicts = [Cell(report.verdict, style=styles.get(report.verdict, "")) for _, report in reports]
+    columns = [
+        Column("log", [name for name, _ in reports], kind="text"),
+        Column("motion", [report.segment for _, report in reports], kind="text"),
+        Column("duration", [report.duration for _, report in reports], ".4g", unit="s"),
+        Column("verdict", verdicts, kind="text"),
+        *(Column(word, [names or None for names in own], kind="prose") for word, own in checks.items()),
+    ]
+    return Table(columns=columns, name="logs")
+
+
 def _section(name: str, report: QualityReport, place: int) -> Section:
     """Lay out the findings in one log."""
     problems = Table(
@@ -67,12 +86,11 @@ def _section(name: str, report: QualityReport, place: int) -> Section:
             Column("what was seen", [found.message for found in report.problems], kind="prose"),
         ]
     )
-    parts = [
-        *(f"Conditioned: {note}" for note in report.conditioning),
-        problems if report.problems else "Nothing is flagged.",
-        _limits(report, place),
-        Details("Every figure", [_figures(report.findings, with_verdict=True)]),
-    ]
+    figures: list[Part] = [_limits(report, place), _figures(report.findings, with_verdict=True)]
+    parts: list[Part] = [f"Conditioned: {note}" for note in report.conditioning]
+    if report.problems:
+        parts += [problems, figures.pop(0)]
+    parts.append(Details("Every figure", figures))
     return Section(name, parts, headline=[_verdict(report)])
 
 
@@ -110,15 +128,15 @@ def _limits(report: QualityReport, place: int) -> ReportFigure:
         ratio = min(max(ratio, _SMALLEST), _LARGEST)
         if finding.check not in worst or ratio > worst[finding.check][0]:
             worst[finding.check] = (ratio, finding.verdict)
-    with panels(size=(7.0, 0.9 + 0.19 * len(worst)), legend=False) as (figure, grid):
+    with panels(size=(7.0, 1.2 + 0.19 * len(worst))) as (figure, grid):
         axes = grid[0, 0]
         for row, (ratio, verdict) in enumerate(worst.values()):
-            axes.barh(row, ratio, left=_SMALLEST, color=_COLOURS[verdict], height=0.7)
+            axes.barh(row, ratio, left=_SMALLEST, color=_COLOURS[verdict], height=0.7, label=verdict)
         axes.axvline(1.0, color="#444444", linewidth=1.0)
         axes.set_xscale("log")
         axes.set_xlim(_SMALLEST, 2 * _LARGEST)
         axes.set_yticks(range(len(worst)), list(worst))
-        axes.invert_yaxis()
+        axes.set_ylim(len(worst) - 0.3, -0.7)
         axes.set_xlabel("worst figure over its limit; flagged beyond the line")
     beyond = ", ".join(dict.fromkeys(finding.check for finding in report.problems)) or "nothing"
     return ReportFigure(

@@ -86,6 +86,12 @@ def test_the_page_holds_verdict_figures_and_picture(logs, tmp_path):
     assert "degrees for radians" in page
     assert "<p>2 logs: 1 <b>good</b>, 1 <b>insufficient</b>.</p>" in page
     assert page.index("How to read this page") < page.index("2 logs:")
+    row = f'<td class="l">{logs[1]}</td><td class="l">multisine</td><td>8.6</td><td class="l refused">insufficient</td>'
+    assert f'{row}<td class="wrap">units</td><td class="wrap">encoder_steps</td>' in page
+    good, bad = page.index('id="limits-1"'), page.index('id="limits-2"')
+
+    assert "<summary>Every figure</summary>" in page[:good]
+    assert page[page.index(f"<h2>{logs[1]}") : bad].count("<details>") == 0
 
 
 def test_bad_input_is_one_line(tmp_path, capsys):

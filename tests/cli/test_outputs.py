@@ -41,9 +41,12 @@ def test_options_that_only_say_where_results_go_are_left_out():
     assert origin["command_line"] == "ffgym diagnose logs --robot one_axis"
 
 
+CONFIG = {"seed": 3, "columns": None, "joints": [], "fit": False}
+
+
 def test_a_page_shows_the_line_that_runs_in_the_place_of_the_name_of_the_command():
-    lines = provenance_lines({"command": "ffgym demo", "command_line": "ffgym demo --positions p1"})
-    assert lines == {"command line": "ffgym demo --positions p1"}
+    lines = provenance_lines({"command": "ffgym demo", "command_line": "ffgym demo --seed 3", "config": CONFIG})
+    assert lines == {"command line": "ffgym demo --seed 3", "seed": "3"}
     assert provenance_lines({"command": "python -m scripts.thesis"}) == {"command": "python -m scripts.thesis"}
 
 

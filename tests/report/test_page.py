@@ -64,6 +64,8 @@ def test_page_shows_every_cell_and_every_finding(page, circle, sine):
 def test_how_to_read_the_page_comes_before_results(page):
     places = [page.index(words) for words in ("How to read this page", 'class="headline"', "Mean path error")]
     assert places == sorted(places)
+    (box,) = re.findall(r'<div class="headline">(.*?)</div>', page)
+    assert box.count("<p>") == 1
 
 
 def test_page_says_where_its_numbers_come_from(page, circle):

@@ -22,7 +22,19 @@ from ffgym.report.circles.friction_plot import joint_loops_figure, one_axis_figu
 from ffgym.report.circles.paths_plot import paths_figure
 from ffgym.report.figure import ReportFigure
 from ffgym.report.laws import law_styles
-from ffgym.report.page import Code, Legend, Note, Page, Part, Section, now, provenance_lines, verdict_cell, words_of
+from ffgym.report.page import (
+    Code,
+    Items,
+    Legend,
+    Note,
+    Page,
+    Part,
+    Section,
+    now,
+    provenance_lines,
+    verdict_cell,
+    words_of,
+)
 from ffgym.report.table import Column, Table
 from ffgym.studies import CircleStudy, OneAxisStudy
 
@@ -72,6 +84,7 @@ def render_report(
         Column("verdict", [verdict_cell(finding.verdict) for finding in found], kind="text"),
         Column("numbers", [finding.text for finding in found], kind="prose"),
     ]
+    results = headline(circle_study, one_axis_study)
     note = words["verdicts"].format(words=counted, factor=FACTOR)
     verdicts: list[Part] = [Note(note), Table(columns=columns, name="findings")]
     sines: list[Part] = [words["sines"].format(robot=robot), sine_table(one_axis_study)]
@@ -80,9 +93,9 @@ def render_report(
         subtitle="Simulated circle test and sine test with feed-forward friction compensation, beside the published "
         "numbers of the real robot.",
         reading=[Legend(words["reading"], {s.label: s.colour for s in styles.values()})],
-        headline=headline(circle_study, one_axis_study),
+        headline=results[:1],
         parts=[
-            Section("Mean path error", [words["means"], summary_table(tables)]),
+            Section("Mean path error", [words["means"], summary_table(tables), Items(results[1:])]),
             Section("What is and is not reproduced", verdicts),
             Section("Circle test", [*map(_at_speed, tables), *circle_figures(circle_study)]),
             Section("Sine test of one axis", [*sines, *one_axis_figures(one_axis_study)]),

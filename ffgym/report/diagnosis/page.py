@@ -10,7 +10,9 @@ from ffgym.report.diagnosis.words import (
     VERDICTS,
     causes_table,
     compare_levels,
+    first_sentence,
     held_out_note,
+    in_words,
     levels_table,
     place_of,
     rivals_of,
@@ -20,6 +22,7 @@ from ffgym.report.diagnosis.words import (
     size_text,
     title_of,
     together,
+    write_digits,
 )
 from ffgym.report.page import Code, Details, Items, Note, Page, Part, Section, words_of
 from ffgym.report.table import Cell, Column, Table
@@ -84,8 +87,9 @@ def _answer(report: DiagnosisReport, diagnosis: Diagnosis) -> list[Section]:
     if diagnosis.separating_motion is not None:
         motion = diagnosis.separating_motion
         first, second = motion.between
-        following += [words["record"].format(first=first, second=second), Code(motion.toml.strip())]
-        following.append(Note(words["machine"].format(expected=motion.expected)))
+        following.append(words["record"].format(first=in_words(first), second=in_words(second)))
+        following.append(Code(motion.toml.strip()))
+        following.append(Note(words["machine"].format(expected=write_digits(motion.expected))))
     if report.commands:
         following += [words["next"], Code("\n".join(report.commands))]
         if note := simulation_note(report.commands):
@@ -102,6 +106,7 @@ def _signs(diagnosis: Diagnosis) -> list[Part]:
         sizes = "; ".join(size_text(size) for size in cause.parameters)
         text = f"**{place_of(title_of(cause.effect), cause.joint)}** ({cause.code}, `{cause.effect}`): {sizes}."
         if cause.effect in EFFECTS:
+            text = f"{text} {first_sentence(EFFECTS[cause.effect].__doc__ or '')}."
             text += f" Signature: {EFFECTS[cause.effect].signature}."
         if cause.fixed:
             chosen = ", ".join(f"{name} = {value:.4g}" for name, value in cause.fixed.items())
@@ -171,7 +176,7 @@ def _rivals(report: DiagnosisReport, diagnosis: Diagnosis) -> list[Section]:
         effects = [Cell(place_of(rival.effect, rival.joint), style="tie" * rival.tied) for rival in own]
         columns = [
             Column("effect", effects, kind="text"),
-            Column("explains", [shown_share(rival.held_out_gain) for rival in own], ".0%"),
+            Column("explains, in the fit", [shown_share(rival.held_out_gain) for rival in own], ".0%"),
             Column("reason", ["Cannot be excluded: " * rival.tied + rival.reason for rival in own], kind="prose"),
         ]
         if own:

@@ -129,7 +129,7 @@ def causes_table(diagnosis: Diagnosis, *, on_page: bool = False) -> Table:
         against = f"ties with {first_of}{behind}"
         rows.append((joint or "machine", title_of(effect), "not adopted", None, None, against))
     headings = ("joint", "cause", "size", "90 % interval", "held out", "rivals")
-    kinds: tuple[Kind, ...] = (*("text",) * 5, "prose" if on_page else "text")
+    kinds: tuple[Kind, ...] = ("text", "text", "prose", "text", "text", "prose") if on_page else ("text",) * 6
     columns = [
         Column(heading, [row[k] for row in rows], kind=kind)
         for k, (heading, kind) in enumerate(zip(headings, kinds, strict=True))
@@ -357,5 +357,11 @@ def _columns(
     ]
     for title, name in numbers.items():
         values = [factor * getattr(level, name) for level, (factor, _) in zip(levels, scale, strict=True)]
-        columns.append(Column(title, values, ".3g"))
+        columns.append(Column(title, [write_digits(value) for value in values]))
     return columns
+
+
+def write_digits(value: float) -> str:
+    """Write a number with three digits; large ones without an exponent."""
+    text = f"{value:.3g}"
+    return f"{float(text):.0f}" if "e+" in text else text

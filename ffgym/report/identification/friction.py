@@ -10,7 +10,7 @@ from ffgym.diagnosis.identification import FrictionIdentification, FrictionTorqu
 from ffgym.report.figure import ReportFigure
 from ffgym.report.identification.plots import friction_loops_figure, stribeck_figure
 from ffgym.report.page import Note, Page, Part, Section, words_of
-from ffgym.report.table import Column, Table, underline, wrap_text
+from ffgym.report.table import Cell, Column, Table, underline, wrap_text
 
 LETTERS = {
     "friction.coulomb": "f_c",
@@ -76,7 +76,7 @@ def render_friction_page(report: FrictionReport, info: Mapping[str, Any]) -> str
         if joint.bristles is not None:
             notes.append(
                 f"{joint.joint}: inertial torque of the model off by {joint.inertia_error:.1%}, offset "
-                f"{joint.offset:.3f} N m; RMS of the fit {joint.bristles.rms_error:.4f} N m."
+                f"{joint.offset:.2g} N m; RMS of the fit {joint.bristles.rms_error:.4f} N m."
             )
     parts: list[Part] = [*map(Note, report.doubts)]
     parts.append(Section("Parameters", [_parameters(found, with_reasons=True), *map(Note, notes)]))
@@ -97,14 +97,16 @@ def _parameters(found: FrictionIdentification, *, with_reasons: bool) -> Table:
     rows = [estimate for joint in found.joints for estimate in joint.estimates]
     intervals = [f"{row.low:.4g} to {row.high:.4g}" if np.isfinite(row.high) else None for row in rows]
     verdicts = [f"{r.status}: {r.reason}" if with_reasons and r.reason else r.status for r in rows]
+    names = [f"({row.name.removeprefix('friction.').replace('_', ' ')})" if with_reasons else "" for row in rows]
+    letters = [Cell(LETTERS[row.name], name) for row, name in zip(rows, names, strict=True)]
     columns = [
         Column("joint", [row.joint for row in rows], kind="text"),
-        Column("parameter", [LETTERS[row.name] for row in rows], kind="text"),
+        Column("parameter", letters, kind="text"),
         Column("unit", [row.unit for row in rows], kind="text"),
         Column("before", [row.prior for row in rows], ".4g"),
         Column("now", [row.value for row in rows], ".4g"),
         Column(f"{found.level:.0%} interval", intervals),
-        Column("verdict", verdicts, kind="text"),
+        Column("verdict", verdicts, kind="prose" if with_reasons else "text"),
     ]
     return Table(columns=columns, name="parameters", fixed=2, ruled_by=0)
 

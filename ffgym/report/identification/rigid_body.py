@@ -11,7 +11,7 @@ from ffgym.diagnosis.identification.rigid_body import RigidBodyFit, TorqueErrors
 from ffgym.recordings import Recording
 from ffgym.report.figure import ReportFigure
 from ffgym.report.identification.plots import torque_figure
-from ffgym.report.page import Note, Page, Section, words_of
+from ffgym.report.page import Details, Note, Page, Section, words_of
 from ffgym.report.table import Column, Kind, Table, underline, wrap_text
 from ffgym.studies.torque_prediction import TorquePrediction
 
@@ -122,8 +122,8 @@ def render_rigid_body_page(report: RigidBodyReport, used: Recording, info: Mappi
     tables = {
         "Rotors, friction, offsets": _row_table(fit, "parameter, motor side", parameter_rows(fit), "parameters"),
         "Bodies": _bodies(fit),
-        "Combinations that torque can tell": _row_table(fit, "combination", base_rows(fit), "combinations", "text"),
     }
+    combinations = _row_table(fit, "combination", base_rows(fit), "combinations", "prose")
     shown, words = (report.held_out[:_MOST], "not fitted") if report.held_out else ([used], "fitted")
     return Page(
         title=f"Rigid body of {fit.robot.title}",
@@ -134,6 +134,7 @@ def render_rigid_body_page(report: RigidBodyReport, used: Recording, info: Mappi
             *map(Note, [*report.doubts, *filter(None, [excited])]),
             Section("What is left of the torque", [left, _errors(report)]),
             *(Section(title, [table]) for title, table in tables.items() if table.n_rows),
+            Details(f"{combinations.n_rows} combinations that torque can tell", [combinations]),
             *(_figure(report, recording, words) for recording in shown),
         ],
         provenance=info,
@@ -158,11 +159,16 @@ def _row_table(
             Column("unit", [row.unit for row in rows], kind="text"),
             Column("before", [row.before for row in rows], ".4g"),
             Column("now", [row.now for row in rows], ".4g"),
-            Column(f"{fit.level:.0%} interval", [f"{row.low:.4g} to {row.high:.4g}" for row in rows]),
+            Column(f"{fit.level:.0%} interval", [_interval(row) for row in rows]),
             Column("told by", [row.verdict for row in rows], kind="text"),
         ],
         name=name,
     )
+
+
+def _interval(row: ParameterRow) -> str | None:
+    """Write the interval; None for a parameter that the logs do not excite, which keeps its value."""
+    return None if row.verdict == "not excited" else f"{row.low:.4g} to {row.high:.4g}"
 
 
 def _bodies(fit: RigidBodyFit) -> Table:
@@ -187,9 +193,14 @@ def _errors(report: RigidBodyReport) -> Table:
     columns = [
         Column("log", [log for log, *_ in rows], kind="name"),
         Column("joint", [joint for _, joint, *_ in rows], kind="name"),
-        *(Column(kind, [getattr(e, field)[j] for _, _, j, e in rows], ".4f") for kind, field in kinds),
+        *(Column(kind, [_known(getattr(e, field)[j]) for _, _, j, e in rows], ".4f") for kind, field in kinds),
     ]
     return Table(columns=columns, name="errors", fixed=2, ruled_by=0)
+
+
+def _known(value: float) -> float | None:
+    """Replace NaN, the error of a joint that does not move in a log, by None."""
+    return float(value) if np.isfinite(value) else None
 
 
 def rigid_body_numbers(report: RigidBodyReport) -> dict[str, Any]:
@@ -221,7 +232,7 @@ def rigid_body_numbers(report: RigidBodyReport) -> dict[str, Any]:
 
 def _plain(values: Array) -> list[float | None]:
     """Replace NaN, which JSON lacks, by None."""
-    return [float(value) if np.isfinite(value) else None for value in values]
+    return [_known(value) for value in values]
 
 
 def _figure(report: RigidBodyReport, recording: Recording, words: str) -> ReportFigure:

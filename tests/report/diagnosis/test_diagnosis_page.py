@@ -15,7 +15,7 @@ from ffgym.diagnosis.result import Diagnosis, Size
 from ffgym.effects import EFFECTS
 from ffgym.report.diagnosis import DiagnosisReport, evidence, format_diagnosis, render_diagnosis_page
 from ffgym.report.diagnosis import words as diagnosis_words
-from ffgym.report.diagnosis.words import VERDICTS, _size_words, causes_table, plain_size, rivals_of
+from ffgym.report.diagnosis.words import VERDICTS, _size_words, causes_table, plain_size, rivals_of, write_digits
 from ffgym.robot import load_robot
 from tests.diagnosis.residual_samples import made_up
 from tests.diagnosis.result_samples import full_diagnosis
@@ -235,6 +235,13 @@ def test_every_size_of_every_effect_has_a_plain_meaning_with_its_unit():
     assert set(_size_words()) == set(EFFECTS)
     text, _ = plain_size("foreign", Size(name="pull.x", value=2.0, unit="N", interval=(1.0, 3.0)))
     assert text == "2 N pull (x)"
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(378412.0, "378000"), (9.07e4, "90700"), (0.0118, "0.0118"), (2e-7, "2e-07")]
+)
+def test_a_large_number_has_three_digits_and_no_exponent(value, text):
+    assert write_digits(value) == text
 
 
 def test_the_table_says_on_which_data_the_share_was_explained():
