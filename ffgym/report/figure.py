@@ -7,7 +7,7 @@ import base64
 import io
 import os
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cached_property
 from math import ceil
@@ -155,10 +155,14 @@ def keep_peaks(values: Array, points: int = POINTS) -> IntArray:
     if len(values) <= points:
         return np.arange(len(values))
     kept = [np.array([0, len(values) - 1])]
-    for rows in np.array_split(np.arange(len(values)), points // 2):
-        stretch = values[rows]
-        extremes = [0] if np.isnan(stretch).all() else [np.nanargmin(stretch), np.nanargmax(stretch)]
-        kept.append(rows[extremes])
+    # the first stretches have a row more if they cannot all have the same length
+    length, longer = divmod(len(values), points // 2)
+    cut = longer * (length + 1)
+    for first, last, width in ((0, cut, length + 1), (cut, len(values), length)):
+        stretches, starts = values[first:last].reshape(-1, width), np.arange(first, last, width)
+        gaps = np.isnan(stretches)
+        kept.append(starts + np.where(gaps, np.inf, stretches).argmin(axis=1))
+        kept.append(starts + np.where(gaps, -np.inf, stretches).argmax(axis=1))
     return np.unique(np.concatenate(kept))
 
 
@@ -170,9 +174,35 @@ def encode_figure(figure: "Figure", kind: Literal["svg", "png", "pdf"] = "svg", 
         line.set_rasterized(dense)
     date = {"svg": "Date", "pdf": "CreationDate"}.get(kind)
     buffer = io.BytesIO()
-    with house_style():
+    with house_style(), _laid_out(figure, format=kind, dpi=dpi):
         figure.savefig(buffer, format=kind, dpi=dpi, metadata={date: None} if date else None)
     return buffer.getvalue()
+
+
+@contextmanager
+def _laid_out(figure: "Figure", **options: Any) -> Iterator[None]:
+    """Arrange a figure as `savefig` with these options does, which draws all of it once more to that end."""
+    engine: Any = figure.get_layout_engine()
+    if engine is None:
+        yield
+        return
+
+    class Arranged(Exception):
+        """End of the part of `savefig` that arranges."""
+
+    def arrange(figure: "Figure") -> None:
+        type(engine).execute(engine, figure)
+        raise Arranged
+
+    with suppress(Arranged):
+        engine.execute = arrange
+        figure.savefig(io.BytesIO(), **options)
+    del engine.execute
+    figure.set_layout_engine("none")
+    try:
+        yield
+    finally:
+        figure.set_layout_engine(engine)
 
 
 def check_figure(path: str | os.PathLike[str]) -> Path:
