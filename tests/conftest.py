@@ -1,5 +1,6 @@
 """Robots that many tests share."""
 
+import gc
 import os
 from dataclasses import replace
 from importlib import resources
@@ -14,6 +15,17 @@ from ffgym.robot import RigidArm, RobotDescription, compile_model, load_robot, s
 
 hypothesis.settings.register_profile("ffgym", deadline=None)  # the first example compiles a model
 hypothesis.settings.load_profile("ffgym")
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection():
+    """Look for unused objects neither while tests are collected nor among those that are, which stay to the end."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.enable()
 
 
 @pytest.fixture(scope="session")
