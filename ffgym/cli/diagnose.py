@@ -301,15 +301,17 @@ def next_step(config: Diagnose, diagnosis: Diagnosis, period: float | None = Non
     rows = [] if period is None else ["--record-dt-ms", f"{1e3 * period:.6g}"]
     if diagnosis.separating_motion is not None:
         # logs of another tool need their column map, so that recordings cannot stand beside them
-        both = [*([] if columns else logs), "more_logs"]
-        record = ["record", machine, str(folder / NEXT), *rows, "--out", "more_logs"]
+        more = f"{folder}_more_logs"  # of this diagnosis alone: a folder holds one session
+        both = [*([] if columns else logs), more]
+        record = ["record", machine, str(folder / NEXT), *rows, "--out", more]
         again = ["diagnose", *both, "--robot", robot, *options, "--out", f"{folder}_again"]
         return _step("record the motions that tell the rivals apart, and diagnose all logs:", *first, record, again)
     if diagnosis.verdict in ("named", "partly", "ambiguous"):
         if not diagnosis.gains:
             return _step("record motions in other regimes; protocols are listed by", ["record", "--list"])
-        record = ["record", machine, "diagnosis", *rows, "--out", "other_logs"]
-        again = ["diagnose", "other_logs", "--robot", str(folder / EXTENDED)]
+        other = f"{folder}_other_logs"
+        record = ["record", machine, "diagnosis", *rows, "--out", other]
+        again = ["diagnose", other, "--robot", str(folder / EXTENDED)]
         advice = "record motions that were not used, and see whether the extended model explains them:"
         return _step(advice, *first, record, again)
     if diagnosis.verdict == "wiring":

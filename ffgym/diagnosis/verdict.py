@@ -115,8 +115,8 @@ def describe_explained(judged: ReasonedVerdict, causes: Sequence[Cause], levels:
     held_out = compute_held_out_share(levels, [cause.joint for cause in causes])
     if held_out is None:
         return f"{100 * min(judged.explained, 1.0):.0f} % of the misfit there, on the rows that were fitted"
-    left_out = "motions that were" if motions > 1 else "the half of the log that was"
-    return f"{100 * held_out.share:.0f} % of the misfit there, on {left_out} left out of the fit"
+    data = "motions" if motions > 1 else "the half of the log"
+    return f"{100 * held_out.share:.0f} % of the misfit there, on {data} left out of the fit"
 
 
 def write_sentence(

@@ -126,7 +126,7 @@ def quality() -> Contents:
     return Contents(
         parts={
             "checks": markdown(("check", "figure", "unit", "flagged above", "refused above", "why"), checks),
-            "needs": markdown(("need", "columns", "at least, on one joint", "not even flagged", "why"), needs),
+            "needs": markdown(("need", "columns", "at least, on one joint", "flags refused", "why"), needs),
         }
     )
 

@@ -239,6 +239,19 @@ def test_a_next_step_that_records_warns_that_its_logs_are_simulated(verdict):
         assert bool(simulation_note(step.commands)) == records
 
 
+@pytest.mark.parametrize("is_ambiguous", [True, False])
+def test_two_diagnoses_in_one_folder_print_commands_that_write_to_folders_of_their_own(is_ambiguous):
+    motion = SeparatingMotion(between=("a", "b"), protocol="holds", toml="", expected=1.0)
+    found = Diagnosis(verdict="named", sentence="", robot="one_axis", motions=(), gains=True)
+    found = replace(found, separating_motion=motion if is_ambiguous else None)
+    written = [
+        {words[words.index("--out") + 1] for command in step.commands if "--out" in (words := shlex.split(command))}
+        for step in (next_step(Diagnose(robot="one_axis", out=Path(name)), found) for name in ("one", "a/two"))
+    ]
+    assert all(written)
+    assert not written[0] & written[1]
+
+
 def test_commands_that_are_printed_run_for_a_robot_that_is_a_file(logs, tmp_path, monkeypatch, capsys):
     """The description lies beside the logs; what tells rivals apart is a short protocol file in the output folder."""
     monkeypatch.chdir(tmp_path)

@@ -129,7 +129,7 @@ PATTERNS = (
 )
 
 
-SHARE = "80 % of the misfit there, on motions that were left out of the fit"
+SHARE = "80 % of the misfit there, on motions left out of the fit"
 
 
 def sentence(verdict, *, tied=True, stretched=(), patterns=PATTERNS):
@@ -153,11 +153,9 @@ def test_the_verdict_states_the_share_of_the_table_and_on_which_data_the_causes_
     sample = full_diagnosis()
     judged = ReasonedVerdict(verdict="named", gains=(0.9,), explained=0.5, shapes_at_limit=())
     assert describe_explained(judged, sample.causes, sample.levels, 2) == (
-        "100 % of the misfit there, on motions that were left out of the fit"
+        "100 % of the misfit there, on motions left out of the fit"
     )
-    assert "there, on the half of the log that was left out" in describe_explained(
-        judged, sample.causes, sample.levels, 1
-    )
+    assert "there, on the half of the log left out" in describe_explained(judged, sample.causes, sample.levels, 1)
     assert describe_explained(judged, sample.causes, (), 2) == "50 % of the misfit there, on the rows that were fitted"
     named = write_sentence(judged, sample.causes, (), (), SimpleNamespace(name="arm"), SHARE)
     assert named == f"Consistent with Friction that grows with load of j2, which explains {SHARE}."

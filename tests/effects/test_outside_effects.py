@@ -53,9 +53,9 @@ def test_an_effect_of_one_file_elsewhere_is_simulated_and_diagnosed(installed, t
         program, *arguments = shlex.split(command)
         assert program == "ffgym"
         assert main(arguments) == 0
-    said, (first, second) = capsys.readouterr().out, blocks("text")[0].strip().splitlines()
-    assert first in said
-    assert second.split("  0.00979")[0] in said
+    said, (*sentence, row) = capsys.readouterr().out, blocks("text")[0].strip().splitlines()
+    assert "\n".join(sentence) in said
+    assert row.split("  0.00979")[0] in said
     (cause,) = json.loads(Path("found/diagnosis.json").read_text())["causes"]
     assert cause["effect"] == "cover_friction"
     assert "[effects.cover_friction" in Path("found/extended.toml").read_text().replace('"', "")
