@@ -60,6 +60,11 @@ class Bodies:
         return np.triu(np.ones((len(self.slides), len(self.slides))))[..., None]
 
     @cached_property
+    def has_slides(self) -> bool:
+        """True if any joint slides."""
+        return bool(self.slides.any())
+
+    @cached_property
     def turning(self) -> Array:
         """1 for hinges, 0 for slides, shape (N, 1)."""
         return (~self.slides)[:, None].astype(np.float64)
@@ -147,12 +152,12 @@ def pose_of(bodies: Bodies, q: Array) -> Pose:
     for i in range(1, q.shape[1]):
         rotation[:, i] = rotation[:, i - 1] @ own[:, i]
     offset = bodies.position
-    if bodies.slides.any():
+    if bodies.has_slides:
         offset = offset + bodies.axis * (q * bodies.slides)[..., None]
     if q.shape[1] > 1:
         offset = offset.copy()
         offset[:, 1:] = _times(rotation[:, :-1], offset[:, 1:])
-    origin = np.cumsum(offset, axis=1)
+    origin = offset.cumsum(axis=1)
     centre = origin + _times(rotation, bodies.com)
     return Pose(rotation=rotation, axis=_times(rotation, bodies.axis), origin=origin, centre=centre, offset=offset)
 
@@ -184,12 +189,14 @@ def inverse_dynamics(bodies: Bodies, q: Array, dq: Array, ddq: Array) -> Array:
 
 def _times(matrix: Array, vector: Array) -> Array:
     """Matrices (..., 3, 3) times vectors (..., 3)."""
-    return np.asarray((matrix @ vector[..., None])[..., 0])
+    product: Array = matrix @ vector[..., None]
+    return product[..., 0]
 
 
 def _skew(vector: Array) -> Array:
     """Matrices (..., 3, 3) that give the cross product with vectors (..., 3)."""
-    return np.asarray((vector @ _LEVI_CIVITA).reshape(*vector.shape, 3))
+    nine: Array = vector @ _LEVI_CIVITA
+    return nine.reshape((*vector.shape, 3))
 
 
 def _linear(bodies: Bodies, pose: Pose) -> tuple[Array, Array]:
@@ -197,7 +204,7 @@ def _linear(bodies: Bodies, pose: Pose) -> tuple[Array, Array]:
     hinge = pose.axis * bodies.turning
     arm = pose.centre[:, None] - pose.origin[:, :, None]
     linear = arm @ _skew(hinge).swapaxes(2, 3)
-    if bodies.slides.any():
+    if bodies.has_slides:
         linear = linear + (pose.axis - hinge)[:, :, None]
     return linear * bodies.before, hinge
 
@@ -207,19 +214,19 @@ def _newton_euler(
 ) -> tuple[Array, Array]:
     """Forces (B, N, 3), and moments (B, N, 3) about the centres of mass, that move the links."""
     turning = hinge * dq[..., None]
-    spin = np.cumsum(turning, axis=1)
+    spin = turning.cumsum(axis=1)
     previous = _skew(spin - turning)  # of the link before
     change = _times(previous, turning)
     if ddq is not None:
         change = change + hinge * ddq[..., None]
-    spin_rate = np.cumsum(change, axis=1)
+    spin_rate = change.cumsum(axis=1)
     step = _times(_skew(spin_rate - change) + previous @ previous, pose.offset)
-    if bodies.slides.any():
+    if bodies.has_slides:
         sliding = pose.axis - hinge
         step = step + 2 * _times(previous, sliding * dq[..., None])
         step = step if ddq is None else step + sliding * ddq[..., None]
     own = _skew(spin)
-    moved = np.cumsum(step, axis=1) + _times(_skew(spin_rate) + own @ own, pose.centre - pose.origin)
+    moved = step.cumsum(axis=1) + _times(_skew(spin_rate) + own @ own, pose.centre - pose.origin)
     inertia = root @ root.swapaxes(2, 3)
     forces = bodies.mass[..., None] * (moved - bodies.gravity)
     return forces, _times(inertia, spin_rate) + _times(own @ inertia, spin)
@@ -227,7 +234,8 @@ def _newton_euler(
 
 def _project(linear: Array, hinge: Array, forces: Array, moments: Array) -> Array:
     """Torques (B, N) of the joints that give forces and moments of the links."""
-    carried = np.cumsum(moments[:, ::-1], axis=1)[:, ::-1]
+    carried = moments[:, ::-1].cumsum(axis=1)[:, ::-1]
     count, n = hinge.shape[:2]
     pushed = linear.reshape(count, n, -1) @ forces.reshape(count, -1, 1)
-    return np.asarray(pushed[..., 0] + (hinge * carried).sum(axis=2))
+    torque: Array = pushed[..., 0] + (hinge * carried).sum(axis=2)
+    return torque

@@ -47,10 +47,15 @@ class Contact:
         slipped = np.append(1 - (1 + edge) * np.exp(-edge), 1.0)
         return -np.diff(holding), np.diff(slipped)
 
+    @cached_property
+    def has_any(self) -> bool:
+        """True if blocks rub in any joint."""
+        return bool(self.has_blocks.any())
+
     def at_rest(self, heading: Array, strength: Array) -> Array:
         """Memory without force of motors that will first move in the direction `heading`, +1 or -1, shape (B, N)."""
         bristles = np.zeros_like(strength)[..., None]
-        if not self.has_blocks.any():
+        if not self.has_any:
             return bristles
         slid = -(heading * strength)[..., None] * self.shares[1]
         back = heading * np.log(2.0) * strength / self.stiffness
@@ -61,7 +66,7 @@ class Contact:
         end, before = np.sign(way) * strength, memory[..., 0]
         force = end + (before - end) * np.exp(-self.stiffness * np.abs(way) / strength)
         force = np.where(way == 0, before, force)
-        if not self.has_blocks.any():
+        if not self.has_any:
             return force, force[..., None]
         blocks = self._slip(memory[..., 1:], way, strength)
         later = np.concatenate([force[..., None], blocks], axis=-1)

@@ -157,7 +157,7 @@ class Plant:
         if "load_share" in f:
             carried = (matrix @ ddq[..., None])[..., 0] + bias
             self._load = np.where(n.rigid, carried, spring)
-        return np.stack([dq, ddq, speed, acceleration, servo_rate, lag_rate]), feedback
+        return np.array([dq, ddq, speed, acceleration, servo_rate, lag_rate]), feedback  # faster than np.stack
 
     def _seen(self, angle: Array) -> Array:
         """Angle as the resolver reads it."""
@@ -193,8 +193,8 @@ class Plant:
     def _friction(self, q: Array, angle: Array, speed: Array, half: int) -> Array:
         n, f = self.numbers, self._faults
         strength = self._strength(q, angle, speed, half)
-        contact, _ = self.contact.move(self._memory, angle - self._start, strength)
-        yielding = np.clip(1 - np.sign(speed) * contact / strength, 0.0, 2.0)
+        contact = self.contact.move(self._memory, angle - self._start, strength)[0]
+        yielding = np.minimum(np.maximum(1 - np.sign(speed) * contact / strength, 0.0), 2.0)  # faster than np.clip
         viscous = n.viscous * speed
         if "bend" in f:
             share = np.hypot(speed, _SLOW * n.usual_speed) / n.usual_speed
