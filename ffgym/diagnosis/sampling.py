@@ -70,12 +70,15 @@ def without_trembling(angle: Array, width: Array) -> Array:
     """
     if not np.any(width > 0):
         return angle
-    followed = np.empty_like(angle)
-    at = angle[0]
+    # bands that an angle is held in by all samples up to each; twice as many samples of them in every round
     low, high = angle - width, angle + width
-    for k in range(len(angle)):
-        at = np.minimum(np.maximum(at, low[k]), high[k])
-        followed[k] = at
+    low[0], high[0] = angle[0], angle[0]
+    reach = 1
+    while reach < len(angle):
+        before = low[:-reach], high[:-reach]
+        low[reach:], high[reach:] = [np.minimum(np.maximum(x, low[reach:]), high[reach:]) for x in before]
+        reach *= 2
+    followed: Array = low  # the first sample leaves no choice
     return followed
 
 

@@ -147,10 +147,11 @@ def advance_slip_along(dq: Array, dt: float, widths: Array) -> Array:
 def _slip_along(slip: Array, steps: Array) -> Array:
     """Elements after each of the `steps` (T, ..., W), from `slip` on."""
     found = steps.copy()
+    low, high = np.full(slip.shape, -1.0), np.full(slip.shape, 1.0)  # arrays, as numbers take twice as long in a loop
     for now in found:
         now += slip
-        np.maximum(now, -1.0, out=now)
-        np.minimum(now, 1.0, out=now)
+        np.maximum(now, low, out=now)
+        np.minimum(now, high, out=now)
         slip = now
     return found
 

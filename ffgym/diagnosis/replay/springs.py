@@ -175,12 +175,14 @@ class Springs:
         load, x, speed, change = (moved[:, k * n : (k + 1) * n] for k in range(4))
         x[:] = rest
         angle[0][:, every] = x
+        half, quarter = dt / 2, dt**2 / 4
         for first in range(1, shape[0], _STEPS):
             for k, step in enumerate(self._steps(first), start=first):
                 load[:] = torque[k][:, every]
                 after = step @ moved
-                x += dt * speed + dt**2 / 4 * (change + after)
-                speed += dt / 2 * (change + after)
+                both = change + after
+                x += dt * speed + quarter * both
+                speed += half * both
                 change[:] = after
                 angle[k][:, every], rate[k][:, every], acceleration[k][:, every] = x, speed, after
         return found

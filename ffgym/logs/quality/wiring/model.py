@@ -146,16 +146,19 @@ def fit_bounded(gram: Array, moment: Array, low: Array, high: Array, expected: A
         high: largest coefficients, shape (K,).
         expected: those that are taken where columns do not tell, shape (K,).
     """
-    size = np.sqrt(np.maximum(np.einsum("bkk->bk", gram), 1e-300))
-    scaled = gram / (size[:, :, None] * size[:, None, :])
-    lowest, highest, wanted = low * size, high * size, expected * size
+    size = np.sqrt(np.maximum(np.einsum("bkk->bk", gram), 1e-300)).T.copy()
+    # coefficients and columns first, so that all fits of one are side by side
+    scaled = gram.transpose(2, 1, 0) / (size[None] * size[:, None])
+    lowest, highest, wanted = low[:, None] * size, high[:, None] * size, expected[:, None] * size
     found = np.clip(wanted, lowest, highest)
-    target = moment / size
-    slope = np.einsum("bkl,bl->bk", scaled, found) - target
+    slope = np.einsum("bkl,bl->bk", scaled.transpose(2, 1, 0).copy(), found.T.copy()).T - moment.T / size
     for _ in range(_SWEEPS):
-        for k in range(gram.shape[1]):
-            step = (slope[:, k] + _RIDGE * (found[:, k] - wanted[:, k])) / (1.0 + _RIDGE)
-            new = np.clip(found[:, k] - step, lowest[:, k], highest[:, k])
-            slope += scaled[:, :, k] * (new - found[:, k])[:, None]
-            found[:, k] = new
-    return np.asarray(found / size)
+        before = found.copy()
+        for k, column in enumerate(scaled):
+            step = (slope[k] + _RIDGE * (found[k] - wanted[k])) / (1.0 + _RIDGE)
+            new = np.minimum(np.maximum(found[k] - step, lowest[k]), highest[k])  # np.clip takes longer in a loop
+            slope += column * (new - found[k])
+            found[k] = new
+        if np.array_equal(found, before):
+            break
+    return np.ascontiguousarray((found / size).T)
