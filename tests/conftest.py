@@ -8,6 +8,7 @@ from importlib import resources
 import hypothesis
 import numpy as np
 import pytest
+from mujoco import batch
 
 from ffgym.core.errors import FFGymError
 from ffgym.envs.rendering.canvas import Canvas
@@ -26,6 +27,23 @@ def pytest_collection():
     finally:
         gc.freeze()
         gc.enable()
+
+
+@pytest.fixture(scope="session", autouse=True)
+def one_thread_of_the_engine():
+    """Give the engine one thread where it is not told how many, and processes of tests share the cores.
+
+    Its threads wait for each other busily, for longer than they compute, if others keep the cores busy.
+    """
+    begin = batch.Batch.__init__
+
+    def begin_with_one(self, model, nsim, nthread=0, persistent=False):
+        begin(self, model, nsim, nthread or 1, persistent)
+
+    with pytest.MonkeyPatch.context() as patch:
+        if "PYTEST_XDIST_WORKER" in os.environ:
+            patch.setattr(batch.Batch, "__init__", begin_with_one)
+        yield
 
 
 @pytest.fixture(scope="session")

@@ -143,7 +143,7 @@ def test_it_learns_on_a_machine_that_is_not_the_model(arm, irb4600):
 
 def test_each_motion_learns_for_itself_and_the_same_every_time(arm, references):
     learning = IterativeLearning(arm=arm, target="tcp")
-    together = learning.learn(references[-2:], SimulatedTrial(arm=arm), trials=3)
+    together = learning.learn(references[-2:], SimulatedTrial(arm=arm, n_threads=2), trials=3)
     alone = [learning.learn([r], SimulatedTrial(arm=arm, n_threads=1), trials=3) for r in references[-2:]]
     for reference, learned in zip(references[-2:], alone, strict=True):
         np.testing.assert_array_equal(learned.law.torque(reference), together.law.torque(reference))

@@ -124,7 +124,7 @@ def check_batch(law, reference):
 
 @pytest.mark.parametrize("name", ON_ONE_AXIS)
 def test_making_a_law_again_gives_the_same_bits(make, one_axis, sines, name):
-    again = make_law(name, AgentSetting.of(one_axis, references=[sines[1.0]], n_threads=1))
+    again = make_law(name, AgentSetting.of(one_axis, references=[sines[1.0]], n_threads=2))
     np.testing.assert_array_equal(again.torque(sines[1.0]), make(name).torque(sines[1.0]))
 
 

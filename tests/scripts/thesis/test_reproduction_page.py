@@ -135,7 +135,7 @@ def test_the_numbers_hold_every_claim_with_its_comparisons(results):
 
 
 def test_two_reproductions_find_the_same(results):
-    again = list(reproduce([result.item for result in results], Laboratory(n_threads=1)))
+    again = list(reproduce([result.item for result in results], Laboratory(n_threads=2)))
     assert as_json(again, {}) == as_json(results, {})
 
 
