@@ -179,8 +179,7 @@ def identify_friction_of(config: Identify, robot: RobotDescription, logs: LogSet
             level=config.level,
             progress=progress,
         )
-    known = {"inertia_error": found.inertia_error, "offset": found.offset}
-    before, after = (validate(friction, held_out, **known) for friction in (robot.friction, found.friction))
+    before, after = (validate(friction, held_out, found.model_error) for friction in (robot.friction, found.friction))
     report = FrictionReport(
         identification=found, used=used, held_out=held_out, before=before, after=after, doubts=logs.doubts
     )
@@ -207,6 +206,10 @@ def _numbers(report: FrictionReport) -> Mapping[str, Any]:
                 "joint": joint.joint,
                 "parameters": parameters,
                 "inertia_error": joint.inertia_error,
+                "link_error": joint.link_error,
+                "spring_error": joint.spring_error,
+                "lag_s": joint.lag,
+                "delay_s": joint.delay,
                 "offset": joint.offset,
                 "notes": list(joint.notes),
             }

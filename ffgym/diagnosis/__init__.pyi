@@ -4,6 +4,7 @@ from .identification import FrictionIdentification as FrictionIdentification
 from .identification import FrictionTorque as FrictionTorque
 from .identification import JointFriction as JointFriction
 from .identification import LowPass as LowPass
+from .identification import ModelError as ModelError
 from .identification import Signals as Signals
 from .identification import Validation as Validation
 from .identification import friction_torque as friction_torque

@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from ffgym.core.types import Array
 from ffgym.diagnosis.identification import (
     FrictionIdentification,
     FrictionTorque,
+    ModelError,
     Validation,
     friction_torques,
     identify_friction,
@@ -56,16 +56,16 @@ class MeasuredFriction:
         return {"identified": self.found.friction, "original": self.found.prior.friction}[name]
 
     @property
-    def known(self) -> dict[str, Array]:
+    def known(self) -> ModelError:
         """Errors of the model of the arm that were found, which are no friction."""
-        return {"inertia_error": self.found.inertia_error, "offset": self.found.offset}
+        return self.found.model_error
 
     def errors_of(self, model: str) -> dict[int, Validation]:
         """Validate a model on each record, by number; inertia error and offset count for all alike; found once."""
         if model not in self._errors:
             found = self._errors[model] = {}
             for number, torque in self.records.items():
-                parts = validate(self.model(model), [torque], **self.known)
+                parts = validate(self.model(model), [torque], self.known)
                 [found[number]] = [part for part in parts if part.joint == self.joint]
         return self._errors[model]
 

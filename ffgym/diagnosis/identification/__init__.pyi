@@ -5,6 +5,7 @@ from .friction import identify_friction as identify_friction
 from .friction import predicted_friction as predicted_friction
 from .friction import validate as validate
 from .friction_data import FrictionTorque as FrictionTorque
+from .friction_data import ModelError as ModelError
 from .friction_data import friction_torque as friction_torque
 from .friction_data import friction_torques as friction_torques
 from .joint_friction import JointFriction as JointFriction

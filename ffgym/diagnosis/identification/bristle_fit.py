@@ -1,7 +1,7 @@
 """The dynamic LuGre model: records with reversals, and the bristles that fit them, thesis (6.14)-(6.18)."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -29,8 +29,9 @@ _LEAST = 2
 _MOSTLY = 0.2
 """Share of the time at constant speed from which a record is one of constant speeds: a sine has less than 0.02."""
 
-_SAMPLES_PER_CUTOFF = 6.0
-"""Samples in a period of the filter's cut-off that are kept: what the filter has left has no more in it."""
+_SAMPLES_PER_CUTOFF = 12.0
+"""Samples in a period of the filter's cut-off that are kept: with six, a speed that runs straight between them costs
+0.2 % of sigma_1."""
 
 _REST = 0.1
 """Time from which a joint that does not move rests [s]; reversals are shorter."""
@@ -51,6 +52,32 @@ INERTIA_ERROR = 0.5
 """Largest relative error of the inertia that is allowed for: thesis 6.1.2 estimates up to 5 %, but descriptions give
 links within 30 % and rotors within a factor of two (docs/robots). A narrower bound makes bristles absorb the rest."""
 
+LINK_ERROR = 0.2
+"""Standard deviation of what the links' relative error differs from that of the whole inertia: descriptions give links
+within 30 %, rotors within a factor of two, and both errors are often one (docs/robots)."""
+
+SPRING_ERROR = 0.3
+"""Standard deviation of the relative error of a joint stiffness, as descriptions give it (docs/robots)."""
+
+LONGEST_DELAY = 10e-3
+"""Bound of the time by which a torque acts later than its record says [s]: a few periods of a controller."""
+
+_DELAY_PRIOR = 5e-3
+"""Standard deviation of that time [s]: headers say when a torque acts, but drives filter it by milliseconds."""
+
+_LAG_PRIOR = 0.5
+"""Standard deviation of the time by which friction follows the motion, in rows of the record: when within a row
+bristles move is not known better, and a simulated plant's lag by a step. Its bound is one row."""
+
+_MISFIT = 0.05
+"""Error of a friction model before it is known, as a share of the Coulomb torque; weighs the priors of a first fit."""
+
+_SUBSTEPS = 8
+"""Steps of surrogate data between two rows that are kept, so that their bristles know no step."""
+
+_NOISY_COPIES = 8
+"""Surrogate records behind the bias of measured speeds; eight average its scatter to a third."""
+
 _NEAR_BOUND = 0.99
 """Share of a bound from which on a fit ends at it: the solver stays inside."""
 
@@ -69,6 +96,12 @@ _STARTS, _REFINED = 48, 3
 
 _STEP = 1e-4
 """Step of the logarithm of a parameter in difference quotients."""
+
+N_NUISANCES, N_PRIORS = 6, 4
+"""Nuisances that are fitted beside both bristle parameters, and those of them that have a prior."""
+
+N_OWN = 2 + N_NUISANCES
+"""Numbers that a fit finds."""
 
 NAMES = ("coulomb", "static", "viscous", "stribeck_velocity", "bristle_stiffness", "bristle_damping")
 """Parameters of `LuGreParameters`, in the order of arrays here."""
@@ -98,21 +131,55 @@ class SlidingData:
     """Motor speed [rad/s], shape (T, R)."""
     friction: Array
     """Friction torque, motor side [N m], shape (T, R)."""
-    inertia: Array
-    """Torque of rotors and links, motor side [N m], shape (T, R)."""
+    by_inertia: Array
+    """Derivative of the torque of rotor and links by a common share of them, motor side [N m], shape (T, R)."""
+    by_links: Array
+    """The same by a share of the links alone [N m], shape (T, R)."""
+    by_springs: Array
+    """The same by a share of the joint stiffness [N m], shape (T, R)."""
+    arm_rate: Array
+    """Rate of the torque of inertia, gravity and springs [N m/s], motor side, shape (T, R)."""
+    angle_noise: Array
+    """Standard deviation of white noise of the motor angle in each record [rad], shape (R,)."""
+    shaken: Array
+    """Inertia of rotor and of links that such noise shakes, motor side [kg m^2], shape (2, R)."""
+    rows_dt: float
+    """Time between the rows of the records, of which every so many-th is here [s]."""
     scored: BoolArray
     """Rows that count: the filter knows them, and bristles have forgotten how they began, shape (T, R)."""
     low_pass: LowPass
     """What speed and friction went through, and a model's friction goes through too."""
 
-    def model_friction(self, values: Array) -> Array:
-        """Friction of P models, parameters (P, 6) as NAMES, filtered as the measured one, (P, T, R), thesis (6.16)."""
+    def model_friction(self, values: Array, speed: Array | None = None, n_substeps: int = 1) -> Array:
+        """Compute the friction of P models (P, 6), filtered as the measured one, shape (P, T, R), thesis (6.16).
+
+        Along the measured speed, or another `speed` (T, R) [rad/s]; parameters are in the order of NAMES.
+        """
         n_models, (n_rows, n_records) = len(values), self.speed.shape
         friction = dict(zip(NAMES, np.repeat(values, n_records, axis=0).T, strict=True))
-        law = DynamicLuGreExact(LuGreParameters(**friction), n_substeps=1)
-        torque = law.along(np.tile(self.speed, (1, n_models)), self.dt)
+        law = DynamicLuGreExact(LuGreParameters(**friction), n_substeps=n_substeps)
+        torque = law.along(np.tile(self.speed if speed is None else speed, (1, n_models)), self.dt)
         filtered = self.low_pass(torque, self.dt).reshape(n_rows, n_models, n_records)
         return filtered.transpose(1, 0, 2)
+
+    @property
+    def sharp_speed(self) -> Array:
+        """Speed before the filter, by one step of van Cittert's deconvolution [rad/s], shape (T, R)."""
+        return np.asarray(2 * self.speed - self.low_pass(self.speed, self.dt))
+
+    def measured_again(self, friction: Array, rng: np.random.Generator) -> "SlidingData":
+        """Draw surrogate data: this motion with some `friction` (T, R) [N m], its angle measured with noise anew."""
+        every = round(self.dt / self.rows_dt)
+        white = self.angle_noise * rng.standard_normal((every * len(self.speed), len(self.segments)))
+        speed = np.gradient(self.low_pass(white, self.rows_dt), self.rows_dt, axis=0)
+        rotor, links = self.shaken[:, None] * np.gradient(speed, self.rows_dt, axis=0)[::every]
+        return replace(
+            self,
+            speed=self.low_pass(self.sharp_speed, self.dt) + speed[::every],
+            friction=friction - rotor - links,
+            by_inertia=self.by_inertia + rotor + links,
+            by_links=self.by_links + links,
+        )
 
     def blocks(self) -> Blocks:
         """Blocks of the scored rows of `flat`, drawn within their record."""
@@ -129,8 +196,8 @@ def sliding_data(torques: Sequence[FrictionTorque], joint: int, presliding: floa
 
     Bristles bend by `presliding`, f_s / sigma_0 [rad], motor side.
     """
-    low_pass, dt = torques[0].signals.low_pass, max(torque.signals.dt for torque in torques)
-    dt *= max(1, int(1 / (_SAMPLES_PER_CUTOFF * low_pass.cutoff * dt)))
+    low_pass, rows_dt = torques[0].signals.low_pass, max(torque.signals.dt for torque in torques)
+    dt = rows_dt * max(1, int(1 / (_SAMPLES_PER_CUTOFF * low_pass.cutoff * rows_dt)))
     every = []
     for torque in torques:
         step = round(dt / torque.signals.dt)
@@ -159,7 +226,15 @@ def sliding_data(torques: Sequence[FrictionTorque], joint: int, presliding: floa
         dt=dt,
         speed=speed,
         friction=side_by_side([torque.friction[:, joint] for torque in torques]),
-        inertia=side_by_side([torque.inertia[:, joint] for torque in torques]),
+        by_inertia=side_by_side([torque.by_inertia[:, joint] for torque in torques]),
+        by_links=side_by_side([torque.by_links[:, joint] for torque in torques]),
+        by_springs=side_by_side([torque.by_springs[:, joint] for torque in torques]),
+        arm_rate=side_by_side(
+            [np.gradient((each.inertia + each.holding)[:, joint], each.signals.dt) for each in torques]
+        ),
+        angle_noise=np.array([torque.signals.angle_noise[joint] for torque in torques]),
+        shaken=np.stack([torque.shaken[:, joint] for torque in torques], axis=1),
+        rows_dt=rows_dt,
         scored=known & side_by_side([torque.counts(joint) for torque in torques], "constant"),
         low_pass=low_pass,
     )
@@ -173,6 +248,14 @@ class BristleFit:
     """sigma_0 [N m/rad] and sigma_1 [N m s/rad], shape (2,)."""
     inertia_error: float
     """Share of the model's inertial torque that is missing; the nuisance that friction is not to absorb."""
+    link_error: float
+    """Share of the links' masses that is missing beside it, which bends elastic joints otherwise; a nuisance too."""
+    spring_error: float
+    """Share of the joint stiffness that is missing; a nuisance too."""
+    lag: float
+    """Time by which friction follows the motion [s]; a nuisance too."""
+    delay: float
+    """Time by which the torque acts later than its record says [s]; a nuisance too."""
     offset: float
     """Mean torque that neither model nor friction explains [N m]."""
     inertia_at_bound: bool
@@ -202,13 +285,27 @@ def fit_bristles(
     parameters f_c, f_s, f_v, v_s, (4,) and resampled (B, 4).
     """
     problem = _Problem(data, static)
-    starts = problem.starts(rng) if start is None else [np.array([*np.log(start), 0.0, 0.0])]
+    starts = problem.starts(rng) if start is None else [np.array([*np.log(start), *np.zeros(N_NUISANCES)])]
     found = min((problem.refined(x) for x in starts), key=lambda fit: fit.cost)
-    errors, blocks = problem.residual(found.x), data.blocks()
+    # once more, with priors that weigh as the error that is left
+    problem.misfit = rms(problem.residual(found.x)[:-N_PRIORS])
+    found = problem.refined(found.x)
+    errors, blocks = problem.residual(found.x)[:-N_PRIORS], data.blocks()
+    slopes, priors = np.split(problem.slopes(found.x, [4, 5, 0, 1, 2, 3]), [-N_PRIORS])
+    # nuisances at a bound stay there
+    free = np.abs(found.x) < _NEAR_BOUND * problem.high
+    free[:2] = True
+    own, by_static, priors = slopes[:, :N_OWN][:, free], slopes[:, N_OWN:], priors[:, :N_OWN][:, free]
 
-    # one Gauss-Newton step from the estimate for each resample of blocks and static parameters
-    slopes = problem.slopes(found.x, [4, 5, 0, 1, 2, 3])
-    own, by_static = slopes[:, :4], slopes[:, 4:]
+    # bias: surrogate data of this model along the measured motion, measured and fitted once more
+    bias, exact = np.zeros(N_OWN), problem.torque(found.x)
+    for _ in range(_NOISY_COPIES):
+        copy = _Problem(data.measured_again(exact, rng), static, problem.misfit)
+        error = np.concatenate([copy.residual(found.x)[:-N_PRIORS], np.zeros(N_PRIORS)])
+        bias[free] -= np.linalg.lstsq(copy.slopes(found.x)[:, free], error)[0] / _NOISY_COPIES
+    x = found.x - bias
+
+    # one Gauss-Newton step from the estimate for each resample of blocks, static parameters and priors
     curvature = blocks.sums(np.einsum("si,sj->sij", own, own))
     pull = blocks.sums(own * errors[:, None])
     cross = blocks.sums(np.einsum("si,sj->sij", own, by_static))
@@ -217,11 +314,17 @@ def fit_bristles(
     for row, moved in zip(resampled, np.log(np.maximum(ratio, _LEAST_RATIO)), strict=True):
         counts = blocks.draw(rng)
         h, g, c = (np.tensordot(counts, part, axes=1) for part in (curvature, pull, cross))
-        row[:] = found.x[:2] - np.linalg.solve(h, g + c @ moved)[:2]
+        h += priors.T @ priors
+        g += priors.T @ (priors @ found.x[free] - problem.misfit * rng.standard_normal(N_PRIORS))
+        row[:] = x[:2] - np.linalg.solve(h, g + c @ moved)[:2]
     return BristleFit(
-        values=np.exp(found.x[:2]),
-        inertia_error=float(found.x[2]),
-        offset=float(found.x[3]),
+        values=np.exp(x[:2]),
+        inertia_error=float(x[2]),
+        link_error=float(x[3]),
+        spring_error=float(x[4]),
+        lag=float(x[5]),
+        delay=float(x[6]),
+        offset=float(x[7]),
         inertia_at_bound=bool(abs(found.x[2]) > _NEAR_BOUND * INERTIA_ERROR),
         at_bound=found.active_mask[:2] != 0,
         resampled=np.exp(resampled),
@@ -232,54 +335,94 @@ def fit_bristles(
 
 
 class _Problem:
-    """Residuals of records under parameters x = (log sigma_0, log sigma_1, inertia error, offset)."""
+    """Residuals of records and priors.
 
-    def __init__(self, data: SlidingData, static: Array) -> None:
+    x = (log sigma_0, log sigma_1, errors of inertia, of links and of springs, lag, delay, offset).
+    """
+
+    def __init__(self, data: SlidingData, static: Array, misfit: float | None = None) -> None:
         self.data, self.static = data, static
-        self._friction, self._inertia = data.flat(data.friction), data.flat(data.inertia)
-        self._last: tuple[Array, Array] | None = None
+        self._friction = data.flat(data.friction)
+        self._arm_rate = data.flat(data.arm_rate)
+        self._nuisances = np.stack(
+            [data.flat(data.by_inertia), data.flat(data.by_links), data.flat(data.by_springs)], axis=1
+        )
+        self._last: tuple[Array, Array, Array] | None = None
         coulomb = static[0]
+        self.misfit = _MISFIT * coulomb if misfit is None else misfit
+        self._spread = np.array([LINK_ERROR, SPRING_ERROR, _LAG_PRIOR * data.rows_dt, _DELAY_PRIOR])
         span = max(float(np.ptp(self._friction)), coulomb)
-        self.low = np.array([*np.log(coulomb / np.array([PRESLIDING[1], DAMPING_SPEED[1]])), -INERTIA_ERROR, -span])
-        self.high = np.array([*np.log(coulomb / np.array([PRESLIDING[0], DAMPING_SPEED[0]])), INERTIA_ERROR, span])
+        self.high = np.array(
+            [
+                *np.log(coulomb / np.array([PRESLIDING[0], DAMPING_SPEED[0]])),
+                INERTIA_ERROR,
+                INERTIA_ERROR,
+                INERTIA_ERROR,
+                data.rows_dt,
+                LONGEST_DELAY,
+                span,
+            ]
+        )
+        self.low = np.array([*np.log(coulomb / np.array([PRESLIDING[1], DAMPING_SPEED[1]])), *-self.high[2:]])
 
-    def _model(self, logs: Array) -> Array:
-        """Friction of the models (P, 6) given as logarithms, at the scored rows, shape (P, S)."""
-        return self.data.flat(self.data.model_friction(np.exp(logs)))
+    def _model(self, logs: Array) -> tuple[Array, Array]:
+        """Friction of the models (P, 6) given as logarithms, and its rate, at the scored rows, shape (P, S) each."""
+        friction = self.data.model_friction(np.exp(logs))
+        return self.data.flat(friction), self.data.flat(np.gradient(friction, self.data.dt, axis=1))
 
     def _all(self, x: Array) -> Array:
         return np.concatenate([np.log(self.static), x[:2]])
 
     def residual(self, x: Array) -> Array:
-        """Friction torque that is not explained [N m], shape (S,)."""
-        rest: Array = self._friction - x[2] * self._inertia - x[3] - self._at(self._all(x))
-        return rest
+        """Friction torque that is not explained [N m], and what priors are off in its scale, shape (S + 4,)."""
+        friction, rate = self._at(self._all(x))
+        late = x[5] * rate - x[6] * (rate + self._arm_rate)
+        rest = self._friction - self._nuisances @ x[2:5] + late - x[7] - friction
+        return np.concatenate([rest, self.misfit * x[3:7] / self._spread])
 
-    def _at(self, logs: Array) -> Array:
-        """Friction of one model (6,) given as logarithms, (S,); the last is kept, as its slopes are asked for next."""
+    def _at(self, logs: Array) -> tuple[Array, Array]:
+        """Friction of one model (6,) given as logarithms, and its rate, (S,); the last is kept for its slopes."""
         if self._last is None or not np.array_equal(self._last[0], logs):
-            self._last = (logs, self._model(logs[None])[0])
-        return self._last[1]
+            friction, rate = self._model(logs[None])
+            self._last = (logs, friction[0], rate[0])
+        return self._last[1:]
 
     def slopes(self, x: Array, moved: Sequence[int] = (4, 5)) -> Array:
         """Derivative of `residual` by x, and by logarithms of further parameters `moved`, numbered as NAMES."""
         base = self._all(x)
         steps = np.where(np.array(moved) == 0, -_STEP, _STEP)  # f_c goes down: without a Stribeck peak it is f_s
-        models = self._model(np.stack([base + step * np.eye(6)[i] for i, step in zip(moved, steps, strict=True)]))
-        by_logs = -(models - self._at(base)).T / steps
-        return np.column_stack([by_logs[:, :2], -self._inertia, -np.ones_like(self._inertia), by_logs[:, 2:]])
+        friction, rate = self._at(base)
+        models, rates = self._model(
+            np.stack([base + step * np.eye(6)[i] for i, step in zip(moved, steps, strict=True)])
+        )
+        by_logs = -(models - friction - (x[5] - x[6]) * (rates - rate)).T / steps
+        rows = np.column_stack(
+            [by_logs[:, :2], -self._nuisances, rate, -(rate + self._arm_rate), -np.ones_like(rate), by_logs[:, 2:]]
+        )
+        priors = np.zeros((N_PRIORS, rows.shape[1]))
+        priors[np.arange(N_PRIORS), np.arange(3, 7)] = self.misfit / self._spread
+        return np.concatenate([rows, priors])
+
+    def torque(self, x: Array) -> Array:
+        """Torque that model and nuisances give along the motion before the filter [N m], shape (T, R)."""
+        friction = self.data.model_friction(np.exp(self._all(x))[None], self.data.sharp_speed, _SUBSTEPS)[0]
+        lagging = friction - (x[5] - x[6]) * np.gradient(friction, self.data.dt, axis=0) + x[6] * self.data.arm_rate
+        arm = x[2] * self.data.by_inertia + x[3] * self.data.by_links + x[4] * self.data.by_springs
+        explained: Array = lagging + arm + x[7]
+        return explained
 
     def starts(self, rng: np.random.Generator) -> list[Array]:
         """The best of random starts."""
-        x = np.zeros((_STARTS, 4))
+        x = np.zeros((_STARTS, N_OWN))
         x[:, :2] = rng.uniform(self.low[:2], self.high[:2], size=(_STARTS, 2))
-        errors = self._friction - self._model(np.stack([self._all(row) for row in x]))
+        errors = self._friction - self._model(np.stack([self._all(row) for row in x]))[0]
         best = np.argsort(np.sum(errors**2, axis=1))[:_REFINED]
         return list(x[best])
 
     def refined(self, start: Array) -> "scipy.optimize.OptimizeResult":
         """Least squares from one start."""
         start = np.clip(start, self.low, self.high)
+        scale = [1.0, 1.0, 0.01, 0.01, 0.01, 1e-4, 1e-4, 0.01]
         return scipy.optimize.least_squares(
-            self.residual, start, self.slopes, bounds=(self.low, self.high), x_scale=[1.0, 1.0, 0.01, 0.01], xtol=1e-5
+            self.residual, start, self.slopes, bounds=(self.low, self.high), x_scale=scale, xtol=1e-5
         )

@@ -10,7 +10,7 @@ from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.measures import rms
 from ffgym.core.types import Array
 from ffgym.diagnosis.identification.bristle_fit import FORGOTTEN, NAMES
-from ffgym.diagnosis.identification.friction_data import AT_REST, FrictionTorque
+from ffgym.diagnosis.identification.friction_data import AT_REST, FrictionTorque, ModelError
 from ffgym.diagnosis.identification.joint_friction import JointFriction, identify_joint
 from ffgym.diagnosis.identification.parameter_file import make_fitted_quantity
 from ffgym.diagnosis.resampling import LEVEL, RESAMPLES
@@ -43,14 +43,14 @@ class FrictionIdentification:
         return replace(self.prior, friction=self.friction)
 
     @property
-    def inertia_error(self) -> Array:
-        """Share of the model's inertial torque that was missing, shape (N,)."""
-        return np.array([joint.inertia_error for joint in self.joints])
-
-    @property
-    def offset(self) -> Array:
-        """Mean torque in reversals that nothing explains [N m], shape (N,)."""
-        return np.array([joint.offset for joint in self.joints])
+    def model_error(self) -> ModelError:
+        """Errors of the model of the arm that reversals showed; 0 for joints without any."""
+        return ModelError(
+            inertia=np.array([joint.inertia_error for joint in self.joints]),
+            links=np.array([joint.link_error for joint in self.joints]),
+            springs=np.array([joint.spring_error for joint in self.joints]),
+            offset=np.array([joint.offset for joint in self.joints]),
+        )
 
 
 def identify_friction(
@@ -126,25 +126,18 @@ def predicted_friction(friction: LuGreParameters, torque: FrictionTorque) -> Arr
 
 
 def validate(
-    friction: LuGreParameters,
-    torques: Sequence[FrictionTorque],
-    *,
-    inertia_error: Array | None = None,
-    offset: Array | None = None,
+    friction: LuGreParameters, torques: Sequence[FrictionTorque], model_error: ModelError | None = None
 ) -> list[Validation]:
     """Errors of friction parameters, record by record, for the joints that move in each.
 
     Args:
         friction: parameters of all joints.
         torques: friction along recordings.
-        inertia_error: share of the model's inertial torque that is missing, shape (N,); None is none. What was found
-            about the model of the arm counts for old and new parameters alike.
-        offset: torque that is no friction [N m], shape (N,); None is none.
+        model_error: what was found about the model of the arm, for old and new parameters alike; None is none.
     """
     found = []
     for torque in torques:
-        missing = 0.0 if inertia_error is None else inertia_error * torque.inertia
-        measured = torque.friction - missing - (0.0 if offset is None else offset)
+        measured = torque.friction - (0.0 if model_error is None else model_error.torque(torque))
         error = measured - predicted_friction(friction, torque)
         # rows from where bristles have forgotten how they began; at rest they never do
         way = np.cumsum(np.abs(torque.signals.motor_dq), axis=0) * torque.signals.dt

@@ -19,6 +19,12 @@ _PASSES = 2
 """Times that gravity is evaluated, the second time where the arm hangs in its springs; what a third would change is
 (gravity's stiffness / joint stiffness)^2 of it, 1e-5 on the built-in robot."""
 
+_SHARE = 1e-3
+"""Share of the links' masses in the difference quotient of their torque; the torque is nearly linear in it."""
+
+_POSES = 100
+"""Poses of a record that the inertia of links is averaged over; a record moves about one place."""
+
 _SWINGS = 100.0
 """Factor by which a swing must have died out."""
 
@@ -37,6 +43,15 @@ class FrictionTorque:
     signals: Signals
     inertia: Array
     """Torque of rotors and links along the motion [N m], shape (T, N)."""
+    by_inertia: Array
+    """Derivative of that torque by a common share of both [N m], with what it changes of the deflection, (T, N)."""
+    by_links: Array
+    """The same by a share of the links alone [N m], shape (T, N)."""
+    by_springs: Array
+    """The same by a share of the stiffness of elastic joints [N m], shape (T, N)."""
+    shaken: Array
+    """Inertia of rotors and of links that noise of the motor angle shakes, motor side [kg m^2], shape (2, N): links
+    behind a spring stand still."""
     holding: Array
     """Torque against gravity and springs [N m], shape (T, N)."""
     valid: BoolArray
@@ -51,6 +66,26 @@ class FrictionTorque:
     def counts(self, joint: int) -> BoolArray:
         """Valid rows that the mask of the recording leaves to one joint, 0 is the first, shape (T,)."""
         return np.asarray(self.valid & self.signals.unmasked[:, joint])
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ModelError:
+    """Errors of the model of the arm that were found beside friction, and belong to no friction model."""
+
+    inertia: Array
+    """Share of rotors and links that is missing, shape (N,)."""
+    links: Array
+    """Share of the links that is missing beyond that, shape (N,)."""
+    springs: Array
+    """Share of the joint stiffness that is missing, shape (N,)."""
+    offset: Array
+    """Mean torque that nothing explains [N m], motor side, shape (N,)."""
+
+    def torque(self, along: FrictionTorque) -> Array:
+        """Compute the torque that counts as friction by these errors [N m], shape (T, N)."""
+        inertia = self.inertia * along.by_inertia + self.links * along.by_links
+        missing: Array = inertia + self.springs * along.by_springs + self.offset
+        return missing
 
 
 def friction_torque(arm: RigidArm, recording: Recording, low_pass: LowPass | None = None) -> FrictionTorque:
@@ -76,46 +111,69 @@ def friction_torque(arm: RigidArm, recording: Recording, low_pass: LowPass | Non
     drive = arm.robot.drive
     elastic = np.flatnonzero(~drive.is_rigid)
     stiffness, damping = drive.joint_stiffness[elastic], drive.joint_damping[elastic]
-    deflection, acceleration = np.zeros_like(signals.q), np.zeros_like(signals.q)
-    for _ in range(_PASSES if len(elastic) else 1):
+    deflection = np.zeros_like(signals.q)
+    for remaining in range(_PASSES if len(elastic) else 1)[::-1]:
         q = signals.q + deflection
         holding = arm.holding_torque(q)
         moving = arm.inverse_dynamics(q, signals.dq, signals.ddq)
+        by_links, by_springs = moving, np.zeros_like(moving)
         if len(elastic):
             mass = arm.mass_matrix(q)
-            inner, load = mass[:, elastic[:, None], elastic], (moving + holding)[:, elastic]
-            bent = _bent(inner, damping, stiffness, load, holding[0, elastic], signals.dt)
-            deflection[:, elastic], acceleration[:, elastic] = bent
-            moving = moving + np.einsum("tij,tj->ti", mass, acceleration)
+            inner = mass[:, elastic[:, None], elastic]
+            # the arm as it is described, and at last with links a little heavier and springs a little stiffer too
+            shares = np.array([[1.0, 1.0], [1 + _SHARE, 1.0], [1.0, 1 + _SHARE]][: 1 if remaining else 3])
+            links, springs = shares[:, :1], shares[:, 1:] * stiffness
+            load = links * moving[:, None, elastic] + holding[:, None, elastic]
+            inertias = links[..., None] * inner[:, None]
+            bent, acceleration = _bent(inertias, damping, springs, load, holding[0, elastic], signals.dt)
+            deflection[:, elastic] = bent[:, 0]
+            swung = links * np.einsum("tij,tsj->tsi", mass[:, :, elastic], acceleration)
+            if not remaining:
+                by_links = moving + (swung[:, 1] - swung[:, 0]) / _SHARE
+                by_springs = (swung[:, 2] - swung[:, 0]) / _SHARE
+            moving = moving + swung[:, 0]
     # time that the arm swings at the start: none if it begins at rest, or has no elastic joint
     swinging = 0.0
     if len(elastic) and np.any(np.abs(signals.motor_dq[0]) >= AT_REST):
         mass = arm.mass_matrix(signals.q[:1])[0][np.ix_(elastic, elastic)]
         decay = np.linalg.eigvals(np.linalg.solve(mass, np.diag(damping))).real.min() / 2
         swinging = float(np.log(_SWINGS) / decay) if decay > 0 else np.inf
+    rotors = drive.rotor_inertia * signals.motor_ddq
+    # joints that move at once with each motor
+    along = np.where(drive.is_rigid, drive.joint_angle(np.eye(arm.robot.n_joints)), 0.0)
+    mass = arm.mass_matrix(signals.q[:: max(1, len(signals.q) // _POSES)]).mean(axis=0)
+    links = np.einsum("ij,jk,ik->i", along, mass, along)
     return FrictionTorque(
         signals=signals,
-        inertia=drive.motor_torque(moving) + drive.rotor_inertia * signals.motor_ddq,
+        shaken=np.stack([np.broadcast_to(drive.rotor_inertia, links.shape), links]),
+        inertia=drive.motor_torque(moving) + rotors,
+        by_inertia=drive.motor_torque(by_links) + rotors,
+        by_links=drive.motor_torque(by_links),
+        by_springs=drive.motor_torque(by_springs),
         holding=drive.motor_torque(holding),
         valid=signals.valid & (signals.t - signals.t[0] >= swinging),
     )
 
 
 def _bent(mass: Array, damping: Array, stiffness: Array, load: Array, at_rest: Array, dt: float) -> tuple[Array, Array]:
-    """Deflection and its acceleration (T, E) under `load` (T, E), from equilibrium under the load `at_rest` (E,).
+    """Deflection and its acceleration (T, S, E) under loads (T, S, E), from equilibrium under the load `at_rest` (E,).
+
+    `mass` and `stiffness` are those of each of the S arms, shapes (T, S, E, E) and (S, E).
 
     Newmark's method of constant average acceleration, stable at any step: a resonance above the sample rate follows its
     load, as it should.
     """
-    inverse = np.linalg.inv(mass + np.diag(dt / 2 * damping + dt**2 / 4 * stiffness))
+    softening = dt / 2 * damping + dt**2 / 4 * stiffness
+    inverse = np.linalg.inv(mass + softening[:, :, None] * np.eye(softening.shape[1]))
     deflection, acceleration = np.empty_like(load), np.zeros_like(load)
     x, rate, change = -at_rest / stiffness, np.zeros_like(load[0]), np.zeros_like(load[0])
     deflection[0] = x
+    half, quarter = dt / 2, dt**2 / 4
     for k in range(1, len(load)):
-        x = x + dt * rate + dt**2 / 4 * change
-        rate = rate + dt / 2 * change
-        change = inverse[k] @ (-load[k] - damping * rate - stiffness * x)
-        x, rate = x + dt**2 / 4 * change, rate + dt / 2 * change
+        x = x + dt * rate + quarter * change
+        rate = rate + half * change
+        change = np.matmul(inverse[k], (-load[k] - damping * rate - stiffness * x)[..., None])[..., 0]
+        x, rate = x + quarter * change, rate + half * change
         deflection[k], acceleration[k] = x, change
     return deflection, acceleration
 

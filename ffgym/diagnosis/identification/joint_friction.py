@@ -50,6 +50,26 @@ class JointFriction:
         return 0.0 if self.bristles is None else self.bristles.inertia_error
 
     @property
+    def link_error(self) -> float:
+        """Share of the links' masses that was missing beyond that, 0 if that is not known."""
+        return 0.0 if self.bristles is None else self.bristles.link_error
+
+    @property
+    def spring_error(self) -> float:
+        """Share of the joint stiffness that was missing, 0 if that is not known."""
+        return 0.0 if self.bristles is None else self.bristles.spring_error
+
+    @property
+    def lag(self) -> float:
+        """Time by which friction follows the motion [s], 0 if that is not known."""
+        return 0.0 if self.bristles is None else self.bristles.lag
+
+    @property
+    def delay(self) -> float:
+        """Time by which the torque acts later than recorded [s], 0 if that is not known."""
+        return 0.0 if self.bristles is None else self.bristles.delay
+
+    @property
     def offset(self) -> float:
         """Mean torque in reversals that nothing explains [N m], 0 if that is not known."""
         return 0.0 if self.bristles is None else self.bristles.offset

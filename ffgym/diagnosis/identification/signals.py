@@ -6,8 +6,9 @@ import numpy as np
 import scipy
 
 from ffgym.core.types import Array, BoolArray
+from ffgym.diagnosis.sampling import estimate_noise_above_band
 from ffgym.logs.preparation import LowPass as LowPass
-from ffgym.logs.preparation import read_acting_torque, read_joint_motion
+from ffgym.logs.preparation import read_acting_torque, read_joint_motion, read_joint_side
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
 
@@ -33,6 +34,8 @@ class Signals:
     """Rows that the filter knows: all but the ends, shape (T,)."""
     unmasked: BoolArray
     """Rows far from all that the mask of the recording leaves out for a joint, shape (T, N)."""
+    angle_noise: Array
+    """Standard deviation of white noise of the measured motor angles, motor side [rad], shape (N,)."""
     low_pass: LowPass = field(default_factory=LowPass)
     """The filter that position and torque went through; a prediction of the torque goes through it too."""
 
@@ -71,6 +74,7 @@ def signals_of(robot: RobotDescription, recording: Recording, low_pass: LowPass 
     low_pass = low_pass or LowPass()
     q, dq, ddq = read_joint_motion(robot, recording, low_pass)
     torque = low_pass(read_acting_torque(robot, recording), recording.dt)
+    noise = estimate_noise_above_band(read_joint_side(robot, recording), low_pass, recording.dt)
     reach = 2 * low_pass.end_rows(recording.dt) + 1
     masked = scipy.ndimage.maximum_filter1d((~recording.valid).astype(np.int8), reach, axis=0, mode="nearest")
     return Signals(
@@ -83,5 +87,6 @@ def signals_of(robot: RobotDescription, recording: Recording, low_pass: LowPass 
         torque=torque,
         valid=low_pass.knows(len(q), recording.dt),
         unmasked=masked == 0,
+        angle_noise=np.abs(robot.drive.motor_angle(noise)),
         low_pass=low_pass,
     )

@@ -27,8 +27,9 @@ of 0.1 s, doubled."""
 _SLOWEST = 4e-3
 """Motor speed below which a joint counts as at rest [rad/s]: four times what 16 bit resolve in a window."""
 
-SETTLING_TRAVEL = 6.0
-"""Way that bristles take to settle, in presliding lengths f_s / sigma_0: exp(-6) is 0.2 %."""
+SETTLING_TRAVEL = 8.0
+"""Way that bristles take to settle, in presliding lengths f_s / sigma_0: exp(-8) is 0.03 %; exp(-6), 0.2 %, is 0.5 % of
+v_s."""
 
 SLOW, FAST = 0.8, 2.0
 """Speeds in Stribeck velocities that data must have at or below, and at or above: there the Stribeck part is half of

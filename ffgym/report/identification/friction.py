@@ -75,8 +75,10 @@ def render_friction_page(report: FrictionReport, info: Mapping[str, Any]) -> str
         notes += [f"{joint.joint}: {note}." for note in joint.notes]
         if joint.bristles is not None:
             notes.append(
-                f"{joint.joint}: inertial torque of the model off by {joint.inertia_error:.1%}, offset "
-                f"{joint.offset:.2g} N m; RMS of the fit {joint.bristles.rms_error:.4f} N m."
+                f"{joint.joint}: inertia of the model off by {joint.inertia_error:.1%}, that of the links by "
+                f"{joint.link_error:+.1%} more, of the springs by {joint.spring_error:.1%}; friction "
+                f"{1e3 * joint.lag:.2f} ms after the motion, torque {1e3 * joint.delay:.2f} ms after its record; "
+                f"offset {joint.offset:.2g} N m; RMS of the fit {joint.bristles.rms_error:.4f} N m."
             )
     parts: list[Part] = [*map(Note, report.doubts)]
     parts.append(Section("Parameters", [_parameters(found, with_reasons=True), *map(Note, notes)]))
@@ -128,7 +130,7 @@ def _validation(report: FrictionReport) -> Table:
 def friction_figures(report: FrictionReport) -> list[ReportFigure]:
     """Draw Stribeck curves of all joints, then loops of each joint with bristles by old and new parameters."""
     found = report.identification
-    known = {"inertia_error": found.inertia_error, "offset": found.offset}
+    known = found.model_error
     models = {"identified": found.friction, "before": found.prior.friction}
     figures = []
     if any(joint.stribeck is not None for joint in found.joints):

@@ -11,6 +11,7 @@ from ffgym.diagnosis.identification import (
     FrictionIdentification,
     FrictionTorque,
     JointFriction,
+    ModelError,
     predicted_friction,
 )
 from ffgym.report.figure import panels
@@ -80,7 +81,7 @@ def friction_loops_figure(
     joint: int,
     models: Mapping[str, LuGreParameters],
     *,
-    known: Mapping[str, Array] | None = None,
+    known: ModelError | None = None,
 ) -> "Figure":
     """Draw friction over motor speed, one panel per record.
 
@@ -88,7 +89,7 @@ def friction_loops_figure(
         torques: friction along the records.
         joint: number of the joint, from 0.
         models: LuGre parameters of all joints by their name in the legend; none draws the measurements alone.
-        known: `inertia_error` and `offset` of an identification, which belong to no model's friction.
+        known: errors of the model of the arm, which belong to no model's friction.
     """
     with _small_panels(len(torques), 3.2, 2.6) as (figure, grid):
         for axes, torque in zip(grid.flat, torques, strict=False):
@@ -105,7 +106,7 @@ def friction_over_time_figure(
     joint: int,
     models: Mapping[str, LuGreParameters],
     *,
-    known: Mapping[str, Array] | None = None,
+    known: ModelError | None = None,
 ) -> "Figure":
     """Draw friction and motor speed of one record over time; arguments as `friction_loops_figure`."""
     t, valid = torque.signals.t, torque.valid
@@ -125,14 +126,14 @@ def _draw_models(
     torque: FrictionTorque,
     joint: int,
     models: Mapping[str, LuGreParameters],
-    known: Mapping[str, Array] | None,
+    known: ModelError | None,
     over: Array,
     width: float,
 ) -> None:
     """Draw friction of a record, measured less its `known` other parts, and by each model, over speed or time."""
     valid, measured = torque.valid, torque.friction[:, joint]
     if known is not None:
-        measured = measured - known["inertia_error"][joint] * torque.inertia[:, joint] - known["offset"][joint]
+        measured = measured - known.torque(torque)[:, joint]
     axes.plot(over[valid], measured[valid], color=MEASURED, linewidth=width, label="measured")
     for (name, friction), (colour, line) in zip(models.items(), LINES, strict=False):
         model = predicted_friction(friction, torque)[:, joint]

@@ -46,6 +46,29 @@ def test_taken_as_rigid_joints_cost_much_of_the_friction_at_5_hz(two_link, movin
     assert rigid_error > 0.1  # N m, of a Coulomb torque of 0.54
 
 
+def test_wrong_rotors_and_links_are_told_apart_by_the_bending_that_they_cause(two_link, moving):
+    robot = two_link.robot
+    bodies = replace(robot.bodies, inertia=0.9 * robot.bodies.inertia)
+    drive = replace(robot.drive, rotor_inertia=0.95 * robot.drive.rotor_inertia)
+    wrong = RigidArm(replace(robot, bodies=bodies, drive=drive))
+    true, known = friction_torque(two_link, moving[1]), friction_torque(wrong, moving[1])
+    rows = known.valid
+    missing = (known.friction - true.friction)[rows, 0]
+    by_links, rotor = known.by_links[rows, 0], (known.by_inertia - known.by_links)[rows, 0]
+
+    def left(*columns):
+        """Share of what is missing that shares of some inertias do not explain, and the shares."""
+        shares, *_ = np.linalg.lstsq(np.stack(columns, axis=1), missing)
+        return rms(missing - np.stack(columns, axis=1) @ shares) / rms(missing), shares
+
+    share, (of_rotor, of_links) = left(rotor, by_links)
+    assert share < 0.25
+    assert of_rotor == pytest.approx(1 / 0.95 - 1, rel=0.25)
+    assert 0 < of_links < 0.11  # part of the links' inertia is that of their centres of mass
+    without_bending = left(rotor, known.inertia[rows, 0] - rotor)
+    assert without_bending[0] > 2 * share
+
+
 def test_a_record_that_begins_in_motion_counts_from_when_the_arm_no_longer_swings(two_link, moving):
     whole, cut = friction_torque(two_link, moving[0]), friction_torque(two_link, moving[0].slice(1.4))
     assert whole.valid[40:-40].all()

@@ -71,9 +71,9 @@ def test_intervals_are_narrow_and_near_the_truth(found, one_axis):
 
 def test_new_parameters_explain_records_that_were_not_used_and_old_ones_do_not(found, exact, wrong):
     torques = friction_torques(wrong, measured(exact[2], seed=7))
-    known = {"inertia_error": found.inertia_error, "offset": found.offset}
+    known = found.model_error
     for new, old in zip(
-        validate(found.friction, torques, **known), validate(wrong.robot.friction, torques, **known), strict=True
+        validate(found.friction, torques, known), validate(wrong.robot.friction, torques, known), strict=True
     ):
         assert new.segment == old.segment
         assert new.share > 0.99
