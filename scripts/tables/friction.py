@@ -76,6 +76,8 @@ class Repetition:
 
     robot: str
     """Built-in robot, or a path to a description."""
+    joints: tuple[str, ...]
+    """Joints that move, one after the other, and are identified."""
     number: int
     """Of the noise."""
     resamples: int
@@ -92,6 +94,7 @@ def coverage(
     physics_dt: float = 6.25e-5,
     record_dt: float = 5e-4,
     jobs: int = 0,
+    joints: Mapping[str, tuple[str, ...]] = JOINTS,
 ) -> Contents:
     """Identify friction where it is known, and count how often intervals hold it.
 
@@ -101,18 +104,19 @@ def coverage(
         physics_dt: physics step of the records with reversals [s]; see docs/identification.md.
         record_dt: sample time of the records [s], by default that of the thesis.
         jobs: processes; 0 is one per core.
+        joints: joints that are identified, by robot; all of a robot that is not named.
     """
     parts, numbers = {}, {}
     for name, repetitions in robots.items():
         robot = load_robot(name)
-        joints = JOINTS.get(name, robot.joints)
-        todo = [Repetition(name, number, resamples, physics_dt, record_dt) for number in range(repetitions)]
+        own = joints.get(name, robot.joints)
+        todo = [Repetition(name, own, number, resamples, physics_dt, record_dt) for number in range(repetitions)]
         repeated = dict(Executor(jobs=jobs).run(identify_again, todo))
         found, ends = (np.stack([repeated[i][which] for i in range(repetitions)]) for which in (0, 1))
-        numbers[robot.name] = {"joints": list(joints), **count_covered(true_friction(robot, joints), found, ends)}
+        numbers[robot.name] = {"joints": list(own), **count_covered(true_friction(robot, own), found, ends)}
         # mean error, largest error, and how often the interval holds the truth
         rows = []
-        for j, joint in enumerate(joints):
+        for j, joint in enumerate(own):
             errors = zip(
                 *(numbers[robot.name][what][j] for what in ("mean_error", "largest_error", "coverage")), strict=True
             )
@@ -123,10 +127,9 @@ def coverage(
 
 
 @lru_cache(maxsize=1)
-def _exact_recordings(name: str, physics_dt: float, record_dt: float) -> list[Recording]:
-    """Speed ladder and sines of the joints of a robot, without noise."""
+def _exact_recordings(name: str, joints: tuple[str, ...], physics_dt: float, record_dt: float) -> list[Recording]:
+    """Speed ladder and sines of joints of a robot, without noise."""
     arm = RigidArm(load_robot(name))
-    joints = JOINTS.get(name, arm.robot.joints)
     sines = Table61(joints=joints, records=ESTIMATION_RECORDS)
     exact: list[Recording] = []
     for protocol, dt in ((SpeedLadder(joints=joints), None), (sines, physics_dt)):
@@ -137,9 +140,8 @@ def _exact_recordings(name: str, physics_dt: float, record_dt: float) -> list[Re
 
 def identify_again(repetition: Repetition) -> tuple[Array, Array]:
     """Return parameters found with noise drawn anew, (J, 6), and their intervals, (J, 6, 2)."""
-    exact = _exact_recordings(repetition.robot, repetition.physics_dt, repetition.record_dt)
-    robot = load_robot(repetition.robot)
-    joints = JOINTS.get(repetition.robot, robot.joints)
+    robot, joints = load_robot(repetition.robot), repetition.joints
+    exact = _exact_recordings(repetition.robot, joints, repetition.physics_dt, repetition.record_dt)
     # the model that is known before has less inertia and other friction
     share = 1 - INERTIA_ERROR
     bodies = replace(robot.bodies, inertia=share * robot.bodies.inertia)
