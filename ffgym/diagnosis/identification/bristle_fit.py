@@ -108,7 +108,7 @@ NAMES = ("coulomb", "static", "viscous", "stribeck_velocity", "bristle_stiffness
 
 
 def reverses(torque: FrictionTorque, joint: int, presliding: float) -> bool:
-    """Whether a joint turns back between slides in a record, some times `presliding` [rad] long: it tells bristles."""
+    """Tell if a joint turns back between slides in a record, some times `presliding` [rad] long: it tells bristles."""
     speed = torque.signals.motor_dq[torque.counts(joint), joint]
     moving = speed[np.abs(speed) > AT_REST]
     if not len(moving):
@@ -148,7 +148,7 @@ class SlidingData:
     scored: BoolArray
     """Rows that count: the filter knows them, and bristles have forgotten how they began, shape (T, R)."""
     low_pass: LowPass
-    """What speed and friction went through, and a model's friction goes through too."""
+    """Filter of speed and friction, which a model's friction goes through too."""
 
     def model_friction(self, values: Array, speed: Array | None = None, n_substeps: int = 1) -> Array:
         """Compute the friction of P models (P, 6), filtered as the measured one, shape (P, T, R), thesis (6.16).
@@ -259,39 +259,48 @@ class BristleFit:
     offset: float
     """Mean torque that neither model nor friction explains [N m]."""
     inertia_at_bound: bool
-    """Whether the inertia error lies at its bound, so that friction had to absorb the rest of it."""
+    """True if the inertia error lies at its bound, so that friction had to absorb the rest of it."""
     at_bound: BoolArray
-    """Whether a value lies at its bound, so that the data do not tell it, shape (2,)."""
+    """True for a value at its bound, so that the data do not tell it, shape (2,)."""
     resampled: Array
     """sigma_0, sigma_1 of resampled blocks, shape (B, 2)."""
     rms_error: float
-    """Of the friction torque [N m]."""
+    """RMS of the friction torque that is left [N m]."""
     n_blocks: int
     """Blocks that could be resampled."""
     data: SlidingData
-    """What was fitted to."""
+    """Records that were fitted to."""
 
 
 def fit_bristles(
     data: SlidingData, static: Array, static_resampled: Array, rng: np.random.Generator, start: Array | None = None
 ) -> BristleFit:
-    r"""Fit sigma_0 and sigma_1 to friction along measured speeds, thesis (6.17).
+    r"""Fit sigma_0 and sigma_1 to friction along measured speeds, thesis (6.17), beside nuisances.
 
-    .. math:: \min_{\sigma_0, \sigma_1, \epsilon, o} \sum_k
-        \left( \hat f_k - \epsilon \tau_{inertia, k} - o - F(v_k | \sigma_0, \sigma_1) \right)^2
+    .. math:: \min \sum_k \left( \hat f_k - \epsilon^T r_k - F_k + (l - d) \dot F_k - d \dot a_k - o \right)^2
+        + \sum_i (s p_i / \pi_i)^2, \quad F_k = F(v_k | \sigma_0, \sigma_1)
 
-    over logarithms of the parameters, within bounds, from sigma_0 and sigma_1 of a `start` (2,), or the best of random
-    ones. Intervals are those of resampled blocks with one Gauss-Newton step each, together with those of the `static`
+    with errors :math:`\epsilon` of inertia, links and springs times the derivatives r of the torque a of the arm by
+    them, the lag l of friction, the delay d of the torque and an offset o; p are the nuisances that have priors of
+    standard deviation :math:`\pi`, and s is the RMS of what is left. The fit is over logarithms of sigma_0 and sigma_1,
+    within bounds, from a `start` (2,), or the best of random ones; its bias on surrogate data is subtracted.
+
+    Intervals are those of resampled blocks with one Gauss-Newton step each, together with those of the `static`
     parameters f_c, f_s, f_v, v_s, (4,) and resampled (B, 4).
+
+    Reference:
+        Davison & Hinkley (1997), Bootstrap Methods and their Application, ch. 2.3 and 4, for surrogate data of a fit.
     """
     problem = _Problem(data, static)
     starts = problem.starts(rng) if start is None else [np.array([*np.log(start), *np.zeros(N_NUISANCES)])]
     found = min((problem.refined(x) for x in starts), key=lambda fit: fit.cost)
-    # once more, with priors that weigh as the error that is left
+
+    # once more, with priors that weigh against the error that is left
     problem.misfit = rms(problem.residual(found.x)[:-N_PRIORS])
     found = problem.refined(found.x)
     errors, blocks = problem.residual(found.x)[:-N_PRIORS], data.blocks()
     slopes, priors = np.split(problem.slopes(found.x, [4, 5, 0, 1, 2, 3]), [-N_PRIORS])
+
     # nuisances at a bound stay there
     free = np.abs(found.x) < _NEAR_BOUND * problem.high
     free[:2] = True
