@@ -38,12 +38,14 @@ class ObservationLayout(Mapping[str, ObservationEntry]):
         self.preview = check_whole("preview", preview, low=0, high=1000)
         self.n_joints = n = robot.n_joints
         scales = Scales.of(robot)
+        # scale of each entry: tracking error, its rate, last action, then the reference over the preview
         motor_position = scales.position * robot.drive.gear_ratio  # with its sign, as joint positions are read
         length = " or ".join(dict.fromkeys(robot.kinematics.units))
         reference = np.concatenate([motor_position, scales.velocity, scales.acceleration])
         self._scale = np.concatenate(
             [scales.error, scales.error_rate, np.ones(n), np.tile(reference, self.preview + 1)]  # actions as they are
         )
+        # catalogue of entries by name, in the order of the vector
         self._entries: dict[str, ObservationEntry] = {}
 
         def add(name: str, unit: str, scale: Array, meaning: str, side: Literal["motor", "link"] = "motor") -> None:
@@ -55,6 +57,7 @@ class ObservationLayout(Mapping[str, ObservationEntry]):
         add("error", "rad", scales.error, "position error, reference - measured")
         add("error_rate", "rad/s", scales.error_rate, "speed error, reference - measured")
         add("added_torque", "N m", action_torque, "added torque now: the last action")
+        # reference now and ahead, which lets a policy act before an error shows
         for k in range(self.preview + 1):
             when = "now" if k == 0 else f"{k} control step{'s' if k > 1 else ''} ahead"
             add(

@@ -11,7 +11,7 @@ class HeldOutShare:
     """Share of the energy above the noise that the extended model explains, with its channel."""
 
     share: float
-    """From 0 to 1."""
+    """Fraction from 0 to 1."""
     channel: str
     """Channel that the share is of; of several, the one with most energy above the noise."""
 

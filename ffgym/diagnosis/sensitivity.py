@@ -83,6 +83,7 @@ def _compute_without_springs(run: Replay, variant: Variant) -> list[tuple[str, P
     """Compute the change by a variant that bends no springs of the arm, by joint; None if it bends them."""
     limits = settings().screening
     effect, log, joints = variant.effect, run.log, run.robot.joints
+    # tracker and clock: the motion stays as it is, only its record changes
     if isinstance(effect, TrackerEffect):
         return _compute_tracker_changes(run, variant) if log.tool is not None else []
     if isinstance(effect, ClockEffect):
@@ -94,6 +95,7 @@ def _compute_without_springs(run: Replay, variant: Variant) -> list[tuple[str, P
         small = type(effect)(**values | {variant.parameter: limits.small_step * values[variant.parameter]})
         parts = replay_change(run, add_effect(run.machine, small))
         return [("", {key: rows / limits.small_step for key, rows in parts.items()})]
+    # controller: torque that it would ask for at the same measured motion
     if effect.side == "controller":
         if not log.shows_servo or not isinstance(effect, NativeEffect):
             return []

@@ -103,6 +103,7 @@ def list_causes(
     draws = _resample_numbers(fit, rng)
     found, at = [], 0
     for hypothesis, gain in zip(fit.hypotheses, gains, strict=True):
+        # numbers of fixed value, such as scales, are reported beside the sizes
         known = hypothesis.kind.parameters()
         kept = sorted({*hypothesis.null, *(name for name, p in known.items() if p.scale)})
         sizes, fixed = [], {name: float(np.max(hypothesis.values[name])) for name in kept}

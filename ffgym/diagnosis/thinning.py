@@ -109,7 +109,9 @@ class _Windows:
         whole, flags = list[list[int]](), list[Any]()
         lasting, information, before = list[float](), list[Array](), 0
         for i, cells in enumerate(log):
+            # short recordings stay whole, longer ones are cut into windows of one length
             n = len(cells) if len(cells) <= limits.whole_stretches * limits.stretch else limits.stretch
+            # information of each window as a difference of cumulative sums
             total = np.cumsum(np.concatenate([np.zeros_like(cells.information[:1]), cells.information]), axis=0)
             for k in range(len(cells) - n + 1):
                 rests, inside = int(cells.at_rest[k]) + int(cells.at_rest[k + n]), slice(k, k + n)
@@ -118,6 +120,7 @@ class _Windows:
                 flags.append([cells.there[inside].all(), cells.moving[inside].mean() >= limits.moving_share])
             information.append(total[n:] - total[:-n])
             before += len(cells)
+        # windows of all recordings side by side, by cell of the whole log
         recording, begin, first, length, rest_ends = np.array(whole, dtype=np.intp).T
         there, moves = np.array(flags, dtype=np.bool_).T
         return cls(
@@ -168,10 +171,12 @@ def thin(sources: Sequence[Recording | Stored]) -> list[Recording]:
         return [source.whole() if isinstance(source, Stored) else source for source in sources]
     motions = [take_medians(source) for source in sources]
 
+    # order by session, name and content, so that the order of the caller does not matter
     digests = [hashlib.sha256(b"".join(np.ascontiguousarray(x).tobytes() for x in (one.t, one.q))) for one in motions]
     order = sorted(
         range(len(sources)), key=lambda i: (read_session_start(sources[i].header), names[i], digests[i].digest())
     )
+    # stretches of cells that tell most of the joints
     regressor = MotionRegressor.of([motions[i] for i in order])
     cells = [cut_cells(motions[i], regressor) for i in order]
     spans: list[list[Span]] = [[] for _ in sources]

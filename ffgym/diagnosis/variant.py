@@ -57,6 +57,7 @@ def list_variants(kind: type[Effect], robot: RobotDescription, cycles: Cycles) -
         for j, joint in enumerate(robot.joints)
         if not (kind.needs_elasticity and robot.drive.is_rigid[j]) and (cycles.get(joint) or not repeats)
     ]
+    # an effect of single joints needs a joint that can have it
     per_joint = any(p.per in ("joint", "pair") for p in known.values() if p.role == "size")
     if per_joint and not joints:
         return

@@ -135,6 +135,7 @@ def write_sentence(
     # each effect on its joint once, however many waves it has
     counts = Counter(f"{cause.title} {('of ' + cause.joint if cause.joint else '')}".strip() for cause in causes)
     named = ", and ".join(name if n == 1 else f"{name} in {n} waves" for name, n in counts.items())
+    # rivals that these motions cannot tell from the causes
     others = _join_names(tied)
     # the sentence of each verdict
     if judged.verdict == "none":
@@ -146,6 +147,7 @@ def write_sentence(
         return f"Consistent with {named}; but {others} would explain these motions as well."
     if judged.verdict == "partly":
         more = f"; what is left depends on: {left}" if left else ", and something is left"
+        # reason for the rest: a shape at its limit, a rival beyond the causes, or a pattern
         if judged.shapes_at_limit:
             more = (
                 f", and {judged.shapes_at_limit[0]} is at the end of what is plausible: it may stand for something else"

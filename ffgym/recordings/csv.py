@@ -65,6 +65,7 @@ def read_table(lines: list[str], first: int) -> tuple[list[str], Array]:
             if not row:
                 continue
             line = first + reader.line_num
+            # first row that is not blank: column names
             if not names:
                 names = [name.strip() for name in row]
                 if len(names) == 1 and any(separator in names[0] for separator in ";\t"):
@@ -76,6 +77,7 @@ def read_table(lines: list[str], first: int) -> tuple[list[str], Array]:
                     raise FFGymError(
                         f"Line {line} names {', '.join(map(repr, twice))} more than once. Rename or drop the copies."
                     )
+            # further rows: one number per column
             elif len(row) != len(names):
                 raise FFGymError(f"Line {line} has {len(row)} cells, must have {len(names)}, one per column.")
             else:

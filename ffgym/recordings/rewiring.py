@@ -126,12 +126,14 @@ class Rewiring:
                     "those of this robot."
                 )
             for part, column in enumerate(names):
+                # source column, read earlier by its delay, then scaled and offset
                 given = recording.columns[names[rewire.source[part]]]
                 samples, reached = earlier(given, t, rewire.delay[part] * self.clock)
                 factor, offset = rewire.factor[part], rewire.offset[part]
                 numbers = samples if factor == 1.0 else samples * factor
                 table[column] = numbers if offset == 0.0 else numbers + offset
                 within &= reached
+        # all clocks run at the corrected rate
         table["timestamp"] = t
         if "tcp.timestamp" in table:
             table["tcp.timestamp"] = table["tcp.timestamp"] * self.clock

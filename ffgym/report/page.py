@@ -82,7 +82,7 @@ class Page:
     title: str
     subtitle: str = ""
     reading: "Sequence[Part]" = ()
-    """How to read the page, which comes first."""
+    """Guide to reading the page, which comes first."""
     headline: Sequence[str] = ()
     """Main results, a paragraph each."""
     parts: Sequence[Part] = ()

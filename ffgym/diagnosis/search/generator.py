@@ -66,6 +66,7 @@ class CandidateGenerator:
         """Find frequencies per motor turn in the residual of each joint, the strongest first."""
         problem = self._ready.problem
         share = self._ready.null.sensor_share
+        # components well above the energy that sensors alone leave
         loud = {
             key
             for key, energy in energies.items()
@@ -76,11 +77,13 @@ class CandidateGenerator:
         for j, joint in enumerate(residual.robot.joints):
             peaks: list[tuple[float, float]] = []
             if ("torque", j) in loud:
+                # highest peaks of ripple at one amplitude and of ripple in proportion to the torque
                 for amplitude, count in _LOOKED_FOR:
                     peaks += _find_peaks(
                         compute_turn_spectrum(residual, "torque", joint, joint, amplitude=amplitude), count
                     )
                 peaks += [(0.0, frequency) for frequency in _SHAFT]
+            # behind the gearbox, where a gear that errs moves tool and encoder, the highest peak alone
             behind = [(c, k) for c, k in loud if c == "tool" or (c, k) == ("link", j)]
             shown = [
                 _find_peaks(compute_turn_spectrum(residual, c, components(c, residual.robot)[k], joint), 1)

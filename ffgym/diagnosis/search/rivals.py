@@ -128,6 +128,7 @@ def _contest(
         tied = instead is not None and _is_tied(problem, nominal, fitted, instead, rng)
     elif tied and len(other.fit.hypotheses) == 1:
         instead = other
+    # reason in words why the rival lost
     lost = f"leaves {other.rss / best.rss:.3g} times the energy on rows that were not used"
     if share < limits.instead:
         lost = f"explains little of what {best.hypothesis.label} does"

@@ -94,6 +94,7 @@ def search(
     if sure and unsure:
         rivals = (*rivals, *turn_into_rivals(unsure, rivals, rounds))
     rivals = (*rivals, *list_uncompared(tuple(rounds), now, rivals))
+    # final fit of the sure causes alone, or of all causes where none is sure
     final = _conclude(problem, nominal, now, sure or now.fit.hypotheses, report)
     is_left_out = bool(sure and unsure and final.fit.hypotheses)
     rows = float(now.fit.equations.rows.sum())

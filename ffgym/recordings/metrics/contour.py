@@ -104,6 +104,7 @@ def contour_errors(recording: Recording) -> list[ContourError]:
         raise FFGymError(
             f"Recording {recording.header.segment!r} shows no TCP in motion, so it has no path error to score."
         )
+    # whole motion first, then each phase in motion
     whole = Phase(label=WHOLE, kind="motion", start=float(recording.t[0]), end=float(recording.t[-1]))
     stretches = [(whole, moving)]
     stretches += [(phase, recording.during(phase)) for phase in recording.header.phases if phase.kind != "standstill"]
@@ -112,6 +113,7 @@ def contour_errors(recording: Recording) -> list[ContourError]:
         within = rows[contour.rows]
         if not within.any():
             continue
+        # error across the path and lag along it, where the TCP was seen
         distance, lag = contour.distance[within], np.abs(contour.lag[within])
         errors.append(
             ContourError(

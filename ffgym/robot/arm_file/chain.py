@@ -48,6 +48,7 @@ def choose_chain(model: mujoco.MjModel, wanted: Sequence[str] | None) -> Chain:
     joints = list(range(model.njnt))
     if wanted is not None:
         joints = [names.index(check_choice("joint", name, names)) for name in wanted]
+    # serial chain of hinges and slides only, from the base outwards
     for j in joints:
         if model.jnt_type[j] not in TYPES:
             kind = mujoco.mjtJoint(model.jnt_type[j]).name.removeprefix("mjJNT_").lower()
@@ -56,11 +57,13 @@ def choose_chain(model: mujoco.MjModel, wanted: Sequence[str] | None) -> Chain:
     if wanted is None:
         _check_single(joints, before, names)
     _check_order(joints, before, names)
+    # names must serve as columns of recordings
     for name in (names[j] for j in joints):
         if not JOINT_NAME.fullmatch(name):
             raise FFGymError(
                 f"Joint {name!r} cannot name columns of recordings: letters, digits or any of _ / - can. Rename it."
             )
+    # a link without mass between two joints has singular dynamics
     for j, k in pairwise(joints):
         if model.jnt_bodyid[j] == model.jnt_bodyid[k]:
             body = model.body(model.jnt_bodyid[j]).name

@@ -171,6 +171,7 @@ def joint_hints(model: mujoco.MjModel, chain: Chain, source: Source) -> tuple[Jo
 
     found = []
     for joint, name in zip(chain.joints, chain.names, strict=True):
+        # actuators that act on this joint, with their gears
         dof = int(model.jnt_dofadr[joint])
         acting = np.flatnonzero(np.isin(model.actuator_trntype, _ON_JOINTS) & (model.actuator_trnid[:, 0] == joint))
         gears = model.actuator_gear[acting, 0].tolist()
@@ -181,6 +182,7 @@ def joint_hints(model: mujoco.MjModel, chain: Chain, source: Source) -> tuple[Jo
         elif np.all(model.actuator_forcelimited[acting]):
             most = np.abs(model.actuator_forcerange[acting]).max(axis=1)
             effort = sum(abs(gear) * force for gear, force in zip(gears, most, strict=True))
+        # rotor inertia, reflected through the square of the gear
         rotors = sum(gear**2 * x for gear, x in zip(gears, model.actuator_armature[acting], strict=True))
         # gains, seen from the joint, of servos with force = gain ctrl - K_p position - K_v velocity
         affine = model.actuator_biastype[acting] == mujoco.mjtBias.mjBIAS_AFFINE.value

@@ -159,9 +159,11 @@ def _read(path: Path, joints: Sequence[str] | None, looks: bool) -> ArmFile:
         raise FFGymError(f"It must be MJCF (<mujoco> ...) or URDF (<robot> ...), but {what}.")
     kind = kinds[found[1]]
     mjcf = kind == "mjcf"
+    # compile in the engine, which finds further errors and warns
     with _engine_errors(line_numbers=mjcf) as warnings:
         source = _read_mjcf(path, looks=looks) if mjcf else read_urdf(data, path.parent, joints, looks=looks)
         model = _compile(source.spec)
+    # measure the chain at zero angles
     chain = choose_chain(model, joints)
     check_open(model, chain)
     pose = pose_at_zero(model, chain)

@@ -104,6 +104,7 @@ def _add_shape(
     shape = element.find("geometry/*")
     if shape is None:
         raise FFGymError(f"{what}: has no geometry; it needs a box, cylinder, capsule, sphere or mesh.")
+    # pose of the shape in its link; without one, that of the link
     origin = element.find("origin")
     origin = ET.Element("origin") if origin is None else origin
     if shape.tag == "mesh":  # each use of a file is a mesh of its own, as its scale may differ

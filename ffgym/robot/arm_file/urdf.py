@@ -59,6 +59,7 @@ def read_urdf(data: bytes, folder: Path, joints: Sequence[str] | None, *, looks:
         inertial = ET.SubElement(link, "inertial")
         ET.SubElement(inertial, "mass", value="1")
         ET.SubElement(inertial, "inertia", ixx="1", iyy="1", izz="1", ixy="0", ixz="0", iyz="0")
+    # remark on what was replaced, as results depend on it
     notes = [] if has_masses else [_NO_MASSES]
     changed = [str(link.get("name")) for link in root.findall("link") if _replace_zero_inertia(link)]
     if changed:
@@ -81,12 +82,14 @@ def _check_tree(root: ET.Element) -> None:
     """Check that every link but one hangs on one joint, and all are connected."""
     links = [link.get("name") for link in root.findall("link")]
     joints = root.findall("joint")
+    # unique names, by which joints refer to links
     for what, names in (("link", links), ("joint", [joint.get("name") for joint in joints])):
         twice = [name for name, count in Counter(names).items() if count > 1 or not name]
         if twice:
             raise FFGymError(f"Every {what} needs a name of its own, but there is {twice[0]!r} twice or without one.")
     if not links:
         raise FFGymError("It has no links.")
+    # parent of each link; a second one closes a loop
     parents: dict[str, str] = {}
     for joint in joints:
         ends: dict[str, str] = {}
@@ -103,12 +106,14 @@ def _check_tree(root: ET.Element) -> None:
                 f"can be described; remove the joint that closes it. A counterbalance can be an entry of [springs]."
             )
         parents[child] = parent
+    # one root, as an arm stands on one base
     roots = [str(link) for link in links if link not in parents]
     if len(roots) != 1:
         raise FFGymError(
             f"It has {len(roots)} links without a parent, {roots}; a robot has one root, from which all links hang."
             + (" Its joints form a loop; remove one." if not roots else "")
         )
+    # loops apart from the root: follow parents of each link until they end
     for link in parents:
         seen = [link]
         while seen[-1] in parents and len(seen) <= len(parents) + 1:  # a loop further up is that of a link of its own

@@ -55,6 +55,7 @@ def add_looks(spec: mujoco.MjSpec, robot: RobotDescription) -> None:
     """
     there = [geom for geom in robot.geoms if geom.body != "tool" or robot.tool is not None]  # a draft may lack its tool
     geoms = there or stick_figure(robot)
+    # meshes, each once however many shapes use it
     meshes = {geom.mesh: f"mesh{i}" for i, geom in enumerate(geoms) if geom.mesh is not None}
     for mesh, name in meshes.items():
         spec.add_mesh(
@@ -63,6 +64,7 @@ def add_looks(spec: mujoco.MjSpec, robot: RobotDescription) -> None:
             userface=mesh.faces.ravel(),
             inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,  # it may not be closed, and weighs nothing anyway
         )
+    # shapes of the bodies, without mass or contact, so that the dynamics stay as described
     for geom in geoms:
         form: dict[str, Any] = {"pos": geom.pos, "quat": geom.rotation}
         if geom.end is not None:
@@ -74,6 +76,7 @@ def add_looks(spec: mujoco.MjSpec, robot: RobotDescription) -> None:
         spec.body(geom.body).add_geom(
             type=GEOM_TYPES[geom.type], rgba=geom.colour, contype=0, conaffinity=0, mass=0.0, group=1, **form
         )
+    # surroundings: floor, sky and light
     spec.worldbody.add_geom(
         name="floor",
         type=mujoco.mjtGeom.mjGEOM_PLANE,
