@@ -176,6 +176,7 @@ class MLP(Network):
             else:
                 steps, share = torch.optim.SGD(weights.values(), lr=rate), 0.5
                 rows = [slice(row, row + 1) for row in range(len(wanted))]
+            # gradient descent on the squared error of each joint's network
             for chosen in rows:
                 steps.zero_grad()
                 inside = x[:, chosen] @ weights["hidden"].transpose(1, 2) + weights["bias"][:, None]

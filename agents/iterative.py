@@ -196,6 +196,7 @@ class IterativeLearning:
                 self._after(practice, run.reference, recording, step)
                 for practice, run, recording, step in zip(practices, runs, recordings, steps, strict=True)
             ]
+            # state after each trial, so that an interrupted practice can go on
             if file is not None:
                 rows = ((f.name, i, practice) for i, practice in enumerate(practices) for f in fields(Practice))
                 file.write({f"{name}_{i}": getattr(practice, name) for name, i, practice in rows})

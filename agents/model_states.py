@@ -70,6 +70,7 @@ class MotorEffects:
             torques.append(torque)
             for k, memory in zip(lasting, after, strict=True):
                 later[k] = memory
+        # torque of effects with memory, fixed from here on
         added = np.stack(torques) if torques else np.zeros_like(needed)
         # the others at once: their torque under the command that balances it, by fixed-point rounds
         others = [k for k in range(len(memories)) if k not in lasting]

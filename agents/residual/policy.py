@@ -111,6 +111,7 @@ class ResidualAgent:
                     f"episode_start has shape {begins.shape}, must be ({len(rows)},): one for each observation."
                 )
             seen, network = self.composition.follow(state.memory, rows, state.residual), state.network
+            # robots whose episode begins here have no past
             if begins.any():
                 seen = take_where(begins, self.composition.begin(rows), seen)
         # residual of the network, and action of both together

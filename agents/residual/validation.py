@@ -85,6 +85,7 @@ def base_errors(
 
 def _errors(policy: ResidualPolicy, robot: str, plants: int, seed: int) -> Array:
     """Run a policy on every circle, and compute the RMS distance from each [m]."""
+    # one robot for each plant, point and speed, all at once
     count = plants * len(POINTS) * len(SPEEDS)
     env: Any = gym.make_vec(
         ENVIRONMENT,

@@ -84,6 +84,7 @@ def _diagnose(config: Diagnose) -> None:
             most=config.most_causes,
             accept=config.accept,
         )
+    # extended model, judged by replay and closed loop on recordings that were held out
     robot, origin = nominal.machine.robot, origin_of(config, nominal.machine)
     examined = replace(examined, diagnosis=replace(examined.diagnosis, provenance=origin))
     models = _models(config, examined, nominal, recordings)
@@ -290,6 +291,7 @@ def next_step(config: Diagnose, diagnosis: Diagnosis, period: float | None = Non
     """
     robot, logs = config.robot or EXAMPLE_ROBOT, [str(path) for path in config.logs]
     folder = Path("found") if config.out is None else config.out
+    # options to be repeated, so that the next diagnosis is comparable
     options = ["--fit"] * config.fit + (["--accept", *config.accept] if config.accept else [])
     options += [] if config.calibration is None else ["--calibration", f"{config.calibration:g}"]
     columns = [] if config.columns is None else ["--columns", config.columns]
@@ -299,6 +301,7 @@ def next_step(config: Diagnose, diagnosis: Diagnosis, period: float | None = Non
         first = [["diagnose", *logs, *given, "--out", str(folder)]]
     machine = str(folder / NOMINAL) if config.fit else robot
     rows = [] if period is None else ["--record-dt-ms", f"{1e3 * period:.6g}"]
+    # rivals that tie: the motion that separates them
     if diagnosis.separating_motion is not None:
         # logs of another tool need their column map, so that recordings cannot stand beside them
         more = f"{folder}_more_logs"  # of this diagnosis alone: a folder holds one session
@@ -306,6 +309,7 @@ def next_step(config: Diagnose, diagnosis: Diagnosis, period: float | None = Non
         record = ["record", machine, str(folder / NEXT), *rows, "--out", more]
         again = ["diagnose", *both, "--robot", robot, *options, "--out", f"{folder}_again"]
         return _step("record the motions that tell the rivals apart, and diagnose all logs:", *first, record, again)
+    # causes found: validation on motions of their own
     if diagnosis.verdict in ("named", "partly", "ambiguous"):
         if not diagnosis.gains:
             return _step("record motions in other regimes; protocols are listed by", ["record", "--list"])
@@ -314,6 +318,7 @@ def next_step(config: Diagnose, diagnosis: Diagnosis, period: float | None = Non
         again = ["diagnose", other, "--robot", str(folder / EXTENDED)]
         advice = "record motions that were not used, and see whether the extended model explains them:"
         return _step(advice, *first, record, again)
+    # faulty columns or logs: mend these before anything else
     if diagnosis.verdict == "wiring":
         mended = ["diagnose", *logs, "--robot", robot, *options, "--columns", str(folder / COLUMNS)]
         return _step("diagnose again with the corrected column map:", *first, mended)

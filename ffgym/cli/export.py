@@ -65,9 +65,11 @@ def _export_motion(
         if machine.robot is not arm.robot:
             raise FFGymError(f"{path} brings a tool of its own, but that of {config.robot} cannot be changed.")
         arm, machine = RigidArm(motion.reference.robot), Machine.of(motion.reference.robot)
+    # feedforward law for this motion, from the nominal model
     rig = SimulatedRig(arm=arm, machine=in_engine(machine), options=replace(options, looks=False))
     setting = setting_for(rig, [motion.reference], config.parameters, config.threads)
     (law,) = make_laws([config.feedforward], setting)
+    # closed loop with this law, recorded beside the reference
     with progress_bar("exporting", "s") as progress:
         recording = export_run(
             config.out,
@@ -81,6 +83,7 @@ def _export_motion(
             n_threads=config.threads,
             progress=progress,
         )
+    # origin of the files, for whoever replays them elsewhere
     fingerprint = recording.header.provenance["physics_fingerprint"]
     info = provenance("ffgym export", config, arm.robot.name, fingerprint, seed=None)
     info |= {"motion": motion.reference.name, "duration": motion.reference.duration, "notes": list(motion.notes)}

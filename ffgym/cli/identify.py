@@ -161,6 +161,7 @@ class IdentifyOutcome:
 def identify_friction_of(config: Identify, robot: RobotDescription, logs: LogSet) -> IdentifyOutcome:
     """Identify friction from logs, and see how well it holds on those kept out."""
     low_pass, arm = LowPass(cutoff=CUTOFF_HZ if config.cutoff_hz is None else config.cutoff_hz), RigidArm(robot)
+    # friction torque: motor torque less that of the rigid body
     recordings = (*logs.used, *logs.held_out)
     torques = []
     with progress_bar("reading logs", "logs") as progress:
@@ -168,6 +169,7 @@ def identify_friction_of(config: Identify, robot: RobotDescription, logs: LogSet
             progress(i, len(recordings))
             torques.append(friction_torque(arm, recording, low_pass))
     used, held_out = torques[: len(logs.used)], torques[len(logs.used) :]
+    # LuGre parameters with intervals, from the logs that are not held out
     velocity = config.stribeck_velocity
     with progress_bar("identifying", "joints") as progress:
         found = identify_friction(
@@ -179,6 +181,7 @@ def identify_friction_of(config: Identify, robot: RobotDescription, logs: LogSet
             level=config.level,
             progress=progress,
         )
+    # validation of the description's friction and of that identified, on the held-out logs
     before, after = (validate(friction, held_out, found.model_error) for friction in (robot.friction, found.friction))
     report = FrictionReport(
         identification=found, used=used, held_out=held_out, before=before, after=after, doubts=logs.doubts
@@ -196,6 +199,7 @@ def _numbers(report: FrictionReport) -> Mapping[str, Any]:
     """Everything, as JSON has it, which knows no infinity: an interval without an end is null."""
     found = report.identification
     joints = []
+    # parameters of each joint; an interval without an upper end is none
     for joint in found.joints:
         parameters = [asdict(estimate) for estimate in joint.estimates]
         for entry in parameters:
@@ -214,6 +218,7 @@ def _numbers(report: FrictionReport) -> Mapping[str, Any]:
                 "notes": list(joint.notes),
             }
         )
+    # friction error on held-out logs, before and after
     validation = [
         {
             "segment": after.segment,

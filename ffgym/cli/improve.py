@@ -26,12 +26,14 @@ DPI = 100
 
 def run(config: Improve) -> None:
     """Check, run, write, print."""
+    # refuse wrong options first, as the robot then moves for long
     need_extra("ffgym improve", "matplotlib", "jinja2")
     folder = given_folder(config.out, "recordings, diagnoses and models go")
     check_whole("--most-causes", config.most_causes, low=1, high=settings().search.most_causes)
     for name in config.protocols:
         load_protocols(name)
     check_outputs({"--json": config.json}, inputs=(config.rig, config.robot, *config.protocols))
+    # rounds of recording, diagnosis and an extended model
     rig = make_rig(config.rig)
     result = improve(
         rig,

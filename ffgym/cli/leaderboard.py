@@ -46,6 +46,7 @@ def run(config: Leaderboard) -> None:
         raise FFGymError(f"--json {config.json}: lies among the result files of --out; choose another folder.")
     if config.page is not None:
         need_extra("The page of the leaderboard", "jinja2", "matplotlib")
+    # evaluate rows that have no current result; others are read from their files
     executor = Executor(kind=config.executor, jobs=config.jobs, address=config.address)
     if registry.files and (note := isolation_note()) is not None:
         print(note)
@@ -58,6 +59,7 @@ def run(config: Leaderboard) -> None:
     _tell(rows, plants, splits)
     for words in left_out:
         print(f"not shown: {words}")
+    # cost of the evaluation over that of the bare engine
     bare = _bare(simulated) if simulated else 0.0
     if simulated:
         print(

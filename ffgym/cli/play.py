@@ -125,6 +125,7 @@ def _film(
     motor: list[Array] = []
     frames, ended = 0, False
     while True:
+        # frames due by now, at the ratio of film time to robot time
         while frames * between <= len(rewards) + 1e-9:
             append(env.render())
             frames += 1

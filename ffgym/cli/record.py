@@ -30,6 +30,7 @@ def run(config: Record) -> None:
         return
     if config.robot is None or not config.protocols:
         raise FFGymError("Name a robot and what to record, e.g. one_axis diagnosis; --list shows the protocols.")
+    # refuse options that contradict each other before anything moves
     folder = given_folder(config.out, "the recordings go")
     if config.exact and (given := given_options(config, ("seed", "torque_noise_percent"))):
         raise FFGymError(f"{given[0]} has no effect with --exact: nothing is measured. Leave one of them out.")
@@ -38,6 +39,7 @@ def run(config: Record) -> None:
     check_laws([config.feedforward], "--feedforward")
     places = {"--json": config.json, "the index of the recordings": folder / INDEX if folder.exists() else None}
     check_outputs(places, inputs=(config.robot, config.parameters, *config.protocols))
+    # motions of the session, with one feedforward law for all
     rig = _rig(config, config.robot)
     start = 60.0 * check_number("--later-min", config.later_min, unit="min", low=0.0)
     motions = plan_session(rig.arm, _protocols(config), start=start)
@@ -45,6 +47,7 @@ def run(config: Record) -> None:
     (law,) = make_laws([config.feedforward], setting_for(rig, references, config.parameters, config.threads))
     seed = None if config.exact else config.seed
     origin = provenance("ffgym record", config, rig.robot.name, rig.fingerprint, seed, passing=_PASSING)
+    # record what the folder lacks
     with progress_bar("recording", "s") as progress:
         session = record_into(
             folder,

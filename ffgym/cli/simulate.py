@@ -30,6 +30,7 @@ def run(config: Simulate) -> None:
         if not isinstance(rig, SimulatedRig) or rig.machine is not None:
             raise FFGymError(f"{config.path} brings a tool of its own, but that of {config.robot} cannot be changed.")
         rig = replace(rig, arm=RigidArm(motion.reference.robot))
+    # same motion under each law
     setting = setting_for(rig, [motion.reference], config.parameters, config.threads)
     laws = make_laws(config.feedforward, setting)
     with progress_bar("simulating", "s") as progress:

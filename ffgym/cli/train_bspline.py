@@ -57,12 +57,15 @@ def bspline(config: BSpline) -> None:
     state = config.out.with_suffix(".state.npz")  # what is kept between trials, beside the law
     if state.exists() and not config.resume:
         raise FFGymError(f"{state}: holds a training that was interrupted; go on with it by --resume, or delete it.")
+    # robot, its training motions, and a trial that runs them
     rig = make_rig(config.robot)
     robot, motions, record_dt = rig.robot, motions_of(config, rig.arm), config.record_dt_ms / 1e3
     trial = RigTrial(rig=rig, seed=config.seed, record_dt=record_dt, n_threads=config.threads)
+    # network before learning: zero, or the Coulomb friction that one trial shows
     first = NETWORKS[config.network].zero(robot.n_joints, SplineBasis(order=config.order), name=config.out.stem)
     if config.prior:
         first = first.with_curve(CoulombPrior.from_trial(motions, trial).torque_at)
+    # learning rate, and a warning where it makes the iteration unstable
     rate, iterations = _rate_and_iterations(config, robot)
     procedure = LFFC(rate=rate, iterations=iterations, signal=config.signal)
     study = LearningStability.of(first, rig.arm, motions, signal=config.signal, record_dt=record_dt)
@@ -90,6 +93,7 @@ def bspline(config: BSpline) -> None:
         "best_trial": learning.best_trial.tolist(),
         "locked": learning.locked.tolist(),
     }
+    # law first, then the state is of no further use
     save_law(config.out, learning.best, meta=info)
     write_numbers(config, info)
     state.unlink(missing_ok=True)

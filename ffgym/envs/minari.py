@@ -170,6 +170,7 @@ def write_dataset(
         )
         for episode in episodes
     ]
+    # write, without warnings of entries that are left out on purpose
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message=r"`\w+` is set to None", category=UserWarning)  # they are optional
         warnings.filterwarnings("ignore", message="env_spec is None", category=UserWarning)  # as was asked for

@@ -135,6 +135,7 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
             no, still = np.zeros(self.num_envs, dtype=np.bool_), np.zeros(self.num_envs)
             empty = np.zeros(self.observation_space.shape or ())
             result = Transition(observation=empty, reward=still, terminated=no, truncated=no.copy())
+        # return and length of each running episode
         self._return += result.reward
         self._length += 1 if going is None else going
         # episodes that ended in an earlier step

@@ -133,6 +133,7 @@ def collect_sample(row: Row, grid: Grid) -> Sample:
         """Shape errors; a robot that stopped has infinite ones."""
         return np.reshape([np.inf if value is None or np.isnan(value) else value for value in values], shape)
 
+    # errors by seed, plant and circle; that of a robot that stopped is infinite
     sample = Sample(
         seeds=seeds,
         rms=errors(cell.rms_mm for cell in cells),

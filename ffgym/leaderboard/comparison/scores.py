@@ -127,6 +127,7 @@ def compute_score(scored: ScoredRow, grid: Grid, zero: Sample, oracle: Sample | 
         mean, ends = float(values.mean()), interval(resample_means(values, by), by.levels)
         gone = 1 - mean / float(before.mean())
         speeds.append(SpeedScore(speed_mm_s=speed, rms_um=mean, interval_um=ends, reduction=gone))
+    # means of logarithms are given back as ratios of the error left
     return Score(
         left=float(np.exp(scored.mean)),
         left_interval=None if spread is None else Interval(float(np.exp(spread.low)), float(np.exp(spread.high))),
