@@ -39,6 +39,7 @@ class TrackingCore:
         self.starts = Starts(tasks, n, settings)
         self.plant = Plant(self.starts.machine, n, n_threads=settings.n_threads)
         self.plant.check_controller(robot)
+        # spaces of observations and actions
         self.action_torque = settings.action_torque(robot)
         """Added torque of an action of 1, motor side [N m], shape (N,)."""
         self.observation_layout = layout = ObservationLayout(robot, settings.preview, self.action_torque)
@@ -46,6 +47,7 @@ class TrackingCore:
         self.action_space: spaces.Box = spaces.Box(-1.0, 1.0, shape=(robot.n_joints,), dtype=np.float32)
         self.decision_dt = robot.servo.control_dt
         self.columns = MotionColumns(n_joints=robot.n_joints, has_tcp=robot.tool is not None)
+        # samples of the reference ahead, and instants of physics steps within a control step
         self._width = max(layout.preview + 1, 2)
         self._fractions = np.arange(self.plant.n_substeps) / self.plant.n_substeps
         self._bank = MotionBank(n, self.columns, self._width, self.plant)

@@ -160,6 +160,7 @@ def circle_test(
         raise FFGymError("radii is empty, must hold at least one radius in m.")
     plane = plane_of(normal)
     joined = LEADS[check_choice("lead", lead, list(LEADS))]
+    # rest, then each circle with its leads and another rest
     segments = [standstill("rest 0", centre, dwell)]
     for i, size in enumerate(sizes):
         radius = check_number("radius", size, unit="m", low=0.0, open_low=True)

@@ -130,6 +130,7 @@ class Header:
         bits = self.encoder_bits
         if bits is not None and (isinstance(bits, bool) or not isinstance(bits, int) or not 1 <= bits <= 64):
             raise FFGymError(f"header encoder_bits = {bits!r} must be an integer in [1, 64], or None.")
+        # immutable forms, as recordings share headers
         checked = _as_axes(self) | {
             "filters": _as_texts("filters", self.filters),
             "phases": _as_phases(self.phases),

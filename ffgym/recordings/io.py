@@ -140,6 +140,7 @@ def recording_files(folder: str | os.PathLike[str]) -> list[Path]:
     place = Path(folder)
     if not place.is_dir():
         raise FFGymError(f"{place}: no such folder. Check the path; it is relative to {Path.cwd()}.")
+    # without an index all recordings of the folder, else those that it lists
     index = read_index(place)
     if index is None:
         files = sorted(file for file in place.iterdir() if file.suffix.lower() in FORMATS)
@@ -153,6 +154,7 @@ def recording_files(folder: str | os.PathLike[str]) -> list[Path]:
                 f"{place / INDEX} must list motions, each with the name of a file beside it. Remove it to read all "
                 f"recordings that are there."
             )
+        # an interrupted session lacks some
         missing = [file.name for file in files if not file.exists()]
         if missing:
             raise FFGymError(

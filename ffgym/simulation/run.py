@@ -85,13 +85,16 @@ def simulate(
     plant.check_controller(robot)
     plant.become(range(len(runs)), each)
     stride = record_stride(plant, record_dt)
+    # rows of each reference, once however many runs share it
     shared = {
         id(run.reference): ReferenceRows.of(arm, run.reference, plant.n_substeps // stride)
         for run in {id(run.reference): run for run in runs}.values()
     }
+    # feedforward torque: rigid-body part of the reference, and the part that the law adds
     added = _compute_added_torques(runs)
     total = [shared[id(run.reference)].u_ff + u_lff for run, u_lff in zip(runs, added, strict=True)]
     traces = _run(plant, arm, runs, _setpoints(runs, total), stride, progress)
+    # exact signals of each run, then its sensors
     recordings = []
     named = None if isinstance(seed, Sequence) else int(seed)
     for i, (run, trace, u_lff, rng) in enumerate(zip(runs, traces, added, generators, strict=True)):
@@ -165,6 +168,7 @@ def _run(
     steps = [len(run.reference.t) - 1 for run in runs]
     per_step = plant.n_substeps // stride
     traces = [Trace.empty(plant, n * per_step + 1, stride * plant.physics_dt) for n in steps]
+    # begin on the reference, springs bent by the load
     start_q = np.stack([run.reference.q[0] for run in runs])
     start_dq = np.stack([run.reference.dq[0] for run in runs])
     plant.rest(start_q, start_dq)
@@ -175,10 +179,12 @@ def _run(
     if progress is not None:
         progress(0.0, total * setpoints.dt)
     while done < total:
+        # advance together the runs that last, at most to the end of the shortest
         active = np.flatnonzero(np.array(steps) > step)
         stop = min(step + _CHUNK, *(n for n in steps if n > step))
         controls = np.empty((len(active), stop - step, plant.n_substeps, plant.model.nu))
         setpoints.between(active, step, stop, fractions, out=plant.split_controls(controls))
+        # keep the states of rows that are recorded
         history = plant.advance(controls.reshape(len(active), -1, plant.model.nu), ids=active)
         for row, trace in enumerate(traces[i] for i in active):
             trace.write(step * per_step + 1, *(part[row, stride - 1 :: stride] for part in history))

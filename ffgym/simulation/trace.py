@@ -143,10 +143,12 @@ def _signals(state: PlantState, rows: ReferenceRows, u_lff: Array, plant: Plant,
     """Compute per-joint signals, motor side, (T, N) each; parts of the servo as MuJoCo's `pid` adds them up."""
     machine = plant.machines[index]
     robot = machine.physical
+    # servo torque from the motor angle as the resolver reads it
     position, velocity = machine.read_by_resolver(state.motor_position, state.motor_velocity)
     compensation = torque_at_rows(u_lff, rows.rows_per_step)
     feedback = servo_torque(robot.servo, rows.position - position, rows.velocity - velocity, state.integral)
     command = feedback.u_fb + rows.feedforward + compensation
+    # friction of the bristles, where it is all friction there is
     peak, friction = robot.drive.peak_torque, {}
     if not machine.torque_effects:  # with effects that add to it, a part would be taken for all of it
         bristles = robot.friction.torque(state.bristle, state.motor_velocity)

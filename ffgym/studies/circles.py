@@ -136,6 +136,7 @@ def circle_references(
         raise FFGymError(
             f"Robot {robot.name!r} has no work area for circles; use ffgym.studies.one_axis_study for one axis."
         )
+    # grid of positions, speeds and radii, each value once
     names = list(robot.work_area.positions) if positions is None else list(positions)
     speeds = check_shape("speeds", list(speeds), (None,)).tolist()
     axes: dict[str, list[object]] = {

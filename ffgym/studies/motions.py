@@ -133,6 +133,7 @@ def _result(agent: str, reference: Reference, recording: Recording) -> MotionRes
     robot = reference.robot
     error = motor_error(recording)[~recording.mask(kind="standstill")]
     torque = recording.joint_array("command.effort")
+    # contour error and lag by stretch, where the TCP was recorded
     path = [
         StretchError(
             label=stretch.label,

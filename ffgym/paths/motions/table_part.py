@@ -178,6 +178,7 @@ def follow_table(
     assert points is not None
     turned = None
     if table.rotations is not None:  # unit quaternions, scalar first, each on the side of the one before, (T, 4)
+        # a quaternion and its negative are one rotation; the spline needs one sign throughout
         values = scipy.spatial.transform.Rotation.from_matrix(table.rotations).as_quat(scalar_first=True)
         flips = np.where((values[1:] * values[:-1]).sum(axis=1) < 0, -1.0, 1.0)
         turned = values * np.cumprod(np.append(1.0, flips))[:, None]

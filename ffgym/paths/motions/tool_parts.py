@@ -98,6 +98,7 @@ class CirclePart(ToolPart):
         arm = radius * (np.cos(angle) * plane.first + np.sin(angle) * plane.second)
         turns = check_whole("turns", self.turns, low=1, high=MOST_TURNS)
         label = self.label or f"circle {radius * 1e3:g} mm"
+        # circle as half circles, each through a quarter point, as robot controllers take them
         circle = arc_about(centre, centre + arm, np.cross(plane.first, plane.second), 2 * np.pi)
         quarters = circle.at(np.linspace(0.0, circle.length, 5))[0]
         start = MoveLinear(to=Pose(position=quarters[0]), speed=self._speed, label=f"to {label}", where=place.where)

@@ -172,6 +172,7 @@ LARGEST_NUMBER = 1e38
 
 def evaluate(scope: Scope, expression: syntax.Expression, wanted: Type) -> Value:
     """Value of an expression."""
+    # aggregate: each component by the type of its field
     if isinstance(expression, syntax.Aggregate):
         if not wanted.fields:
             raise expression.place.error(f"{wanted.name} is wanted here, this is an aggregate.")
@@ -182,6 +183,7 @@ def evaluate(scope: Scope, expression: syntax.Expression, wanted: Type) -> Value
         return tuple(
             evaluate(scope, item, kind) for item, (_, kind) in zip(expression.items, wanted.fields, strict=True)
         )
+    # other expressions have a type of their own, which must be the wanted one
     if isinstance(expression, syntax.VariableReference):
         found, value = scope.get(expression)
     elif isinstance(expression, syntax.Call):
@@ -210,6 +212,7 @@ def arguments_of(scope: Scope, call: syntax.Call, parameters: Sequence[ArgumentR
         raise call.place.error(f"the arguments of {name} are ({names}), got {len(arguments)} of {len(parameters)}.")
     required: list[tuple[syntax.Expression, Type]] = []
     optional: dict[str, tuple[syntax.Expression | None, Type]] = {}
+    # options by name, each once, with or without a value as declared
     for argument, parameter in zip(arguments, parameters, strict=True):
         for option in argument.options:
             if option.name.lower() not in parameter.options:
@@ -224,6 +227,7 @@ def arguments_of(scope: Scope, call: syntax.Call, parameters: Sequence[ArgumentR
         if argument.value is None:
             raise argument.options[0].place.error(f"the {parameter.name} of {name} is missing.")
         required.append((argument.value, parameter.type))
+    # values last, when the shape of the call is known to be right
     values = [evaluate(scope, value, kind) for value, kind in required]
     return values, {
         key: True if value is None else evaluate(scope, value, kind) for key, (value, kind) in optional.items()

@@ -29,6 +29,7 @@ def one_axis_loops_figure(study: OneAxisStudy) -> ReportFigure:
         for i, frequency in enumerate(frequencies):
             for axes, law in zip(grid[i], columns, strict=True):
                 recording = study.recordings[law, frequency]
+                # loops of friction over speed, without the transient at the beginning
                 rows = recording.t >= SETTLED
                 _draw_over_speed(axes, recording, 0, rows, None)
                 _draw_over_speed(axes, recording, 0, rows, styles[law])

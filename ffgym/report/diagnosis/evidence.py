@@ -60,6 +60,7 @@ def _time_figure(models: Mapping[str, Residual], place: Place, motion: int) -> R
     (factor, unit), (plain, shown) = fine_scale_of(robot, channel, j), scale_of(robot, channel, j)
     noise = 2 * factor * models[NOMINAL].floor[channel][motion, j]
     with panels(3, 1, size=(8.6, 5.4), sharex=True, height_ratios=(3, 2, 1.2)) as (figure, grid):
+        # signal above, residual against the noise, speed below, where friction reverses
         upper, middle, lower = grid[:, 0]
         measured = counting(nominal, nominal.measured[channel][:, j])
         upper.plot(nominal.t, plain * measured, label="measured", **LOOKS["measured"])

@@ -141,6 +141,7 @@ def check_open(model: mujoco.MjModel, chain: Chain) -> None:
     for i in np.flatnonzero(model.eq_active0):
         kind, ends = model.eq_type[i], (int(model.eq_obj1id[i]), int(model.eq_obj2id[i]))
         name = model.equality(i).name or f"number {i + 1}"
+        # a constraint between bodies of different links closes a loop
         if kind in (kinds.mjEQ_CONNECT.value, kinds.mjEQ_WELD.value):
             sites = model.eq_objtype[i] == mujoco.mjtObj.mjOBJ_SITE.value
             bodies = [int(model.site_bodyid[end]) if sites else end for end in ends]
@@ -151,6 +152,7 @@ def check_open(model: mujoco.MjModel, chain: Chain) -> None:
                     f"described. Remove it; a counterbalance can be an entry of [springs], a parallel rod a "
                     f"drive.coupling."
                 )
+        # a constraint between joints ties what the model moves freely
         elif kind == kinds.mjEQ_JOINT.value:
             _check_untied(chain, name, ends)
         elif kind == kinds.mjEQ_TENDON.value:

@@ -111,13 +111,16 @@ def build_spec(robot: RobotDescription, options: ModelOptions | None = None) -> 
     spec = mujoco.MjSpec()
     spec.modelname = robot.name
     spec.compiler.degree = False
+    # fixed step, semi-implicit Euler, no contact
     spec.option.timestep = robot.physics_dt if options.physics_dt is None else options.physics_dt
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_EULER
     spec.option.gravity = robot.gravity if options.gravity else np.zeros(3)
     spec.option.disableflags = mujoco.mjtDisableBit.mjDSBL_CONTACT
+    # serial chain from the base to the tool
     base = spec.worldbody.add_body(name="base")
     _set_inertial(base, robot.base_mass, robot.base_com, np.zeros(6))
     body = base
+    # each joint with its motor, gearbox spring and link
     for i in range(robot.n_joints):
         body = _add_joint(body, robot, i, options)
     if robot.tool is not None:  # in the tool0 frame, with sites for tool0 and the TCP

@@ -34,6 +34,7 @@ _FROM_FILE = {"name", "title", "model"}
 
 def _head(head: Any, folder: Path) -> dict[str, Any]:
     """Parse the table [robot] of a description in `folder`, and its arm file if it names one, as fields of a draft."""
+    # joints by name, or those of an arm file
     keys = set(head) if isinstance(head, dict) else set()
     from_file = "model" in keys
     needed, others = (_FROM_FILE, {"joints", "tool_frame", "looks"}) if from_file else (_NAMED, {"types"})
@@ -58,6 +59,7 @@ def _head(head: Any, folder: Path) -> dict[str, Any]:
     (model,) = _names("[robot] model", [head["model"]])
     (looks,) = _names("[robot] looks", [head.get("looks", "file")])
     check_choice("[robot] looks", looks, ("file", "none"))
+    # masses, frames and shapes from the arm file, with the flange where one is named
     chosen = _names("[robot] joints", head["joints"]) if "joints" in head else None
     arm = read_arm(folder / model, chosen, looks=looks == "file")
     flange: Mapping[str, Quantity] = {}
@@ -119,6 +121,7 @@ def parse_draft(text: str, where: str = "description", folder: str | Path = ".")
                 "place."
             )
         fields = _head(tree.pop("robot", None), Path(folder))
+        # tables without physical quantities are read apart from the quantities
         look, logs, springs = tree.pop("look", {}), tree.pop("logs", {}), tree.pop("springs", {})
         quantities, waiting = _quantities(tree, fields["types"])
         fields["quantities"].update(quantities)

@@ -159,8 +159,10 @@ def parse_quantity(
         raise FFGymError(
             f"{path} lacks {missing} and has unknown keys {unknown}; it needs value, unit, origin, source."
         )
+    # factors to SI units and to the side of the gearbox on which the number is kept
     side, shape = table.get("side"), rule.shape_for(len(types))
     factors = _gear_factors(path, rule, side, gear_ratio) * _unit_factors(path, table["unit"], rule, side, types)
+    # origin by joint; a fitted number also tells what it was before
     origin = tuple(table["origin"]) if isinstance(table["origin"], list) else (table["origin"],)
     if len(origin) not in (1, len(types)) or any(o not in ORIGINS for o in origin):
         raise FFGymError(f"{path}: origin is {table['origin']!r}, must be one of {ORIGINS}, once or once per joint.")
@@ -173,6 +175,7 @@ def parse_quantity(
     for key in ("source", "prior_source") if fitted else ("source",):
         if not isinstance(table[key], str) or not table[key].strip():
             raise FFGymError(f"{path}: {key} is {table[key]!r}, must say where the number comes from.")
+    # interval of a fitted number, in the same units
     ends = None
     if "interval" in table:
         ends = _numbers(f"{path}.interval", table["interval"], (*shape, 2), infinite=True) * factors[..., None]

@@ -147,11 +147,13 @@ def export_run(
             n_threads=n_threads,
             progress=lambda done, _: report(done),
         )
+        # recording, and the reference with its feedforward at the control rate
         write_recording(recording, folder / "recording.csv")
         samples = slice(None, None, round(robot.servo.control_dt / recording.dt))
         u_ff, u_lff = (recording.joint_array(f"{name}.effort")[samples] for name in ("feedforward", "compensation"))
         table = reference_table(reference, u_ff, u_lff, form or ReferenceForm())
         _write_table(folder / "reference.csv", list(table), [np.stack([*table.values()], axis=1)])
+        # controls of each physics step, as the servo interpolates its setpoints
         plant = plant_of(machine, options)
         setpoints = Setpoints(
             position=reference.motor_q[None],
@@ -163,6 +165,7 @@ def export_run(
         names = [f"motor.{name}.{joint} [{unit}]" for joint in robot.joints for name, unit in units.items()]
         blocks = control_blocks(plant, setpoints, lambda done, _: report(reference.duration + done))
         _write_table(folder / "controls.csv", names, blocks)
+        # model that begins at rest under its load, and a program that plays the controls
         spec = spec_with_home(plant, machine, options)
         add_rest(spec, plant, "start", reference.q[0], reference.dq[0], control_row(plant, setpoints, 0))
         write_model(folder, spec, binary=binary)

@@ -97,6 +97,7 @@ class PlantDistribution:
             FFGymError: if a drawn number is not physical, for example a negative factor.
         """
         n = robot.n_joints
+        # factors on the nominal numbers, by joint; groups that do not vary keep 1
         groups = {field.name: getattr(self, field.name) for field in fields(self)[:-1]}
         factor = {name: np.ones(n) if group is None else group.draw(rng, n) for name, group in groups.items()}
         level = factor.pop("friction_level")
@@ -107,6 +108,7 @@ class PlantDistribution:
         tool = robot.tool
         if tool is not None and self.payload is not None:
             tool = with_payload(robot, float(self.payload.draw(rng, 1)[0])).tool
+        # damping goes with the root of the stiffness, which keeps the damping ratio at equal inertia
         drive, bodies = robot.drive, robot.bodies
         return replace(
             robot,

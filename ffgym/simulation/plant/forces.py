@@ -48,6 +48,7 @@ class Forces:
         self._n = n = machines[0].robot.n_joints
         self._engine_state = EngineState(engine, at, self._drive)
         self._controls, self._applied = engine.bind("ctrl"), engine.bind("qfrc_applied")
+        # effects of all robots, one stack of each kind, for computing them together
         self._numbers = stack_numbers(machines)
         self._torque = [
             (stack_effects(kind, members, n), np.array([m is not None for m in members]))
@@ -62,6 +63,7 @@ class Forces:
             kind = type(effect)
             self._keys.append((kind, sum(known is kind for known, _ in self._keys)))
         self._motor = np.zeros((self._n_robots, n))  # what effects added to motors last, link side
+        # memory of the effects at rest
         everyone = self.choose(slice(None))
         state = self.state(everyone)
         self._memory = relax(everyone.torque, state)

@@ -49,6 +49,7 @@ class Plant:
             raise FFGymError("A plant needs its servos; leave ModelOptions.servo at True.")
         n_robots = check_whole("n_robots", n_robots, low=1)
         n_threads = check_whole("n_threads", n_threads, low=0, high=MAX_THREADS)
+        # one compiled model for all, until robots become different
         machine = Machine.of(robot)
         self.robot = robot = machine.robot
         self._first = machine
@@ -60,6 +61,7 @@ class Plant:
         self._qpos, self._qvel, self._act = (self.batch.bind(name) for name in ("qpos", "qvel", "act"))
         self._time, self._warnings = self.batch.bind("time"), self.batch.warning[..., 1]
         self._warned = self._warnings.copy()
+        # whole number of physics steps in a control step
         self.physics_dt = float(self.model.opt.timestep)
         self.n_substeps = round(robot.servo.control_dt / self.physics_dt)
         if abs(self.n_substeps * self.physics_dt - robot.servo.control_dt) > 1e-9 or self.n_substeps < 1:
@@ -107,6 +109,7 @@ class Plant:
         machines = [Machine.of(robot) for robot in robots]
         if len(machines) != len(ids):
             raise FFGymError(f"There are {len(machines)} robots for {len(ids)} simulations; give one each.")
+        # compile only the models that change; a batch shares the layout of its states
         changed = [(i, m) for i, m in zip(ids, machines, strict=True) if not m.is_as(self.machines[i])]
         models = []  # all of them before any is given
         for _, machine in changed:
@@ -117,12 +120,14 @@ class Plant:
                     f"Robot {machine.robot.name!r} has other elastic joints, joints of effects or actuators than the "
                     f"other simulations of the same batch; simulate it in a batch of its own."
                 )
+        # give each simulation the fields in which its model differs
         for (i, machine), model in zip(changed, models, strict=True):
             for name in batch.MODEL_FIELDS:
                 own = model_field(model, name)
                 if self.batch.expanded(name) is not None or not np.array_equal(own, model_field(self.model, name)):
                     self.batch.expand(name)[i] = own
             self.machines[i] = machine
+        # forces of the new machines; the others keep their memory
         if changed:
             before, self._forces = self._forces, self._make_forces()
             if before is not None and self._forces is not None:
@@ -151,11 +156,13 @@ class Plant:
         rows = np.arange(self.n_robots) if ids is None else np.asarray(ids)
         motor_q = check_shape("motor_q", motor_q, (len(rows), n))
         speed = np.zeros_like(motor_q) if motor_dq is None else check_shape("motor_dq", motor_dq, (len(rows), n))
+        # motor angles that the resolvers read as those wanted
         if self._forces is not None:
             motor_q = self._forces.read_as(self._forces.choose(rows), motor_q)
         engine.reset(rows, stage=mujoco.mjtStage.mjSTAGE_NONE.value)
         self._warned[rows] = self._warnings[rows]
         self._qpos[np.ix_(rows, at.motor_qpos)] = motor_q
+        # deflection of the springs under the load at rest
         robots = [self.machines[i].physical for i in rows]
         bends = self._forces is not None and self._forces.bends.any()
         load = np.zeros_like(motor_q)
@@ -165,6 +172,7 @@ class Plant:
         settling = None if self._forces is None else self._settling(rows)
         held = self.robot.drive.motor_torque(load) if settling is None else settling.servo_torque(load)
         self._qvel[np.ix_(rows, at.motor_qpos)] = speed
+        # integrators hold the load, so that the first step does not jerk
         gain = np.stack([robot.servo.integral_gain for robot in robots])
         integral = np.divide(held, gain, out=np.zeros_like(held), where=gain > 0)
         self._act[np.ix_(rows, at.integral[at.has_integral])] = integral[:, at.has_integral]

@@ -98,11 +98,13 @@ def bent_by_load(
     give for simulations what acts on springs and links beside, None for nothing.
     """
     gravity, passive, qpos = engine.bind("qfrc_bias"), engine.bind("qfrc_passive"), engine.bind("qpos")
+    # stiffness of gearbox springs, then of joints that effects add
     joints = np.stack([robot.drive.joint_stiffness for robot in robots])[:, at.is_elastic]
     stiffness = np.concatenate([joints, _stiffness_of_extra_joints(engine, at, rows)], axis=1)
     soft, n_own = np.append(at.deflection_qpos, at.extra_qpos), len(at.deflection_qpos)
     moving = np.arange(len(rows))
     last, most = np.zeros((len(rows), soft.size)), np.full((len(rows), soft.size), np.inf)
+    # deflection under the load at the pose that the last round gave
     for _ in range(_MAX_ITERATIONS):
         engine.forward(rows[moving], stage=mujoco.mjtStage.mjSTAGE_VEL.value)
         if not soft.size:
@@ -116,12 +118,14 @@ def bent_by_load(
             full = np.zeros((len(moving), len(at.is_elastic)))
             full[:, at.is_elastic] = load[:, :n_own]
             update[:, :n_own] = effects(rows[moving]).deflection(full)[:, at.is_elastic]
+        # bound of the step, halved where it turns back, as in backlash
         step, before = update - qpos[here], last[moving]
         turns = (step * before < 0) & (np.abs(step) > np.maximum(0.5 * np.abs(before), _TURN))
         most[moving] = np.where(turns, 0.5 * np.minimum(most[moving], np.abs(step)), most[moving])
         slowed = np.abs(step) > most[moving]
         step = np.clip(step, -most[moving], most[moving])
         update = np.where(slowed, qpos[here] + step, update)
+        # robots that still move
         change = np.abs(step).max(axis=1)
         qpos[here], last[moving] = update, step
         moving = moving[change >= _TOLERANCE]

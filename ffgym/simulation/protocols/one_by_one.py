@@ -67,15 +67,19 @@ class SpeedLadder(JointProtocol):
 def _ladders(stage: ProtocolStage, joint: int, motor_speeds: Array, longest: float, count: int) -> list[Reference]:
     """Make ladders of one joint, one for each pose."""
     n, name = stage.robot.n_joints, stage.robot.joints[joint]
+    # travel in some turns of the motor, within half the span of the joint
     room = 0.5 * stage.span[joint]
     turns = TURNS * 2 * np.pi * stage.joint_side(1.0)[joint]
     travel = min(turns, room)
     link_speeds = motor_speeds * stage.joint_side(1.0)[joint]
+    # speeds that the motor reaches, and for which the joint has room
     runs = link_speeds[(motor_speeds <= stage.motor_speed[joint]) & (link_speeds * (SHORTEST + RAMP) <= room)]
     if not len(runs):
         raise FFGymError(f"joint {name} has no room for {motor_speeds.min():g} rad/s of its motor for {SHORTEST} s.")
+    # the slowest speed needs time until the bristles have slid
     bent = BRISTLES * stage.presliding[joint] / motor_speeds[0]
     way = max(travel, runs[-1] * SHORTEST) + runs[-1] * RAMP
+    # poses under different loads, each in the middle of its travel
     half = stage.only([joint], way / 2)
     poses = load_ladder(stage, joint, count, half)
     velocities = np.outer(runs, stage.only([joint], 1.0))

@@ -73,6 +73,7 @@ def record_into(
     law = law or NoCompensation()
     index = _index(motions, rig, law, seed, record_dt, dict(origin or {}), suffix)
     _prepare(folder, index, force=force)
+    # motions whose recording is missing, or all if forced
     places = [folder / f"{motion.stem}{suffix}" for motion in motions]
     todo = [i for i, place in enumerate(places) if force or not _is_complete(place, index["session"])]
     made = record(
@@ -86,6 +87,7 @@ def record_into(
             raise FFGymError(
                 f"{place}: cannot be removed: {error.strerror}; move it away, or choose another place."
             ) from error
+    # index first, by which an interrupted session is known again
     write_json(folder / INDEX, index)
     for i, recording in zip(todo, chain(first, made), strict=True):
         provenance = recording.header.provenance | {"session": index["session"]}
@@ -104,6 +106,7 @@ def _index(
     suffix: str,
 ) -> dict[str, Any]:
     """Build the index of the folder; `session` is a digest of everything that its recordings depend on."""
+    # conditions on which recordings depend
     named = {
         "robot": rig.robot.name,
         "rig": rig.name,
@@ -113,6 +116,7 @@ def _index(
         "record_dt": record_dt,
         "versions": versions(),
     }
+    # identity of the session: conditions, law and motions
     digest = hashlib.sha256(json.dumps({**named, **origin}, sort_keys=True).encode())
     digest.update(law.torque(motions[0].reference).tobytes())  # tells laws of one name apart
     for motion in motions:

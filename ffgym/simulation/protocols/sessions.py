@@ -122,6 +122,7 @@ def record(
     Raises:
         FFGymError: if an option does not fit, or a simulation becomes unstable.
     """
+    # randomness of each motion, wanted or not, so that it does not depend on the choice
     generators = np.random.default_rng(check_whole("seed", seed, low=0)).spawn(len(motions))
     law = law or NoCompensation()
     wanted = [i for i in range(len(motions)) if only is None or i in only]
@@ -132,6 +133,7 @@ def record(
         assert progress is not None
         progress(before + done, total)
 
+    # batches bound the memory of a long session
     for batch in _batches(motions, wanted, longest):
         recordings = rig.run(
             [Run(reference=motions[i].reference, law=law) for i in batch],
