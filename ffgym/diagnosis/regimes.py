@@ -47,6 +47,7 @@ def collect_rows(residual: Residual, channel: Channel) -> LogRows:
     # rows up to the last that counts; at least one
     counting = [np.flatnonzero(motion.valid) for motion in motions]
     kept = [int(rows[-1]) + 1 if len(rows) else 1 for rows in counting]
+    # one time axis for all motions, end to end
     ends = np.cumsum([motion.t[k - 1] - motion.t[0] for motion, k in zip(motions, kept, strict=True)])
     begins = np.concatenate([[0.0], ends[:-1]])
 

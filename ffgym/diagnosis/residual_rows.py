@@ -184,6 +184,7 @@ def assemble_residual(log: Log, run: Replay, rest: Mapping[Channel, Array], floo
     at, valid, measured = log.sampling.at, find_valid_rows(log), filter_measured(log)
     counting = find_counting_rows(log)
     motor = run.robot.drive.motor_angle
+    # travel and standstill of the motors at the full rate, before rows are sampled
     travel, stood = measure_moves(motor(run.log.q), motor(run.log.slip_dq), log.dt)
     # cut them into motions, each as long as its recording
     motions = []

@@ -61,16 +61,19 @@ def solve_bounded(gram: Array, moment: Array, precision: Array, low: Array, high
     full = gram + np.diag(precision)
     fewest, patience = len(moment) + 1, _PATIENCE
     for _ in range(_ROUNDS * (len(moment) + 1)):
+        # minimum over the free numbers, with the others held at their bounds
         held = ~free
         target = moment[free] - (full[np.ix_(free, held)] @ x[held] if held.any() else 0.0)
         if free.any():
             x[free] = scipy.linalg.cho_solve(scipy.linalg.cho_factor(full[np.ix_(free, free)]), target)
+        # numbers beyond a bound, and held ones that the slope pulls inside
         slope = moment - full @ x
         out = free & ((x < low) | (x > high))
         back = held & (low < high) & (((x <= low) & (slope > 0)) | ((x >= high) & (slope < 0)))
         at_fault = np.flatnonzero(out | back)
         if not len(at_fault):
             return x
+        # exchange all of them; only the last one if that has stopped helping, so that it ends
         fewest, patience = (len(at_fault), _PATIENCE) if len(at_fault) < fewest else (fewest, patience - 1)
         exchanged = at_fault if patience >= 0 else at_fault[-1:]
         x[exchanged] = np.clip(x[exchanged], low[exchanged], high[exchanged])

@@ -187,6 +187,7 @@ def _pose_problem(log: Log, machine: Machine) -> FitProblem:
                 for key, rows in column.parts.items()
             }
         )
+    # place of the tool in each motion, along each axis
     for motion in np.eye(valid.shape[1]) if log.tool is not None else ():
         beside += [
             {("tool", axis): np.broadcast_to(settings().estimator.tuned_place * motion, valid.shape)}

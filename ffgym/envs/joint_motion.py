@@ -52,6 +52,7 @@ class RandomTasks(Tasks):
     def draw(self, rng: np.random.Generator, options: Mapping[str, Any]) -> EpisodeMotion:
         """Draw a multisine: centre, peak speeds, then sines."""
         n, kinematics = self.robot.n_joints, self.robot.kinematics
+        # random centre near home, and peak speeds drawn log-uniformly
         home = np.zeros(n) if self.robot.work_area is None else self.robot.work_area.home
         centre = home + rng.uniform(-self._spread, self._spread, size=n)
         speed = np.exp(rng.uniform(np.log(self._peak_speeds[0]), np.log(self._peak_speeds[1]), size=n))
@@ -72,6 +73,7 @@ class RandomTasks(Tasks):
             speed = check_shape("peak_speed", speed, (n,))
             if np.any(speed < 0):
                 raise FFGymError(f"peak_speed = {speed} rad/s must be >= 0 on every joint.")
+        # multisine on all joints
         joint_speed = speed / np.abs(self.robot.drive.gear_ratio)
         path = random_multisine(rng, centre, joint_speed, self._duration, dt=self.robot.servo.control_dt)
         task = {"centre": centre.tolist(), "peak_speed": speed.tolist()}

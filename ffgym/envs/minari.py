@@ -107,6 +107,7 @@ def _episode(
             batch, state = agent.predict(observation[None], state, start, deterministic=deterministic)
             action = np.clip(batch[0], space.low, space.high).astype(space.dtype)
         observation, reward, terminated, truncated, info = env.step(action)
+        # transition: observations and infos have one entry more than actions
         ended = terminated or truncated
         observations.append(observation)
         actions.append(action)

@@ -95,6 +95,7 @@ class SB3VecEnv(VecEnv):
         done = terminated | truncated
         self._return += reward
         self._length += 1
+        # end by time, after which a learner still bootstraps the value
         infos: list[dict[str, Any]] = [self._info_of(info, i) for i in range(self.num_envs)]
         for own, cut in zip(infos, (truncated & ~terminated).tolist(), strict=True):
             own["TimeLimit.truncated"] = cut

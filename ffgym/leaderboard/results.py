@@ -145,6 +145,7 @@ def decode_row(text: str, path: str) -> Row:
         tree = json.loads(text, parse_constant=_no_number)
     except ValueError as error:
         raise FFGymError(f"{path}: is damaged, no JSON: {error}. {_AGAIN}") from error
+    # format before content, as files of other versions are no damage
     found = tree.get("format") if isinstance(tree, dict) else None
     if found != FORMAT:
         raise FFGymError(f"{path}: has format {found!r}, this version of ffgym reads {FORMAT}.")

@@ -184,11 +184,13 @@ def _circle(
     ramp = 2 * lead.length * radius / speed  # the smooth speed ramp covers half of speed x time
 
     def on_lead(tau: Array, mirror: float) -> tuple[Array, Array, Array]:
+        # speed ramp along the lead
         travelled, rate, change = smooth_ramp(tau, ramp, speed)
         s = np.clip(travelled / radius, 0.0, lead.length)
         angle, bend = lead.heading(s), lead.bend(s) / radius
         tangent = np.stack([np.cos(angle), np.sin(angle)], axis=1)
         inward = np.stack([-np.sin(angle), np.cos(angle)], axis=1)
+        # position, velocity and acceleration in the plane, with the centripetal part
         flat = (lead.point(s) - [0.0, 1.0]) * radius  # from the centre
         moved = (flat, rate[:, None] * tangent, change[:, None] * tangent + (rate**2 * bend)[:, None] * inward)
         # turn the unit picture (joint below the centre) to the start angle and put it into the world

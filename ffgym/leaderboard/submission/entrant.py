@@ -28,6 +28,7 @@ def make_entrant(path: Path, loaders: Mapping[str, str]) -> Entrant:
         manifest, files = decode_submission(data)
     except Refused as refusal:
         raise FFGymError(f"{path}: {refusal}") from refusal
+    # the name becomes that of a file, so that it must not lead elsewhere
     if not _NAME.fullmatch(manifest.name):
         raise FFGymError(
             f"{path}: the name {manifest.name!r} must be letters, digits, _ and -, at most 64, as its result file is "

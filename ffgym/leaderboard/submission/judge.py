@@ -168,6 +168,7 @@ class Judge:
                     raise Refused("replay", f"{ACTIONS} has {steps}.")
             for times in replay.alone_us.values():
                 check_time(times, load_robot(controller_of(plant)).servo.control_dt)
+        # errors of the replay against those that the submission claims
         check_claims(manifest.claims, claims)
         return Verdict(
             data=data,
