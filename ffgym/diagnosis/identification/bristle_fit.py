@@ -109,6 +109,7 @@ NAMES = ("coulomb", "static", "viscous", "stribeck_velocity", "bristle_stiffness
 
 def reverses(torque: FrictionTorque, joint: int, presliding: float) -> bool:
     """Tell if a joint turns back between slides in a record, some times `presliding` [rad] long: it tells bristles."""
+    # strokes between changes of sign, and those that are long enough to slide
     speed = torque.signals.motor_dq[torque.counts(joint), joint]
     moving = speed[np.abs(speed) > AT_REST]
     if not len(moving):
@@ -167,7 +168,7 @@ class SlidingData:
         """Speed before the filter, by one step of van Cittert's deconvolution [rad/s], shape (T, R)."""
         return np.asarray(2 * self.speed - self.low_pass(self.speed, self.dt))
 
-    def measured_again(self, friction: Array, rng: np.random.Generator) -> "SlidingData":
+    def measure_again(self, friction: Array, rng: np.random.Generator) -> "SlidingData":
         """Draw surrogate data: this motion with some `friction` (T, R) [N m], its angle measured with noise anew."""
         every = round(self.dt / self.rows_dt)
         white = self.angle_noise * rng.standard_normal((every * len(self.speed), len(self.segments)))
@@ -208,6 +209,8 @@ def sliding_data(torques: Sequence[FrictionTorque], joint: int, presliding: floa
                 "another."
             )
         every.append(step)
+
+    # short records go on with their last row, which does not count
     length = max(-(-len(torque.signals.t) // step) for torque, step in zip(torques, every, strict=True))
 
     def side_by_side(columns: Sequence[NDArray[Any]], beyond: Literal["edge", "constant"] = "edge") -> NDArray[Any]:
@@ -291,13 +294,14 @@ def fit_bristles(
     Reference:
         Davison & Hinkley (1997), Bootstrap Methods and their Application, ch. 2.3 and 4, for surrogate data of a fit.
     """
+    # the best of several starts, as bristles that are too stiff or too soft leave no slope to follow
     problem = _Problem(data, static)
     starts = problem.starts(rng) if start is None else [np.array([*np.log(start), *np.zeros(N_NUISANCES)])]
-    found = min((problem.refined(x) for x in starts), key=lambda fit: fit.cost)
+    found = min((problem.refine(x) for x in starts), key=lambda fit: fit.cost)
 
     # once more, with priors that weigh against the error that is left
     problem.misfit = rms(problem.residual(found.x)[:-N_PRIORS])
-    found = problem.refined(found.x)
+    found = problem.refine(found.x)
     errors, blocks = problem.residual(found.x)[:-N_PRIORS], data.blocks()
     slopes, priors = np.split(problem.slopes(found.x, [4, 5, 0, 1, 2, 3]), [-N_PRIORS])
 
@@ -309,7 +313,7 @@ def fit_bristles(
     # bias: surrogate data of this model along the measured motion, measured and fitted once more
     bias, exact = np.zeros(N_OWN), problem.torque(found.x)
     for _ in range(_NOISY_COPIES):
-        copy = _Problem(data.measured_again(exact, rng), static, problem.misfit)
+        copy = _Problem(data.measure_again(exact, rng), static, problem.misfit)
         error = np.concatenate([copy.residual(found.x)[:-N_PRIORS], np.zeros(N_PRIORS)])
         bias[free] -= np.linalg.lstsq(copy.slopes(found.x)[:, free], error)[0] / _NOISY_COPIES
     x = found.x - bias
@@ -428,7 +432,7 @@ class _Problem:
         best = np.argsort(np.sum(errors**2, axis=1))[:_REFINED]
         return list(x[best])
 
-    def refined(self, start: Array) -> "scipy.optimize.OptimizeResult":
+    def refine(self, start: Array) -> "scipy.optimize.OptimizeResult":
         """Least squares from one start."""
         start = np.clip(start, self.low, self.high)
         scale = [1.0, 1.0, 0.01, 0.01, 0.01, 1e-4, 1e-4, 0.01]

@@ -39,7 +39,7 @@ class Estimate:
 
     @property
     def is_identified(self) -> bool:
-        """Whether the value is the data's."""
+        """True if the value is the data's."""
         return self.status == "identified"
 
 

@@ -87,6 +87,7 @@ def identify_friction(
     given = stribeck_velocity or {}
     for joint in given:
         check_choice("joint", joint, robot.joints)
+    # a generator for each joint, so that one does not depend on which others are asked for
     found = []
     generators = np.random.default_rng(seed).spawn(robot.n_joints)
     for j, (name, rng) in enumerate(zip(robot.joints, generators, strict=True)):
@@ -103,7 +104,7 @@ def identify_friction(
 
 @dataclass(frozen=True, kw_only=True)
 class Validation:
-    """What parameters leave of one joint's friction torque in one record, motor side."""
+    """Error that parameters leave of one joint's friction torque in one record, motor side."""
 
     segment: str
     joint: str

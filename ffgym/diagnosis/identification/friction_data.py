@@ -111,6 +111,7 @@ def friction_torque(arm: RigidArm, recording: Recording, low_pass: LowPass | Non
     drive = arm.robot.drive
     elastic = np.flatnonzero(~drive.is_rigid)
     stiffness, damping = drive.joint_stiffness[elastic], drive.joint_damping[elastic]
+    # torque of links that hang in their springs
     deflection = np.zeros_like(signals.q)
     for remaining in range(_PASSES if len(elastic) else 1)[::-1]:
         q = signals.q + deflection
@@ -138,6 +139,7 @@ def friction_torque(arm: RigidArm, recording: Recording, low_pass: LowPass | Non
         mass = arm.mass_matrix(signals.q[:1])[0][np.ix_(elastic, elastic)]
         decay = np.linalg.eigvals(np.linalg.solve(mass, np.diag(damping))).real.min() / 2
         swinging = float(np.log(_SWINGS) / decay) if decay > 0 else np.inf
+    # what noise of the motor angle shakes: the rotor, and links that are rigidly behind it
     rotors = drive.rotor_inertia * signals.motor_ddq
     # joints that move at once with each motor
     along = np.where(drive.is_rigid, drive.joint_angle(np.eye(arm.robot.n_joints)), 0.0)
@@ -163,6 +165,7 @@ def _bent(mass: Array, damping: Array, stiffness: Array, load: Array, at_rest: A
     Newmark's method of constant average acceleration, stable at any step: a resonance above the sample rate follows its
     load, as it should.
     """
+    # matrix of the implicit step, which changes with the pose
     softening = dt / 2 * damping + dt**2 / 4 * stiffness
     inverse = np.linalg.inv(mass + softening[:, :, None] * np.eye(softening.shape[1]))
     deflection, acceleration = np.empty_like(load), np.zeros_like(load)
@@ -170,6 +173,7 @@ def _bent(mass: Array, damping: Array, stiffness: Array, load: Array, at_rest: A
     deflection[0] = x
     half, quarter = dt / 2, dt**2 / 4
     for k in range(1, len(load)):
+        # predict from the acceleration before, then solve for the new one and correct
         x = x + dt * rate + quarter * change
         rate = rate + half * change
         change = np.matmul(inverse[k], (-load[k] - damping * rate - stiffness * x)[..., None])[..., 0]

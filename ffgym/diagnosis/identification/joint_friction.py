@@ -34,7 +34,7 @@ _FIRST = 20
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class JointFriction:
-    """What was found about one joint."""
+    """Friction that was found of one joint."""
 
     joint: str
     estimates: tuple[Estimate, ...]

@@ -74,6 +74,7 @@ def signals_of(robot: RobotDescription, recording: Recording, low_pass: LowPass 
     low_pass = low_pass or LowPass()
     q, dq, ddq = read_joint_motion(robot, recording, low_pass)
     torque = low_pass(read_acting_torque(robot, recording), recording.dt)
+    # noise above the band is that within it, as an encoder's is white
     noise = estimate_noise_above_band(read_joint_side(robot, recording), low_pass, recording.dt)
     reach = 2 * low_pass.end_rows(recording.dt) + 1
     masked = scipy.ndimage.maximum_filter1d((~recording.valid).astype(np.int8), reach, axis=0, mode="nearest")

@@ -105,7 +105,7 @@ def _means(torque: FrictionTorque, joint: int) -> Array:
 
 
 def _is_constant(speed: Array) -> BoolArray:
-    """Whether speed changes neither before nor after a window, shape (n_windows,)."""
+    """Tell if speed changes neither before nor after a window, shape (n_windows,)."""
     constant = np.zeros(len(speed), dtype=np.bool_)
     if len(speed) >= 3:
         change = np.abs(np.diff(speed)) / WINDOW
@@ -134,7 +134,7 @@ class StribeckFit:
     rms_error: float
     """Of the runs' mean friction [N m]."""
     lacking: Mapping[str, str]
-    """What the speeds lack to tell each parameter, '' if nothing."""
+    """Name what the speeds lack to tell each parameter, '' if nothing."""
     both_directions: bool
     """Whether there are runs in both directions; if not, gravity errors count as friction."""
     data: SteadyFriction
@@ -168,6 +168,7 @@ def fit_stribeck(
             f"There are {data.n_runs} runs at constant speed, must be {MIN_RUNS} or more with different speeds for a "
             f"static friction curve. Record a speed ladder."
         )
+    # the curve with v_s free, and with the usual one where the speeds do not tell it
     once, velocity = np.ones(len(data.speed)), stribeck_velocity
     values, residual = _solve(data, once, velocity)
     lacking = _lacking(data, float(values[3]))
@@ -197,6 +198,7 @@ def _solve(data: SteadyFriction, counts: Array, given: float | None) -> tuple[Ar
 
     Windows count as often as `counts` says; v_s is `given` [rad/s], or that of the least error.
     """
+    # means of runs, each as heavy as it is long
     weight = np.bincount(data.run, counts, data.n_runs)
     speed = np.bincount(data.run, counts * data.speed, data.n_runs) / weight
     friction = np.bincount(data.run, counts * data.friction, data.n_runs) / weight
@@ -227,7 +229,8 @@ def _solve(data: SteadyFriction, counts: Array, given: float | None) -> tuple[Ar
 
 
 def _lacking(data: SteadyFriction, velocity: float) -> dict[str, str]:
-    """What the speeds lack to tell each parameter, for a Stribeck velocity."""
+    """Name what the speeds lack to tell each parameter, for a Stribeck velocity."""
+    # speeds below v_s tell f_s, speeds far above it f_c, and two of those f_v
     speeds = np.abs(data.levels()[0])
     sliding = speeds[speeds >= FAST * velocity]
     if np.count_nonzero(np.bincount(data.run) > 1) < MIN_RUNS:
