@@ -28,6 +28,10 @@ _NOISE = (0.95, 0.8)
 """Quantile of how far rows of a column stick out, and how many times that is usual anywhere in it: a spike then sticks
 out by 7 standard deviations of a noise whose steps a coarse column hides around some rows."""
 
+_ROUNDING = 1e-11
+"""Share of a column's largest value that is no noise: set-points that a solver computed to 1e-12 err by as much where
+they do not change, and more in some places than in others."""
+
 _STEPS = 8
 """Steps that a column must have for the smallest to be its resolution: those of one spike are two."""
 
@@ -61,7 +65,8 @@ def _largest_beside(x: Array, width: int, resolution: float) -> Array:
     largest = scipy.ndimage.maximum_filter1d(steps, width)[width // 2 : width // 2 + len(steps) - width + 1]
     count = len(x) + REACH - 1 - width
     usual = np.maximum(largest[:count], largest[REACH + 1 : REACH + 1 + count])
-    return np.maximum(usual, max(resolution, _FLOOR * float(np.ptp(x)), TINY))
+    rounding = _ROUNDING * float(np.max(np.abs(x)))
+    return np.maximum(usual, max(resolution, _FLOOR * float(np.ptp(x)), rounding, TINY))
 
 
 def outlier_ratio(x: Array, resolution: float) -> Array:
@@ -129,11 +134,6 @@ def _jump(log: CheckedLog) -> Iterator[Seen]:
         worst = int(np.argmax(ratio))
         words = {"step": x[worst + 1] - x[worst], "unit": log.recording.unit(column.name), "t": log.t[rows[worst]]}
         yield Seen(float(ratio[worst]), (column.name,), log.joint_of(column.name), words)
-
-
-_ROUNDING = 1e-11
-"""Share of a column's largest value that is no noise: set-points that a solver computed to 1e-12 err by as much where
-they do not change, and more in some places than in others."""
 
 
 @check

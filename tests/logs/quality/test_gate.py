@@ -39,6 +39,16 @@ def test_what_is_refused_stops_later_stages():
     assert "'values'" in report.of("torque_lag")[0].message
 
 
+@pytest.mark.parametrize(("step", "checks"), [(1e-11, []), (1e-6, ["jump"])])
+def test_rounding_of_a_set_point_that_stands_is_no_jump(step, checks):
+    height = np.full(4000, 1.2345)
+    height[::3] += 1e-16  # of its last digits
+    height[1700:] += step
+    position = np.sin(np.arange(4000) / 500)
+    report = check_quality(one_joint(position, **{f"tcp_reference__position__{axis}": height for axis in "xyz"}))
+    assert sorted({finding.check for finding in report.problems if "tcp_reference" in finding.message}) == checks
+
+
 def test_worst_findings_come_first_and_every_check_is_named():
     report = check_quality(clean_log("two_link", "multisine"), described("two_link", "multisine"))
     assert report.verdict == "good"
