@@ -53,7 +53,7 @@ BEFORE: dict[str, float] = {
     "bristle_damping": 0.6,
 }
 """Factors on the true parameters in the model that is known before."""
-REPETITIONS: Mapping[str, int] = {"one_axis": 200, "irb4600_60_205": 50}
+REPETITIONS: Mapping[str, int] = {"one_axis": 50, "irb4600_60_205": 50}
 """Robots of the page, and the times that noise is drawn anew."""
 
 JOINTS: Mapping[str, tuple[str, ...]] = {"irb4600_60_205": ("j1", "j2", "j5")}
