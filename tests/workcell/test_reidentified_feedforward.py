@@ -56,3 +56,8 @@ def test_joint_1_errs_less_on_circles_with_identified_friction(rig, found, speed
         assert motor_error_rms(new.recordings[key])[0] < left * motor_error_rms(recording)[0]
     for before, after in zip(old.cells, new.cells, strict=True):
         assert after.rms_mm < before.rms_mm
+
+
+def test_nuisances_that_end_at_their_bounds_are_told(found):
+    [note] = [note for note in found.joints[0].notes if "lie at their bounds" in note]
+    assert "lag of the friction" in note

@@ -97,8 +97,11 @@ _STARTS, _REFINED = 48, 3
 _STEP = 1e-4
 """Step of the logarithm of a parameter in difference quotients."""
 
-N_NUISANCES, N_PRIORS = 6, 4
-"""Nuisances that are fitted beside both bristle parameters, and those of them that have a prior."""
+NUISANCES = ("inertia", "links", "joint stiffness", "lag of the friction", "delay of the torque", "offset")
+"""Numbers that are fitted beside both bristle parameters, in the order of arrays here."""
+
+N_NUISANCES, N_PRIORS = len(NUISANCES), 4
+"""Their number, and how many of them have a prior: the second to the fifth."""
 
 N_OWN = 2 + N_NUISANCES
 """Numbers that a fit finds."""
@@ -263,6 +266,8 @@ class BristleFit:
     """Mean torque that neither model nor friction explains [N m]."""
     inertia_at_bound: bool
     """True if the inertia error lies at its bound, so that friction had to absorb the rest of it."""
+    held: tuple[str, ...]
+    """Other nuisances that lie at their bounds, of NUISANCES: they make up for more than they stand for."""
     at_bound: BoolArray
     """True for a value at its bound, so that the data do not tell it, shape (2,)."""
     resampled: Array
@@ -339,6 +344,7 @@ def fit_bristles(
         delay=float(x[6]),
         offset=float(x[7]),
         inertia_at_bound=bool(abs(found.x[2]) > _NEAR_BOUND * INERTIA_ERROR),
+        held=tuple(name for name, moves in zip(NUISANCES[1:], free[3:], strict=True) if not moves),
         at_bound=found.active_mask[:2] != 0,
         resampled=np.exp(resampled),
         rms_error=rms(errors),

@@ -20,7 +20,7 @@ _PASSES = 2
 (gravity's stiffness / joint stiffness)^2 of it, 1e-5 on the built-in robot."""
 
 _SHARE = 1e-3
-"""Share of the links' masses in the difference quotient of their torque; the torque is nearly linear in it."""
+"""Share of the links' masses, or of the joint stiffness, in difference quotients of the torque, nearly linear in it."""
 
 _POSES = 100
 """Poses of a record that the inertia of links is averaged over; a record moves about one place."""

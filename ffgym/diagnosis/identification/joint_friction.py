@@ -88,6 +88,11 @@ class JointFriction:
                 notes.append(f"viscous friction differs between directions by +-{abs(fit.asymmetry):.3g} N m s/rad")
         if self.bristles is not None and self.bristles.inertia_at_bound:
             notes.append(f"{_WRONG_INERTIA}: correct it, then identify again")
+        if self.bristles is not None and self.bristles.held:
+            notes.append(
+                f"the corrections of {' and of '.join(self.bristles.held)} lie at their bounds: the model of the arm "
+                "or its records are wrong in another way, which intervals of sigma_0 and sigma_1 do not count"
+            )
         return tuple(notes)
 
 

@@ -69,6 +69,17 @@ def test_wrong_rotors_and_links_are_told_apart_by_the_bending_that_they_cause(tw
     assert without_bending[0] > 2 * share
 
 
+def test_a_wrong_joint_stiffness_is_missing_as_its_derivative_says(two_link, moving):
+    drive = replace(two_link.robot.drive, joint_stiffness=0.995 * two_link.robot.drive.joint_stiffness)
+    true = friction_torque(two_link, moving[1])
+    known = friction_torque(RigidArm(replace(two_link.robot, drive=drive)), moving[1])
+    rows = known.valid
+    missing = (known.friction - true.friction)[rows]
+    explained = (1 / 0.995 - 1) * known.by_springs[rows]
+    assert rms(missing) > 1e-4
+    assert rms(missing - explained) < 0.1 * rms(missing)
+
+
 def test_a_record_that_begins_in_motion_counts_from_when_the_arm_no_longer_swings(two_link, moving):
     whole, cut = friction_torque(two_link, moving[0]), friction_torque(two_link, moving[0].slice(1.4))
     assert whole.valid[40:-40].all()
