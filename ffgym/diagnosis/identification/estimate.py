@@ -43,10 +43,10 @@ class Estimate:
         return self.status == "identified"
 
 
-def judged(
+def judge_estimate(
     value: float, low: float, high: float, *, scale: float, excited: str, at_bound: bool = False
 ) -> tuple[Status, str]:
-    """Status of an estimate with its interval, and the reason.
+    """Judge an estimate by its interval; return its status and the reason.
 
     A parameter below `scale` does not matter; `excited` says what the motions lack to tell it, '' if nothing.
     """

@@ -16,7 +16,7 @@ from ffgym.diagnosis.identification.bristle_fit import (
     reverses,
     sliding_data,
 )
-from ffgym.diagnosis.identification.estimate import Estimate, Status, judged
+from ffgym.diagnosis.identification.estimate import Estimate, Status, judge_estimate
 from ffgym.diagnosis.identification.friction_data import FrictionTorque
 from ffgym.diagnosis.identification.stribeck_fit import MIN_RUNS, StribeckFit, fit_stribeck, steady_friction
 from ffgym.diagnosis.resampling import intervals
@@ -116,7 +116,7 @@ def identify_joint(
     """
     name, prior = robot.joints[joint], np.array([getattr(robot.friction, parameter)[joint] for parameter in NAMES])
 
-    def fitted(presliding: float, n_resamples: int, start: Array | None) -> JointFriction:
+    def fit_once(presliding: float, n_resamples: int, start: Array | None) -> JointFriction:
         # the static curve from constant speeds
         steady = steady_friction(torques, joint, presliding)
         stribeck = None
@@ -142,9 +142,9 @@ def identify_joint(
         return JointFriction(joint=name, estimates=estimates, stribeck=stribeck, bristles=bristles)
 
     described = float(prior[1] / prior[4])
-    first = fitted(described, _FIRST, None)
+    first = fit_once(described, _FIRST, None)
     start = None if first.bristles is None else first.bristles.values
-    return fitted(max(described, first.estimates[1].value / first.estimates[4].value), n_resamples, start)
+    return fit_once(max(described, first.estimates[1].value / first.estimates[4].value), n_resamples, start)
 
 
 def _static_estimates(
@@ -159,7 +159,7 @@ def _static_estimates(
     for i, name in enumerate(NAMES[:4]):
         value, low, high = float(fit.values[i]), float(span.low[i]), float(span.high[i])
         scale = _MATTERS * fit.values[0] / fastest if name == "viscous" else 0.0
-        status, reason = judged(value, low, high, scale=scale, excited=fit.lacking[name])
+        status, reason = judge_estimate(value, low, high, scale=scale, excited=fit.lacking[name])
         if name == "stribeck_velocity" and given is not None:
             status, reason, low, high = "given", "kept as given", 0.0, np.inf
         found.append(_estimate(joint, i, prior, status, reason, value, low, high))
@@ -184,7 +184,7 @@ def _dynamic_estimates(joint: str, prior: Array, fit: BristleFit | None, missing
     found = []
     for i in range(2):
         value, low, high = float(fit.values[i]), float(span.low[i]), float(span.high[i])
-        status, reason = judged(value, low, high, scale=0.0, excited=short, at_bound=bool(fit.at_bound[i]))
+        status, reason = judge_estimate(value, low, high, scale=0.0, excited=short, at_bound=bool(fit.at_bound[i]))
         if status == "identified" and fit.at_bound.any():
             status, reason = "at bound", "the fit ends at the bound of the other bristle parameter"
         if status == "identified" and fit.inertia_at_bound:
