@@ -1,7 +1,7 @@
 """Thresholds of the diagnosis in one place, each with its unit and its reason.
 
-A number that may change the answer of a diagnosis stands here, so that it can be varied. Numbers of arithmetic
-(rounding, sizes of chunks in memory) stand beside their code.
+A number that may change the answer of a diagnosis, or what is identified of friction, stands here, so that it can be
+varied. Numbers of arithmetic (rounding, sizes of chunks in memory) stand beside their code.
 """
 
 from collections.abc import Iterator, Mapping
@@ -39,8 +39,9 @@ class SamplingSettings:
     fewest_blocks: int = 8
     """Blocks below which quiet ones are not told from others."""
     motion_cutoff: float = 100.0
-    """Low-pass of the motor angle before it is differentiated [Hz]; that of `ffgym.diagnosis.identification`:
-    reversals take 7 ms."""
+    """Low-pass of the motor angle before it is differentiated [Hz], and of all that friction is identified from. A
+    reversal takes 7 to 30 ms in the records of table 6.1, which the thesis' 40 Hz smear: sigma_1 is then up to 3 %
+    wrong on the built-in robot, 0.4 % at 100 Hz (docs/identification.md)."""
     cutoff: float = 40.0
     """Low-pass of what is compared [Hz]: above the resonances of industrial robots, 5 to 30 Hz, and thesis
     6.1.2."""
@@ -607,8 +608,9 @@ class PatternsSettings:
     apart: int = 2
     """Blocks that are compared are so far apart; next to each other they share what the low-pass spreads."""
     rest: float = 0.05
-    """Motor speed below which a motor stands [rad/s]; chosen: above what noise of a resolver makes of standstill,
-    and a sixth of the slowest motion of the protocols."""
+    """Motor speed below which a motor stands [rad/s]; chosen: above what noise of a resolver of 16 bit makes of
+    standstill, a sixth of the slowest motion of the protocols, a third of the Stribeck velocity of the thesis, and a
+    jump that swings an arm by less than its friction."""
     bristles: float = 3.0
     """Travel within which bristles bend after a motor turned, in units of f_s / sigma_0: from -1 to 1, their
     deflection is then within 2 e^-3 = 10 % of where it goes."""
@@ -623,6 +625,119 @@ class PatternsSettings:
     few: int = 20
     """Rows below which nothing is said about a regime; chosen: their RMS is off by a sixth at least (1 / sqrt(2
     n))."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrictionFitSettings:
+    """Identification of LuGre friction: rows that count, bounds and priors of its fits, and what counts as identified.
+
+    Presliding lengths are f_s / sigma_0 and speeds those of the motor. The filter of motion and torque is
+    `sampling.motion_cutoff`, and a motor stands below the speed `patterns.rest`.
+    """
+
+    gravity_passes: int = 2
+    """Times that gravity is evaluated, the second time where the arm hangs in its springs; what a third would change is
+    (gravity's stiffness / joint stiffness)^2 of it, 1e-5 on the built-in robot."""
+    poses: int = 100
+    """Poses of a record that the inertia of links is averaged over; a record moves about one place."""
+    swing_decay: float = 100.0
+    """Factor by which a swing must have died out."""
+    speed_window: float = 0.1
+    """Time over which speeds are averaged to compare them [s]: an encoder of 16 bit then resolves 1e-3 rad/s."""
+    speed_drift: float = 0.05
+    """Largest change of a constant speed, relative to it [1/s]. A sine is slower than that for a few percent of its
+    period only, less than the shortest run."""
+    least_drift: float = 0.02
+    """Change of speed that counts as none however slow the motion is [rad/s^2]: what an encoder of 16 bit shows in
+    windows of 0.1 s, doubled."""
+    lowest_speed: float = 4e-3
+    """Speed below which a joint runs at no constant speed [rad/s]: four times what 16 bit resolve in a window."""
+    settling_travel: float = 8.0
+    """Way that bristles take to settle, in presliding lengths: exp(-8) is 0.03 %; exp(-6), 0.2 %, is 0.5 % of v_s."""
+    fewest_runs: int = 3
+    """Runs at constant speed that a curve takes at least."""
+    slow: float = 0.8
+    """Speed in Stribeck velocities that data must have at or below: there the Stribeck part is half of what it is at
+    rest. Between it and `fast` f_s, f_c and v_s cannot be told apart."""
+    fast: float = 2.0
+    """Speed in Stribeck velocities that data must have at or above: there the Stribeck part is 2 % of what it is at
+    rest."""
+    speed_ratio: float = 2.0
+    """Ratio of the fastest to the slowest sliding speed from which viscous and Coulomb friction can be told apart."""
+    least_stribeck_velocity: float = 0.01
+    """Lower end of the range of Stribeck velocities that are looked at [rad/s]."""
+    largest_stribeck_velocity: float = 10.0
+    """Upper end of that range [rad/s]."""
+    stribeck_velocities: int = 25
+    """Stribeck velocities that are tried before the best is refined: two steps are a factor of 1.8."""
+    slides: float = 3.0
+    """Way between two reversals, in presliding lengths, from which on a joint slides: bristles are then bent to 95 %. A
+    joint that other joints only shake goes a fraction of one; the shortest of table 6.1 goes ten."""
+    fewest_reversals: int = 2
+    """Reversals that a record must have: with one, an offset and a change of direction look alike."""
+    constant_share: float = 0.2
+    """Share of the time at constant speed from which a record is one of constant speeds: a sine has less than 0.02."""
+    samples_per_period: float = 12.0
+    """Samples in a period of the filter's cut-off that are kept: with six, a speed that runs straight between them
+    costs 0.2 % of sigma_1."""
+    same_period: float = 1e-3
+    """Relative difference of sample periods that does not count: a thousandth of a row for each row."""
+    rest_time: float = 0.1
+    """Time from which a joint that does not move rests [s]; reversals are shorter."""
+    forgetting_travel: float = 10.0
+    """Way after which bristles have forgotten how they began, in presliding lengths."""
+    least_presliding: float = 1e-5
+    """Lower bound of the presliding length f_c / sigma_0 [rad]."""
+    largest_presliding: float = 1.0
+    """Upper bound of that length [rad]."""
+    least_damping_speed: float = 1e-2
+    """Lower bound of f_c / sigma_1 [rad/s]."""
+    largest_damping_speed: float = 1e3
+    """Upper bound of that speed [rad/s]."""
+    inertia_error: float = 0.5
+    """Largest relative error of the inertia that is allowed for: thesis 6.1.2 estimates up to 5 %, but descriptions
+    give links within 30 % and rotors within a factor of two (docs/robots). A narrower bound makes bristles absorb the
+    rest."""
+    link_error: float = 0.2
+    """Standard deviation of what the links' relative error differs from that of the whole inertia: descriptions give
+    links within 30 %, rotors within a factor of two, and both errors are often one (docs/robots)."""
+    spring_error: float = 0.3
+    """Standard deviation of the relative error of a joint stiffness, as descriptions give it (docs/robots)."""
+    lag: float = 0.5
+    """Standard deviation of the time by which friction follows the motion, in rows of the record: when within a row
+    bristles move is not known better, and a simulated plant's lag by a step. Its bound is one row."""
+    delay: float = 5e-3
+    """Standard deviation of the time by which a torque acts later than its record says [s]: headers say when a torque
+    acts, but drives filter it by milliseconds."""
+    longest_delay: float = 10e-3
+    """Bound of that time [s]: a few periods of a controller."""
+    misfit: float = 0.05
+    """Error of a friction model before it is known, as a share of the Coulomb torque; weighs the priors of a first
+    fit."""
+    starts: int = 48
+    """Random starts that are simulated, all at once."""
+    refined_starts: int = 3
+    """The best of them that are refined."""
+    near_bound: float = 0.99
+    """Share of a bound from which on a fit ends at it: the solver stays inside."""
+    surrogate_steps: int = 8
+    """Steps of surrogate data between two rows that are kept, so that their bristles know no step."""
+    noisy_copies: int = 8
+    """Surrogate records behind the bias of measured speeds; eight average its scatter to a third."""
+    block: float = 0.5
+    """Duration of a block that is resampled [s]: long against the filter's memory of 25 ms, some of them in each
+    record."""
+    fewest_blocks: int = 8
+    """Blocks that an interval takes at least; of fewer, resamples say little."""
+    least_ratio: float = 0.01
+    """Smallest share of its estimate that a resampled static parameter counts as: one that ends at zero, where its
+    logarithm is not finite, is far outside of what one Gauss-Newton step can follow. Chosen."""
+    first_resamples: int = 20
+    """Resamples of the first of both fits of a joint, which are only to tell what is identified."""
+    matters: float = 0.1
+    """Share of the Coulomb torque below which a viscous torque at the fastest speed does not matter."""
+    wide: float = 0.5
+    """Half width of an interval, relative to the value, from which it counts as wide."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -642,6 +757,7 @@ class Settings:
     verdict: VerdictSettings = field(default_factory=VerdictSettings)
     intervals: IntervalsSettings = field(default_factory=IntervalsSettings)
     patterns: PatternsSettings = field(default_factory=PatternsSettings)
+    friction: FrictionFitSettings = field(default_factory=FrictionFitSettings)
 
 
 _DEFAULT = Settings()

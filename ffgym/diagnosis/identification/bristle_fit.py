@@ -12,87 +12,13 @@ from ffgym.control import DynamicLuGreExact
 from ffgym.core.errors import FFGymError
 from ffgym.core.measures import rms
 from ffgym.core.types import Array, BoolArray
-from ffgym.diagnosis.identification.friction_data import AT_REST, FrictionTorque
+from ffgym.diagnosis.identification.friction_data import FrictionTorque
 from ffgym.diagnosis.identification.stribeck_fit import constant_share
 from ffgym.diagnosis.resampling import Blocks
+from ffgym.diagnosis.settings import settings
 from ffgym.logs.preparation import LowPass
 from ffgym.logs.quality.signals import stretches
 from ffgym.robot.friction import LuGreParameters
-
-_SLIDES = 3.0
-"""Way between two reversals, in presliding lengths f_s / sigma_0, from which on a joint slides: bristles are then bent
-to 95 %. A joint that other joints only shake goes a fraction of one; the shortest of table 6.1 goes ten."""
-
-_LEAST = 2
-"""Reversals that a record must have: with one, an offset and a change of direction look alike."""
-
-_MOSTLY = 0.2
-"""Share of the time at constant speed from which a record is one of constant speeds: a sine has less than 0.02."""
-
-_SAMPLES_PER_CUTOFF = 12.0
-"""Samples in a period of the filter's cut-off that are kept: with six, a speed that runs straight between them costs
-0.2 % of sigma_1."""
-
-_REST = 0.1
-"""Time from which a joint that does not move rests [s]; reversals are shorter."""
-
-_SAME_DT = 1e-3
-"""Relative difference of sample periods that does not count: a thousandth of a row for each row."""
-
-FORGOTTEN = 10.0
-"""Way after which bristles have forgotten how they began, in presliding lengths f_s / sigma_0."""
-
-PRESLIDING = (1e-5, 1.0)
-"""Bounds of the presliding length f_c / sigma_0 [rad], motor side."""
-
-DAMPING_SPEED = (1e-2, 1e3)
-"""Bounds of f_c / sigma_1 [rad/s], motor side."""
-
-INERTIA_ERROR = 0.5
-"""Largest relative error of the inertia that is allowed for: thesis 6.1.2 estimates up to 5 %, but descriptions give
-links within 30 % and rotors within a factor of two (docs/robots). A narrower bound makes bristles absorb the rest."""
-
-LINK_ERROR = 0.2
-"""Standard deviation of what the links' relative error differs from that of the whole inertia: descriptions give links
-within 30 %, rotors within a factor of two, and both errors are often one (docs/robots)."""
-
-SPRING_ERROR = 0.3
-"""Standard deviation of the relative error of a joint stiffness, as descriptions give it (docs/robots)."""
-
-LONGEST_DELAY = 10e-3
-"""Bound of the time by which a torque acts later than its record says [s]: a few periods of a controller."""
-
-_DELAY_PRIOR = 5e-3
-"""Standard deviation of that time [s]: headers say when a torque acts, but drives filter it by milliseconds."""
-
-_LAG_PRIOR = 0.5
-"""Standard deviation of the time by which friction follows the motion, in rows of the record: when within a row
-bristles move is not known better, and a simulated plant's lag by a step. Its bound is one row."""
-
-_MISFIT = 0.05
-"""Error of a friction model before it is known, as a share of the Coulomb torque; weighs the priors of a first fit."""
-
-_SUBSTEPS = 8
-"""Steps of surrogate data between two rows that are kept, so that their bristles know no step."""
-
-_NOISY_COPIES = 8
-"""Surrogate records behind the bias of measured speeds; eight average its scatter to a third."""
-
-_NEAR_BOUND = 0.99
-"""Share of a bound from which on a fit ends at it: the solver stays inside."""
-
-_LEAST_RATIO = 0.01
-"""Smallest share of its estimate that a resampled static parameter counts as: one that ends at zero, where its
-logarithm is not finite, is far outside of what one Gauss-Newton step can follow. Chosen."""
-
-BLOCK = 0.5
-"""Duration of a block that is resampled [s]: long against the filter's memory of 25 ms, some of them in each record."""
-
-MIN_BLOCKS = 8
-"""Blocks that an interval takes at least; of fewer, resamples say little."""
-
-_STARTS, _REFINED = 48, 3
-"""Random starts that are simulated, all at once, and the best of them that are refined."""
 
 _STEP = 1e-4
 """Step of the logarithm of a parameter in difference quotients."""
@@ -112,15 +38,16 @@ NAMES = ("coulomb", "static", "viscous", "stribeck_velocity", "bristle_stiffness
 
 def reverses(torque: FrictionTorque, joint: int, presliding: float) -> bool:
     """Tell if a joint turns back between slides in a record, some times `presliding` [rad] long: it tells bristles."""
+    limits, rest = settings().friction, settings().patterns.rest
     # strokes between changes of sign, and those that are long enough to slide
     speed = torque.signals.motor_dq[torque.counts(joint), joint]
-    moving = speed[np.abs(speed) > AT_REST]
+    moving = speed[np.abs(speed) > rest]
     if not len(moving):
         return False
     stroke = np.concatenate([[0], np.cumsum(np.diff(np.sign(moving)) != 0)])
-    slides = np.bincount(stroke, np.abs(moving)) * torque.signals.dt > _SLIDES * presliding
+    slides = np.bincount(stroke, np.abs(moving)) * torque.signals.dt > limits.slides * presliding
     n_reversals = np.count_nonzero(slides[1:] & slides[:-1])
-    return bool(n_reversals >= _LEAST) and constant_share(torque, joint) < _MOSTLY
+    return bool(n_reversals >= limits.fewest_reversals) and constant_share(torque, joint) < limits.constant_share
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -187,7 +114,8 @@ class SlidingData:
 
     def blocks(self) -> Blocks:
         """Blocks of the scored rows of `flat`, drawn within their record."""
-        joined = Blocks.joined([Blocks.cut([rows], self.dt, BLOCK) for rows in self.scored.T if rows.any()])
+        duration = settings().friction.block
+        joined = Blocks.joined([Blocks.cut([rows], self.dt, duration) for rows in self.scored.T if rows.any()])
         return Blocks(of_row=joined.of_row[joined.of_row >= 0], stratum=joined.stratum)
 
     def flat(self, values: Array) -> Array:
@@ -200,12 +128,13 @@ def sliding_data(torques: Sequence[FrictionTorque], joint: int, presliding: floa
 
     Bristles bend by `presliding`, f_s / sigma_0 [rad], motor side.
     """
+    limits, rest = settings().friction, settings().patterns.rest
     low_pass, rows_dt = torques[0].signals.low_pass, max(torque.signals.dt for torque in torques)
-    dt = rows_dt * max(1, int(1 / (_SAMPLES_PER_CUTOFF * low_pass.cutoff * rows_dt)))
+    dt = rows_dt * max(1, int(1 / (limits.samples_per_period * low_pass.cutoff * rows_dt)))
     every = []
     for torque in torques:
         step = round(dt / torque.signals.dt)
-        if abs(step * torque.signals.dt - dt) > _SAME_DT * dt or torque.signals.low_pass != low_pass:
+        if abs(step * torque.signals.dt - dt) > limits.same_period * dt or torque.signals.low_pass != low_pass:
             raise FFGymError(
                 f"Recording {torque.signals.segment!r} is sampled every {torque.signals.dt:g} s, which does not divide "
                 f"the {dt:g} s of others, or is filtered otherwise; records that are used together must fit one "
@@ -224,9 +153,9 @@ def sliding_data(torques: Sequence[FrictionTorque], joint: int, presliding: floa
     # at rest the noise of the speed makes the bristles of a model creep: they are known once they have slipped
     known = np.zeros(speed.shape, dtype=np.bool_)
     for r, own in enumerate(speed.T):
-        around = scipy.ndimage.maximum_filter1d(np.abs(own), max(1, round(_REST / dt)))
-        for run in stretches(around > AT_REST):
-            known[run, r] = np.cumsum(np.abs(own[run])) * dt > FORGOTTEN * presliding
+        around = scipy.ndimage.maximum_filter1d(np.abs(own), max(1, round(limits.rest_time / dt)))
+        for run in stretches(around > rest):
+            known[run, r] = np.cumsum(np.abs(own[run])) * dt > limits.forgetting_travel * presliding
     return SlidingData(
         segments=tuple(torque.signals.segment for torque in torques),
         dt=dt,
@@ -299,6 +228,7 @@ def fit_bristles(
     Reference:
         Davison & Hinkley (1997), Bootstrap Methods and their Application, ch. 2.3 and 4, for surrogate data of a fit.
     """
+    limits = settings().friction
     # the best of several starts, as bristles that are too stiff or too soft leave no slope to follow
     problem = _Problem(data, static)
     starts = problem.starts(rng) if start is None else [np.array([*np.log(start), *np.zeros(N_NUISANCES)])]
@@ -311,16 +241,16 @@ def fit_bristles(
     slopes, priors = np.split(problem.slopes(found.x, [4, 5, 0, 1, 2, 3]), [-N_PRIORS])
 
     # nuisances at a bound stay there
-    free = np.abs(found.x) < _NEAR_BOUND * problem.high
+    free = np.abs(found.x) < limits.near_bound * problem.high
     free[:2] = True
     own, by_static, priors = slopes[:, :N_OWN][:, free], slopes[:, N_OWN:], priors[:, :N_OWN][:, free]
 
     # bias: surrogate data of this model along the measured motion, measured and fitted once more
     bias, exact = np.zeros(N_OWN), problem.torque(found.x)
-    for _ in range(_NOISY_COPIES):
+    for _ in range(limits.noisy_copies):
         copy = _Problem(data.measure_again(exact, rng), static, problem.misfit)
         error = np.concatenate([copy.residual(found.x)[:-N_PRIORS], np.zeros(N_PRIORS)])
-        bias[free] -= np.linalg.lstsq(copy.slopes(found.x)[:, free], error)[0] / _NOISY_COPIES
+        bias[free] -= np.linalg.lstsq(copy.slopes(found.x)[:, free], error)[0] / limits.noisy_copies
     x = found.x - bias
 
     # one Gauss-Newton step from the estimate for each resample of blocks, static parameters and priors
@@ -329,7 +259,7 @@ def fit_bristles(
     cross = blocks.sums(np.einsum("si,sj->sij", own, by_static))
     resampled = np.empty((len(static_resampled), 2))
     ratio = np.divide(static_resampled, static, out=np.ones_like(static_resampled), where=static > 0)
-    for row, moved in zip(resampled, np.log(np.maximum(ratio, _LEAST_RATIO)), strict=True):
+    for row, moved in zip(resampled, np.log(np.maximum(ratio, limits.least_ratio)), strict=True):
         counts = blocks.draw(rng)
         h, g, c = (np.tensordot(counts, part, axes=1) for part in (curvature, pull, cross))
         h += priors.T @ priors
@@ -343,7 +273,7 @@ def fit_bristles(
         lag=float(x[5]),
         delay=float(x[6]),
         offset=float(x[7]),
-        inertia_at_bound=bool(abs(found.x[2]) > _NEAR_BOUND * INERTIA_ERROR),
+        inertia_at_bound=bool(abs(found.x[2]) > limits.near_bound * limits.inertia_error),
         held=tuple(name for name, moves in zip(NUISANCES[1:], free[3:], strict=True) if not moves),
         at_bound=found.active_mask[:2] != 0,
         resampled=np.exp(resampled),
@@ -360,7 +290,7 @@ class _Problem:
     """
 
     def __init__(self, data: SlidingData, static: Array, misfit: float | None = None) -> None:
-        self.data, self.static = data, static
+        self.data, self.static, limits = data, static, settings().friction
         self._friction = data.flat(data.friction)
         self._arm_rate = data.flat(data.arm_rate)
         self._nuisances = np.stack(
@@ -368,21 +298,20 @@ class _Problem:
         )
         self._last: tuple[Array, Array, Array] | None = None
         coulomb = static[0]
-        self.misfit = _MISFIT * coulomb if misfit is None else misfit
-        self._spread = np.array([LINK_ERROR, SPRING_ERROR, _LAG_PRIOR * data.rows_dt, _DELAY_PRIOR])
+        self.misfit = limits.misfit * coulomb if misfit is None else misfit
+        self._spread = np.array([limits.link_error, limits.spring_error, limits.lag * data.rows_dt, limits.delay])
         span = max(float(np.ptp(self._friction)), coulomb)
         self.high = np.array(
             [
-                *np.log(coulomb / np.array([PRESLIDING[0], DAMPING_SPEED[0]])),
-                INERTIA_ERROR,
-                INERTIA_ERROR,
-                INERTIA_ERROR,
+                *np.log(coulomb / np.array([limits.least_presliding, limits.least_damping_speed])),
+                *[limits.inertia_error] * 3,
                 data.rows_dt,
-                LONGEST_DELAY,
+                limits.longest_delay,
                 span,
             ]
         )
-        self.low = np.array([*np.log(coulomb / np.array([PRESLIDING[1], DAMPING_SPEED[1]])), *-self.high[2:]])
+        largest = np.array([limits.largest_presliding, limits.largest_damping_speed])
+        self.low = np.array([*np.log(coulomb / largest), *-self.high[2:]])
 
     def _model(self, logs: Array) -> tuple[Array, Array]:
         """Friction of the models (P, 6) given as logarithms, and its rate, at the scored rows, shape (P, S) each."""
@@ -424,7 +353,8 @@ class _Problem:
 
     def torque(self, x: Array) -> Array:
         """Torque that model and nuisances give along the motion before the filter [N m], shape (T, R)."""
-        friction = self.data.model_friction(np.exp(self._all(x))[None], self.data.sharp_speed, _SUBSTEPS)[0]
+        values, n_substeps = np.exp(self._all(x))[None], settings().friction.surrogate_steps
+        friction = self.data.model_friction(values, self.data.sharp_speed, n_substeps)[0]
         lagging = friction - (x[5] - x[6]) * np.gradient(friction, self.data.dt, axis=0) + x[6] * self.data.arm_rate
         arm = x[2] * self.data.by_inertia + x[3] * self.data.by_links + x[4] * self.data.by_springs
         explained: Array = lagging + arm + x[7]
@@ -432,10 +362,11 @@ class _Problem:
 
     def starts(self, rng: np.random.Generator) -> list[Array]:
         """The best of random starts."""
-        x = np.zeros((_STARTS, N_OWN))
-        x[:, :2] = rng.uniform(self.low[:2], self.high[:2], size=(_STARTS, 2))
+        limits = settings().friction
+        x = np.zeros((limits.starts, N_OWN))
+        x[:, :2] = rng.uniform(self.low[:2], self.high[:2], size=(limits.starts, 2))
         errors = self._friction - self._model(np.stack([self._all(row) for row in x]))[0]
-        best = np.argsort(np.sum(errors**2, axis=1))[:_REFINED]
+        best = np.argsort(np.sum(errors**2, axis=1))[: limits.refined_starts]
         return list(x[best])
 
     def refine(self, start: Array) -> "scipy.optimize.OptimizeResult":

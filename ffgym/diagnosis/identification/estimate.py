@@ -6,13 +6,11 @@ from typing import Literal
 import numpy as np
 
 from ffgym.core.errors import FFGymError
+from ffgym.diagnosis.settings import settings
 
 Status = Literal["identified", "given", "wide", "at bound", "not excited"]
 """identified: the value is the data's; given: by the caller; of the others the data do not tell the value: its interval
 is wide, it lies at a bound, or no motion excites it. For them the value before stays."""
-
-WIDE = 0.5
-"""Half width of an interval, relative to the value, from which it counts as wide."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,6 +55,6 @@ def judge_estimate(
     half = (high - low) / 2
     if not np.isfinite(half):
         raise FFGymError(f"The interval [{low}, {high}] of an estimate must be finite.")
-    if half > WIDE * max(abs(value), scale):
+    if half > settings().friction.wide * max(abs(value), scale):
         return "wide", f"the interval {low:.4g} to {high:.4g} is too wide for {value:.4g} to mean much"
     return "identified", ""

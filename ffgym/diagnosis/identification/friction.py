@@ -9,11 +9,12 @@ from ffgym.control import DynamicLuGreExact
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.measures import rms
 from ffgym.core.types import Array
-from ffgym.diagnosis.identification.bristle_fit import FORGOTTEN, NAMES
-from ffgym.diagnosis.identification.friction_data import AT_REST, FrictionTorque, ModelError
+from ffgym.diagnosis.identification.bristle_fit import NAMES
+from ffgym.diagnosis.identification.friction_data import FrictionTorque, ModelError
 from ffgym.diagnosis.identification.joint_friction import JointFriction, identify_joint
 from ffgym.diagnosis.identification.parameter_file import make_fitted_quantity
 from ffgym.diagnosis.resampling import LEVEL, RESAMPLES
+from ffgym.diagnosis.settings import settings
 from ffgym.robot import RobotDescription
 from ffgym.robot.friction import LuGreParameters
 from ffgym.robot.reading.quantity import Quantity
@@ -136,16 +137,17 @@ def validate(
         torques: friction along recordings.
         model_error: what was found about the model of the arm, for old and new parameters alike; None is none.
     """
+    travel, rest = settings().friction.forgetting_travel, settings().patterns.rest
     found = []
     for torque in torques:
         measured = torque.friction - (0.0 if model_error is None else model_error.torque(torque))
         error = measured - predicted_friction(friction, torque)
         # rows from where bristles have forgotten how they began; at rest they never do
         way = np.cumsum(np.abs(torque.signals.motor_dq), axis=0) * torque.signals.dt
-        forgotten = way > FORGOTTEN * friction.static / friction.bristle_stiffness
+        forgotten = way > travel * friction.static / friction.bristle_stiffness
         for j, joint in enumerate(torque.signals.robot.joints):
             scored = torque.counts(j) & forgotten[:, j]
-            if scored.any() and np.abs(torque.signals.motor_dq[scored, j]).max() > AT_REST:
+            if scored.any() and np.abs(torque.signals.motor_dq[scored, j]).max() > rest:
                 found.append(
                     Validation(
                         segment=torque.signals.segment,

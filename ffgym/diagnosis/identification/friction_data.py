@@ -7,30 +7,13 @@ import numpy as np
 
 from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.identification.signals import Signals, signals_of
+from ffgym.diagnosis.settings import settings
 from ffgym.logs.preparation import LowPass
 from ffgym.recordings import Recording
 from ffgym.robot import RigidArm
 
-AT_REST = 0.05
-"""Motor speed below which a joint counts as at rest [rad/s]: a third of the Stribeck velocity of the thesis, well above
-what an encoder of 16 bit shows at rest, and a jump that swings an arm by less than its friction."""
-
-_PASSES = 2
-"""Times that gravity is evaluated, the second time where the arm hangs in its springs; what a third would change is
-(gravity's stiffness / joint stiffness)^2 of it, 1e-5 on the built-in robot."""
-
 _SHARE = 1e-3
 """Share of the links' masses, or of the joint stiffness, in difference quotients of the torque, nearly linear in it."""
-
-_POSES = 100
-"""Poses of a record that the inertia of links is averaged over; a record moves about one place."""
-
-_SWINGS = 100.0
-"""Factor by which a swing must have died out."""
-
-FRICTION_LOW_PASS = LowPass(cutoff=100.0)
-"""Default filter. A reversal takes 7 to 30 ms in the records of table 6.1, which the thesis' 40 Hz smear: sigma_1 is
-then up to 3 % wrong on the built-in robot, 0.4 % at 100 Hz (docs/identification.md)."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -105,15 +88,16 @@ def friction_torque(arm: RigidArm, recording: Recording, low_pass: LowPass | Non
         arm: model of the robot, with its joint stiffness; its friction is not used.
         recording: see `signals_of`. It should begin at rest: an arm that begins in motion swings from what was before,
             which the record does not say, and its first rows do not count.
-        low_pass: filter of angles and torque; None is FRICTION_LOW_PASS.
+        low_pass: filter of angles and torque; None is one at `sampling.motion_cutoff`.
     """
-    signals = signals_of(arm.robot, recording, low_pass or FRICTION_LOW_PASS)
+    limits = settings().friction
+    signals = signals_of(arm.robot, recording, low_pass or LowPass(cutoff=settings().sampling.motion_cutoff))
     drive = arm.robot.drive
     elastic = np.flatnonzero(~drive.is_rigid)
     stiffness, damping = drive.joint_stiffness[elastic], drive.joint_damping[elastic]
     # torque of links that hang in their springs
     deflection = np.zeros_like(signals.q)
-    for remaining in range(_PASSES if len(elastic) else 1)[::-1]:
+    for remaining in range(limits.gravity_passes if len(elastic) else 1)[::-1]:
         q = signals.q + deflection
         holding = arm.holding_torque(q)
         moving = arm.inverse_dynamics(q, signals.dq, signals.ddq)
@@ -135,15 +119,15 @@ def friction_torque(arm: RigidArm, recording: Recording, low_pass: LowPass | Non
             moving = moving + swung[:, 0]
     # time that the arm swings at the start: none if it begins at rest, or has no elastic joint
     swinging = 0.0
-    if len(elastic) and np.any(np.abs(signals.motor_dq[0]) >= AT_REST):
+    if len(elastic) and np.any(np.abs(signals.motor_dq[0]) >= settings().patterns.rest):
         mass = arm.mass_matrix(signals.q[:1])[0][np.ix_(elastic, elastic)]
         decay = np.linalg.eigvals(np.linalg.solve(mass, np.diag(damping))).real.min() / 2
-        swinging = float(np.log(_SWINGS) / decay) if decay > 0 else np.inf
+        swinging = float(np.log(limits.swing_decay) / decay) if decay > 0 else np.inf
     # what noise of the motor angle shakes: the rotor, and links that are rigidly behind it
     rotors = drive.rotor_inertia * signals.motor_ddq
     # joints that move at once with each motor
     along = np.where(drive.is_rigid, drive.joint_angle(np.eye(arm.robot.n_joints)), 0.0)
-    mass = arm.mass_matrix(signals.q[:: max(1, len(signals.q) // _POSES)]).mean(axis=0)
+    mass = arm.mass_matrix(signals.q[:: max(1, len(signals.q) // limits.poses)]).mean(axis=0)
     links = np.einsum("ij,jk,ik->i", along, mass, along)
     return FrictionTorque(
         signals=signals,

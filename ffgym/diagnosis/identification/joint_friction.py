@@ -6,30 +6,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ffgym.core.types import Array
-from ffgym.diagnosis.identification.bristle_fit import (
-    BLOCK,
-    INERTIA_ERROR,
-    MIN_BLOCKS,
-    NAMES,
-    BristleFit,
-    fit_bristles,
-    reverses,
-    sliding_data,
-)
+from ffgym.diagnosis.identification.bristle_fit import NAMES, BristleFit, fit_bristles, reverses, sliding_data
 from ffgym.diagnosis.identification.estimate import Estimate, Status, judge_estimate
 from ffgym.diagnosis.identification.friction_data import FrictionTorque
-from ffgym.diagnosis.identification.stribeck_fit import MIN_RUNS, StribeckFit, fit_stribeck, steady_friction
+from ffgym.diagnosis.identification.stribeck_fit import StribeckFit, fit_stribeck, steady_friction
 from ffgym.diagnosis.resampling import intervals
+from ffgym.diagnosis.settings import settings
 from ffgym.robot import RobotDescription
 
 UNITS = dict(zip(NAMES, ("N m", "N m", "N m s/rad", "rad/s", "N m/rad", "N m s/rad"), strict=True))
 """Of the parameters, motor side."""
-
-_MATTERS = 0.1
-"""Share of the Coulomb torque below which a viscous torque at the fastest speed does not matter."""
-
-_FIRST = 20
-"""Resamples of the first time, which are only to tell what is identified."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -87,7 +73,7 @@ class JointFriction:
             if low[1] > 0 or high[1] < 0:
                 notes.append(f"viscous friction differs between directions by +-{abs(fit.asymmetry):.3g} N m s/rad")
         if self.bristles is not None and self.bristles.inertia_at_bound:
-            notes.append(f"{_WRONG_INERTIA}: correct it, then identify again")
+            notes.append(f"{_wrong_inertia()}: correct it, then identify again")
         if self.bristles is not None and self.bristles.held:
             notes.append(
                 f"the corrections of {' and of '.join(self.bristles.held)} lie at their bounds: the model of the arm "
@@ -96,7 +82,8 @@ class JointFriction:
         return tuple(notes)
 
 
-_WRONG_INERTIA = f"the inertia of the model seems wrong by {INERTIA_ERROR:.0%} or more"
+def _wrong_inertia() -> str:
+    return f"the inertia of the model seems wrong by {settings().friction.inertia_error:.0%} or more"
 
 
 def identify_joint(
@@ -114,13 +101,14 @@ def identify_joint(
     How far bristles bend decides which rows are steady sliding. The first time that is what the description says; the
     second time what was found, if that is further. A `stribeck_velocity` [rad/s], motor side, is kept as given.
     """
+    limits = settings().friction
     name, prior = robot.joints[joint], np.array([getattr(robot.friction, parameter)[joint] for parameter in NAMES])
 
     def fit_once(presliding: float, n_resamples: int, start: Array | None) -> JointFriction:
         # the static curve from constant speeds
         steady = steady_friction(torques, joint, presliding)
         stribeck = None
-        if steady.n_runs >= MIN_RUNS:
+        if steady.n_runs >= limits.fewest_runs:
             stribeck = fit_stribeck(
                 steady,
                 rng,
@@ -142,7 +130,7 @@ def identify_joint(
         return JointFriction(joint=name, estimates=estimates, stribeck=stribeck, bristles=bristles)
 
     described = float(prior[1] / prior[4])
-    first = fit_once(described, _FIRST, None)
+    first = fit_once(described, limits.first_resamples, None)
     start = None if first.bristles is None else first.bristles.values
     return fit_once(max(described, first.estimates[1].value / first.estimates[4].value), n_resamples, start)
 
@@ -158,7 +146,7 @@ def _static_estimates(
     found = []
     for i, name in enumerate(NAMES[:4]):
         value, low, high = float(fit.values[i]), float(span.low[i]), float(span.high[i])
-        scale = _MATTERS * fit.values[0] / fastest if name == "viscous" else 0.0
+        scale = settings().friction.matters * fit.values[0] / fastest if name == "viscous" else 0.0
         status, reason = judge_estimate(value, low, high, scale=scale, excited=fit.lacking[name])
         if name == "stribeck_velocity" and given is not None:
             status, reason, low, high = "given", "kept as given", 0.0, np.inf
@@ -178,9 +166,9 @@ def _dynamic_estimates(joint: str, prior: Array, fit: BristleFit | None, missing
     if fit is None:
         return [_estimate(joint, i, prior, "not excited", missing) for i in (4, 5)]
     span = intervals(fit.values, fit.resampled, level)
-    short = ""
-    if fit.n_blocks < MIN_BLOCKS:
-        short = f"its records last less than {MIN_BLOCKS * BLOCK:g} s, too little for an interval"
+    limits, short = settings().friction, ""
+    if fit.n_blocks < limits.fewest_blocks:
+        short = f"its records last less than {limits.fewest_blocks * limits.block:g} s, too little for an interval"
     found = []
     for i in range(2):
         value, low, high = float(fit.values[i]), float(span.low[i]), float(span.high[i])
@@ -188,7 +176,7 @@ def _dynamic_estimates(joint: str, prior: Array, fit: BristleFit | None, missing
         if status == "identified" and fit.at_bound.any():
             status, reason = "at bound", "the fit ends at the bound of the other bristle parameter"
         if status == "identified" and fit.inertia_at_bound:
-            status, reason = "at bound", _WRONG_INERTIA
+            status, reason = "at bound", _wrong_inertia()
         found.append(_estimate(joint, 4 + i, prior, status, reason, value, low, high))
     return found
 

@@ -10,42 +10,9 @@ from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.diagnosis.identification.friction_data import FrictionTorque
 from ffgym.diagnosis.resampling import RESAMPLES, Blocks, bootstrap
+from ffgym.diagnosis.settings import settings
 from ffgym.logs.quality.signals import stretches
 from ffgym.robot.friction import stribeck_decay, stribeck_level
-
-WINDOW = 0.1
-"""Time over which speeds are averaged to compare them [s]: an encoder of 16 bit then resolves 1e-3 rad/s."""
-
-_DRIFT = 0.05
-"""Largest change of a constant speed, relative to it [1/s]. A sine is slower than that for a few percent of its period
-only, less than the shortest run."""
-
-_SLOWEST_DRIFT = 0.02
-"""Change of speed that counts as none however slow the motion is [rad/s^2]: what an encoder of 16 bit shows in windows
-of 0.1 s, doubled."""
-
-_SLOWEST = 4e-3
-"""Motor speed below which a joint counts as at rest [rad/s]: four times what 16 bit resolve in a window."""
-
-SETTLING_TRAVEL = 8.0
-"""Way that bristles take to settle, in presliding lengths f_s / sigma_0: exp(-8) is 0.03 %; exp(-6), 0.2 %, is 0.5 % of
-v_s."""
-
-SLOW, FAST = 0.8, 2.0
-"""Speeds in Stribeck velocities that data must have at or below, and at or above: there the Stribeck part is half of
-what it is at rest, and 2 % of it. Between them f_s, f_c and v_s cannot be told apart."""
-
-SPREAD = 2.0
-"""Ratio of the fastest to the slowest sliding speed from which viscous and Coulomb friction can be told apart."""
-
-MIN_RUNS = 3
-"""Runs at constant speed that a curve takes at least."""
-
-VELOCITIES = (0.01, 10.0)
-"""Range of Stribeck velocities that are looked at [rad/s], motor side."""
-
-_GRID = 25
-"""Stribeck velocities that are tried before the best is refined: two steps are a factor of 1.8."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -75,13 +42,14 @@ def steady_friction(torques: Sequence[FrictionTorque], joint: int, presliding: f
 
     Bristles bend by `presliding`, f_s / sigma_0 [rad], motor side.
     """
+    limits = settings().friction
     tables: list[Array] = []
     for torque in torques:
         means = _means(torque, joint)
         for run in stretches(_is_constant(means[:, 0])):
             # from where bristles have settled; the first and the last window have a ramp in them
-            travel = WINDOW * np.cumsum(np.abs(means[run.start : run.stop - 1, 0]))
-            rows = run.start + 1 + np.flatnonzero(travel[:-1] >= SETTLING_TRAVEL * presliding)
+            travel = limits.speed_window * np.cumsum(np.abs(means[run.start : run.stop - 1, 0]))
+            rows = run.start + 1 + np.flatnonzero(travel[:-1] >= limits.settling_travel * presliding)
             if len(rows):
                 tables.append(np.column_stack([means[rows], np.full(len(rows), len(tables))]))
     speed, friction, run = (np.concatenate(tables) if tables else np.zeros((0, 3))).T
@@ -95,7 +63,7 @@ def constant_share(torque: FrictionTorque, joint: int) -> float:
 
 def _means(torque: FrictionTorque, joint: int) -> Array:
     """Mean motor speed and friction in windows, shape (n_windows, 2); NaN at the ends of a record."""
-    length = max(1, round(WINDOW / torque.signals.dt))
+    length = max(1, round(settings().friction.speed_window / torque.signals.dt))
     count = len(torque.signals.t) // length
     columns = (torque.signals.motor_dq, torque.friction)
     rows = np.stack([column[: count * length, joint] for column in columns], axis=1)
@@ -106,11 +74,13 @@ def _means(torque: FrictionTorque, joint: int) -> Array:
 
 def _is_constant(speed: Array) -> BoolArray:
     """Tell if speed changes neither before nor after a window, shape (n_windows,)."""
+    limits = settings().friction
     constant = np.zeros(len(speed), dtype=np.bool_)
     if len(speed) >= 3:
-        change = np.abs(np.diff(speed)) / WINDOW
+        change = np.abs(np.diff(speed)) / limits.speed_window
         drift, here = np.maximum(change[1:], change[:-1]), np.abs(speed[1:-1])  # a sine of 2 windows looks the same
-        constant[1:-1] = (here > _SLOWEST) & (drift < np.maximum(_SLOWEST_DRIFT, _DRIFT * here))
+        allowed = np.maximum(limits.least_drift, limits.speed_drift * here)
+        constant[1:-1] = (here > limits.lowest_speed) & (drift < allowed)
     return constant
 
 
@@ -163,9 +133,10 @@ def fit_stribeck(
     best :math:`v_s` is found on top of that, unless `stribeck_velocity` [rad/s] gives it; where the speeds cannot tell
     it, it is `usual_velocity`.
     """
-    if data.n_runs < MIN_RUNS:
+    fewest = settings().friction.fewest_runs
+    if data.n_runs < fewest:
         raise FFGymError(
-            f"There are {data.n_runs} runs at constant speed, must be {MIN_RUNS} or more with different speeds for a "
+            f"There are {data.n_runs} runs at constant speed, must be {fewest} or more with different speeds for a "
             f"static friction curve. Record a speed ladder."
         )
     # the curve with v_s free, and with the usual one where the speeds do not tell it
@@ -215,9 +186,12 @@ def _solve(data: SteadyFriction, counts: Array, given: float | None) -> tuple[Ar
     velocity = given
     if velocity is None:
         # the best of a grid, then within its neighbours
-        grid = np.geomspace(*VELOCITIES, _GRID)
+        limits = settings().friction
+        grid = np.geomspace(
+            limits.least_stribeck_velocity, limits.largest_stribeck_velocity, limits.stribeck_velocities
+        )
         best = int(np.argmin([at(tried)[1] for tried in grid]))
-        low, high = np.log(grid[max(best - 1, 0)]), np.log(grid[min(best + 1, _GRID - 1)])
+        low, high = np.log(grid[max(best - 1, 0)]), np.log(grid[min(best + 1, len(grid) - 1)])
         found = scipy.optimize.minimize_scalar(
             lambda x: at(float(np.exp(x)))[1], bounds=(low, high), method="bounded", options={"xatol": 1e-3}
         )
@@ -230,14 +204,17 @@ def _solve(data: SteadyFriction, counts: Array, given: float | None) -> tuple[Ar
 
 def _lacking(data: SteadyFriction, velocity: float) -> dict[str, str]:
     """Name what the speeds lack to tell each parameter, for a Stribeck velocity."""
+    limits = settings().friction
+    slow, fast = limits.slow * velocity, limits.fast * velocity
     # speeds below v_s tell f_s, speeds far above it f_c, and two of those f_v
     speeds = np.abs(data.levels()[0])
-    sliding = speeds[speeds >= FAST * velocity]
-    if np.count_nonzero(np.bincount(data.run) > 1) < MIN_RUNS:
+    sliding = speeds[speeds >= fast]
+    if np.count_nonzero(np.bincount(data.run) > 1) < limits.fewest_runs:
         return dict.fromkeys(("coulomb", "static", "viscous", "stribeck_velocity"), "runs too short for an interval")
-    no_slow = "" if speeds.min() <= SLOW * velocity else f"no constant speed below {SLOW * velocity:.3g} rad/s"
-    no_fast = "" if len(sliding) else f"no constant speed above {FAST * velocity:.3g} rad/s"
-    no_spread = "" if len(sliding) and sliding.max() >= SPREAD * sliding.min() else "constant speeds too close together"
+    no_slow = "" if speeds.min() <= slow else f"no constant speed below {slow:.3g} rad/s"
+    no_fast = "" if len(sliding) else f"no constant speed above {fast:.3g} rad/s"
+    are_spread = len(sliding) and sliding.max() >= limits.speed_ratio * sliding.min()
+    no_spread = "" if are_spread else "constant speeds too close together"
     return {
         "coulomb": no_fast,
         "static": no_slow,

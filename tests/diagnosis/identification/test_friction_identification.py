@@ -9,6 +9,7 @@ from friction_samples import ladder, measured, sines
 from ffgym.core.errors import FFGymError
 from ffgym.diagnosis.identification import friction_torques, identify_friction, predicted_friction, validate
 from ffgym.diagnosis.identification.bristle_fit import NAMES, fit_bristles
+from ffgym.diagnosis.settings import use_settings
 from ffgym.published import ESTIMATION_RECORDS
 from ffgym.robot import RigidArm
 
@@ -129,6 +130,16 @@ def test_a_given_stribeck_velocity_is_kept(wrong, exact):
     (joint,) = identify_friction(torques, stribeck_velocity={"j1": 0.15}, n_resamples=50).joints
     assert joint.estimates[3].value == 0.15
     assert joint.estimates[3].status == "given"
+
+
+def test_thresholds_are_those_that_hold_while_friction_is_identified(wrong, exact):
+    torques = friction_torques(wrong, measured(exact[0]))
+    with use_settings({"friction.wide": 1e-6}):
+        (strict,) = identify_friction(torques, n_resamples=50).joints
+    with use_settings({"friction.fewest_runs": 1000}):
+        (none,) = identify_friction(torques, n_resamples=50).joints
+    assert [estimate.status for estimate in strict.estimates[:4]] == ["wide"] * 4
+    assert none.stribeck is None
 
 
 def test_both_directions_that_differ_are_told_not_averaged_away(axis, exact):
