@@ -10,7 +10,7 @@ from .identification import Validation as Validation
 from .identification import friction_torque as friction_torque
 from .identification import friction_torques as friction_torques
 from .identification import identify_friction as identify_friction
-from .identification import predicted_friction as predicted_friction
+from .identification import predict_friction as predict_friction
 from .identification import signals_of as signals_of
 from .identification import validate as validate
 from .identification.narx import Errors as Errors

@@ -17,7 +17,7 @@ from ffgym.simulation.plant import Climate, Machine
 from scripts.exam.bench import Bench, usual_protocol
 from scripts.exam.equations import OUTSIDERS, VARIANTS
 from scripts.exam.hidden import Hidden, drawn
-from scripts.exam.paper import ROWS, Row
+from scripts.exam.tasks import ROWS, Row
 
 ROBOT = "irb4600_60_205"
 """Robot of the exam: six axes, elastic joints, a laser tracker."""

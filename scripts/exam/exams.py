@@ -1,4 +1,4 @@
-"""Exams are held: questions handed out, answers marked; both exams of the project."""
+"""Hold both exams of the project: draw tasks, diagnose their logs and mark the answers."""
 
 import json
 import multiprocessing
@@ -27,11 +27,11 @@ from scripts.exam import draw
 from scripts.exam.draw import ROBOT, draw_case
 from scripts.exam.gain import gain_of
 from scripts.exam.independent import question
-from scripts.exam.loudness import OwnPaper, hand_out
+from scripts.exam.loudness import OwnTask, record_task
 from scripts.exam.marks import Mark, Outcome, mark_of, outcome
-from scripts.exam.paper import ROWS, Paper, Question, Row
 from scripts.exam.report import figures_text, misses_text, outcomes_figure, outcomes_text
 from scripts.exam.tables import Line, independent_table, table
+from scripts.exam.tasks import ROWS, Question, Row, Task
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -81,8 +81,8 @@ class Exam(ABC):
         """Figures beside demands."""
 
     @abstractmethod
-    def paper(self, row: Row, number: int, seed: int) -> Paper:
-        """A question as it is handed out."""
+    def draw_task(self, row: Row, number: int, seed: int) -> Task:
+        """Draw the task of a question."""
 
     def file_of(self, seed: int) -> str:
         """Name of the file of marks."""
@@ -109,11 +109,11 @@ class Exam(ABC):
         """First line of the file of marks: what all of them depend on beside the question."""
         return {"format": "ffgym-exam", "seed": seed, "versions": versions()}
 
-    def answer(self, paper: Paper) -> Diagnosis:
+    def answer(self, task: Task) -> Diagnosis:
         """The diagnosis of a log, by what is told of its machine."""
-        return diagnose(paper.robot, paper.log, prior=paper.prior, cache=_memory())
+        return diagnose(task.robot, task.log, prior=task.prior, cache=_memory())
 
-    def extras(self, paper: Paper, answer: Diagnosis) -> dict[str, Any]:
+    def extras(self, task: Task, answer: Diagnosis) -> dict[str, Any]:
         """Further fields of the mark."""
         return {}
 
@@ -127,36 +127,36 @@ class OwnExam(Exam):
         """Compute the figures of the exam on the built-in robot."""
         return table(marks)
 
-    def paper(self, row: Row, number: int, seed: int) -> OwnPaper:
+    def draw_task(self, row: Row, number: int, seed: int) -> OwnTask:
         """Draw a question about the built-in robot."""
-        return hand_out(draw_case(row, number, seed=seed, arm=_arm(self.robot)))
+        return record_task(draw_case(row, number, seed=seed, arm=_arm(self.robot)))
 
-    def extras(self, paper: Paper, answer: Diagnosis) -> dict[str, Any]:
+    def extras(self, task: Task, answer: Diagnosis) -> dict[str, Any]:
         """Record the motions that a poor log's answer proposes, and compute the gain of a loud effect's model."""
-        assert isinstance(paper, OwnPaper)
-        then = self._resolve(paper, answer) if paper.case.is_poor else None
-        loudness = min((one.loudness for one in paper.truth), default=0.0)
+        assert isinstance(task, OwnTask)
+        then = self._resolve(task, answer) if task.case.is_poor else None
+        loudness = min((one.loudness for one in task.truth), default=0.0)
         gain = None
-        if paper.number % GAINED == 0 and loudness >= LOUD and answer.verdict in ("named", "partly"):
-            gain = gain_of(paper.case, answer.causes, answer.numbers)
+        if task.number % GAINED == 0 and loudness >= LOUD and answer.verdict in ("named", "partly"):
+            gain = gain_of(task.case, answer.causes, answer.numbers)
         return {"then": then, "gain": gain}
 
-    def _resolve(self, paper: OwnPaper, answer: Diagnosis) -> Outcome | None:
+    def _resolve(self, task: OwnTask, answer: Diagnosis) -> Outcome | None:
         """Diagnose again with the motions that an answer proposes; None if it proposes none."""
         if answer.separating_motion is None:
             return None
-        case = paper.case
+        case = task.case
         with tempfile.TemporaryDirectory() as folder:
             place = Path(folder) / "proposed.toml"
             place.write_text(answer.separating_motion.toml, encoding="utf-8")
             bench = replace(case.bench, protocols=tuple(load_protocols(place)))
-        ends = [recording.header.meta["session_start"] + recording.t[-1] for recording in paper.log]
+        ends = [recording.header.meta["session_start"] + recording.t[-1] for recording in task.log]
         seed = int(case.generator(1).integers(2**32))
         start = float(max(ends)) + _LATER
         more = bench.record(case.complete, seed=seed, current_offset=case.current_offset, start=start)
         later = [recording.rename(f"proposed/{recording.header.segment}") for recording in more]
-        both = Paper(row=paper.row, number=paper.number, robot=paper.robot, log=(*paper.log, *later))
-        return outcome(self.answer(both), paper.truth)
+        both = Task(row=task.row, number=task.number, robot=task.robot, log=(*task.log, *later))
+        return outcome(self.answer(both), task.truth)
 
 
 class IndependentExam(Exam):
@@ -172,20 +172,20 @@ class IndependentExam(Exam):
         """Describe the exam in the first line of its marks; no robot of the project is in it."""
         return {"format": "ffgym-exam", "exam": "independent", "seed": seed, "versions": versions()}
 
-    def paper(self, row: Row, number: int, seed: int) -> Paper:
+    def draw_task(self, row: Row, number: int, seed: int) -> Task:
         """Draw a question about a drawn machine."""
-        return question.hand_out(row, number, seed=seed)
+        return question.draw_task(row, number, seed=seed)
 
-    def answer(self, paper: Paper) -> Diagnosis:
+    def answer(self, task: Task) -> Diagnosis:
         """The diagnosis; one that ends in an error is an answer, too, and a wrong one."""
         try:
-            return diagnose(paper.robot, paper.log, prior=paper.prior)
+            return diagnose(task.robot, task.log, prior=task.prior)
         except Exception as error:  # whatever it is, a good log has no diagnosis
             return Diagnosis(
                 verdict="insufficient",
                 sentence=f"{type(error).__name__}: {error}",
-                robot=paper.robot.name,
-                motions=tuple(recording.header.segment for recording in paper.log),
+                robot=task.robot.name,
+                motions=tuple(recording.header.segment for recording in task.log),
             )
 
 
@@ -215,18 +215,18 @@ def examine(question: Question, *, exam: Exam, seed: int) -> Mark:
     """
     row, number = question
     try:
-        paper = exam.paper(row, number, seed)
+        task = exam.draw_task(row, number, seed)
         began = time.perf_counter()
-        answer = exam.answer(paper)
+        answer = exam.answer(task)
         seconds = time.perf_counter() - began
         same = None
         if number % REPEATED == 0:
-            one, other = (json.dumps(diagnosis_document(each)) for each in (answer, exam.answer(paper)))
+            one, other = (json.dumps(diagnosis_document(each)) for each in (answer, exam.answer(task)))
             same = one == other
-        extras = exam.extras(paper, answer)
+        extras = exam.extras(task, answer)
     except FFGymError as error:
         raise FFGymError(f"Question {row}-{number} of seed {seed}: {error}") from error
-    return mark_of(paper, answer, seconds=seconds, same_bytes=same, **extras)
+    return mark_of(task, answer, seconds=seconds, same_bytes=same, **extras)
 
 
 def hold(

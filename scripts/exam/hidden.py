@@ -12,7 +12,7 @@ from ffgym.effects.parameters import Parameter
 from ffgym.paths.motions.part import resting_position
 from ffgym.robot import RobotDescription
 from scripts.exam.equations import Clue, Outsider, Variant
-from scripts.exam.paper import Truth
+from scripts.exam.tasks import Truth
 
 _AS_DESCRIBED = ("reference",)
 """Shapes that are not drawn: a description holds at the temperature of the room in which it was made."""

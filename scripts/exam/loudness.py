@@ -33,7 +33,7 @@ from ffgym.simulation.plant import Climate, Machine
 from scripts.exam.bench import Bench
 from scripts.exam.draw import Case, errors_beside
 from scripts.exam.hidden import Hidden
-from scripts.exam.paper import Paper
+from scripts.exam.tasks import Task
 
 _NOISE_SEED = 0
 """Seed of the log that tells the noise; one for all exams, whose noise is the same to a per cent."""
@@ -46,7 +46,7 @@ Rows = Mapping[Channel, Array]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Yardstick:
+class NoiseScale:
     """Noise and calibration errors in the motions of an exam."""
 
     rms: Mapping[Channel, Array]
@@ -77,20 +77,22 @@ class Yardstick:
         return max(found)
 
 
-def yardstick_of(noise: Rows, valid: BoolArray, row_dt: float, nuisance_columns: Sequence[Parts] = ()) -> Yardstick:
-    """Yardstick by residuals of noise (R, M, C), 0 where rows are not `valid` (R, M), and columns of calibration."""
+def measure_noise_scale(
+    noise: Rows, valid: BoolArray, row_dt: float, nuisance_columns: Sequence[Parts] = ()
+) -> NoiseScale:
+    """Measure noise by its residuals (R, M, C), 0 where rows are not `valid` (R, M), and columns of calibration."""
     count = np.maximum(valid.sum(axis=0), 1)[:, None]
     rms = {channel: np.sqrt(np.sum(values**2, axis=0) / count) for channel, values in noise.items()}
     weights = {(channel, c): 1 / column for channel, values in rms.items() for c, column in enumerate(values.T)}
-    return Yardstick(
+    return NoiseScale(
         rms=rms,
         nuisance_columns=nuisance_columns,
         design=build_design_matrix(cut_blocks(valid, row_dt), nuisance_columns, weights),
     )
 
 
-class Listener:
-    """Hears what effects add to the log of a robot that has none."""
+class EnergyMeter:
+    """Measures the energy that effects add to the log of a robot that has none."""
 
     def __init__(self, bench: Bench, climate: Climate | None = None) -> None:
         """Record and replay a log without effects; `climate` is that of the day, None a day without warming."""
@@ -104,17 +106,17 @@ class Listener:
             for doubt in list_nuisance_parameters(self._run, ParameterPrior())
         ]
         noise = self._count(self._residual)
-        self._yardstick = yardstick_of(noise, self._valid, log.sampling.row_dt, nuisance_columns)
+        self._scale = measure_noise_scale(noise, self._valid, log.sampling.row_dt, nuisance_columns)
 
     def energy(self, effect: Effect) -> float:
-        """Energy that an effect adds, in energies of the noise."""
+        """Compute the energy that an effect adds, in energies of the noise."""
         machine = replace(self._nominal, effects=(effect,))
-        added = self._yardstick.energy(self._change(predict(replay(self._run.log, machine, self._run)), self._without))
+        added = self._scale.energy(self._change(predict(replay(self._run.log, machine, self._run)), self._without))
         if added > 0:
             return added
         log = self._log((effect,))
         residual = compute_residuals(log, predict(replay(log, self._nominal)))
-        return self._yardstick.energy(self._change(residual, self._residual))
+        return self._scale.energy(self._change(residual, self._residual))
 
     def _log(self, effects: tuple[Effect, ...]) -> Log:
         """Assemble a log with the same noise at all times."""
@@ -129,28 +131,28 @@ class Listener:
 
 
 @cache
-def listener_of(bench: Bench) -> Listener:
-    """Listener to the motions of a bench; made once."""
-    return Listener(bench)
+def build_energy_meter(bench: Bench) -> EnergyMeter:
+    """Build the energy meter of the motions of a bench; once."""
+    return EnergyMeter(bench)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class OwnPaper(Paper):
+class OwnTask(Task):
     """A question about a machine of the project's own simulation."""
 
     case: Case
     """The question, with effects as large as they are in the log."""
 
 
-def hand_out(case: Case, listener: Listener | None = None) -> OwnPaper:
-    """The log of a question, with effects as loud as they are to be, or as they can be within their plausible size.
+def record_task(case: Case, meter: EnergyMeter | None = None) -> OwnTask:
+    """Record the log of a question, with effects as loud as asked for, or as loud as their plausible size allows.
 
-    The `listener` is one to the motions of its log, if it is not that of the exam.
+    The `meter` is that of the motions of its log, by default that of the exam.
     """
     sized, heard = tuple[Hidden, ...](), tuple[float, ...]()
     if case.hidden:
-        listener = listener or listener_of(case.audible)
-        full = [at_most(listener, one) for one in case.hidden]
+        meter = meter or build_energy_meter(case.audible)
+        full = [limit_effect(meter, one) for one in case.hidden]
         sized = tuple(one for one, _ in full)
         if case.loudness:
             # energy grows with the square of the size
@@ -159,13 +161,13 @@ def hand_out(case: Case, listener: Listener | None = None) -> OwnPaper:
                 for (_, added), wanted in zip(full, case.loudness, strict=True)
             ]
             sized = tuple(one.times(factor) for one, factor in zip(sized, factors, strict=True))
-        heard = tuple(1 + listener.energy(one.effect) for one in sized)
+        heard = tuple(1 + meter.energy(one.effect) for one in sized)
     case, robot = replace(case, hidden=sized), case.robot
     log = record_case(case)
     sized = tuple(
         replace(one, beside=errors_beside(one, robot, case.machine, case.current_offset)) for one in case.hidden
     )
-    return OwnPaper(
+    return OwnTask(
         row=case.row,
         number=case.number,
         robot=robot,
@@ -177,20 +179,20 @@ def hand_out(case: Case, listener: Listener | None = None) -> OwnPaper:
 
 
 def record_case(case: Case) -> list[Recording]:
-    """The log of a question."""
+    """Record the log of a question."""
     seed = int(case.generator().integers(2**32))
     return case.bench.record(case.complete, seed=seed, current_offset=case.current_offset)
 
 
-def at_most(listener: Listener, hidden: Hidden) -> tuple[Hidden, float]:
-    """An effect as large as a machine can have it, and its energy.
+def limit_effect(meter: EnergyMeter, hidden: Hidden) -> tuple[Hidden, float]:
+    """Reduce an effect to what a machine can have, and compute its energy.
 
     Raises:
         FFGymError: if the arm does not hold even a little of it.
     """
     for _ in range(_HALVINGS):
         try:
-            return hidden, listener.energy(hidden.effect)
+            return hidden, meter.energy(hidden.effect)
         except FlownAwayError:
             hidden = hidden.times(0.5)
-    return hidden, listener.energy(hidden.effect)
+    return hidden, meter.energy(hidden.effect)

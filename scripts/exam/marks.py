@@ -14,7 +14,7 @@ from ffgym.core.typed_json import from_json, to_json
 from ffgym.diagnosis.result import Cause, Diagnosis, Pattern
 from ffgym.effects import EFFECTS
 from scripts.exam.equations import Clue
-from scripts.exam.paper import ROWS, Paper, Row, Truth
+from scripts.exam.tasks import ROWS, Row, Task, Truth
 
 Outcome = Literal[
     "right", "surplus", "part", "tie", "none", "unknown", "insufficient", "wrong", "wrong_partly", "wrong_tie"
@@ -126,18 +126,18 @@ class Mark:
         return f"{self.row}-{self.number}"
 
 
-def mark_of(paper: Paper, answer: Diagnosis, **more: Any) -> Mark:
+def mark_of(task: Task, answer: Diagnosis, **more: Any) -> Mark:
     """The mark of an answer; `more` are fields of it that others know."""
     named = [(_family(cause.effect), cause.joint) for cause in answer.causes]
-    truths = [(_family(one.answer), one.joint) for one in paper.truth]
+    truths = [(_family(one.answer), one.joint) for one in task.truth]
     tells = answer.verdict in ("named", "partly", "ambiguous")
-    sized = paper.truth if answer.verdict == "named" else ()
-    joints, clue = paper.robot.joints, paper.clue
+    sized = task.truth if answer.verdict == "named" else ()
+    joints, clue = task.robot.joints, task.clue
     return Mark(
-        row=paper.row,
-        number=paper.number,
-        truth=paper.truth,
-        outcome=outcome(answer, paper.truth),
+        row=task.row,
+        number=task.number,
+        truth=task.truth,
+        outcome=outcome(answer, task.truth),
         verdict=answer.verdict,
         sentence=answer.sentence,
         causes=tuple(Said(effect=c.effect, joint=c.joint, held_out_gain=c.held_out_gain) for c in answer.causes),
@@ -146,10 +146,10 @@ def mark_of(paper: Paper, answer: Diagnosis, **more: Any) -> Mark:
         ),
         first_is_right=tells and bool(named) and named[0] in truths,
         sizes=tuple(size for one in sized for size in _sizes(one, answer)),
-        cycles_off=_cycles_off(paper.truth[0], answer) if paper.truth else None,
-        clue_found=None if clue is None else finds(clue, answer.patterns, paper.truth[0].joint, joints),
+        cycles_off=_cycles_off(task.truth[0], answer) if task.truth else None,
+        clue_found=None if clue is None else finds(clue, answer.patterns, task.truth[0].joint, joints),
         patterns=tuple(pattern.message for pattern in answer.patterns[:3]),
-        conditions=paper.conditions,
+        conditions=task.conditions,
         proposed=answer.separating_motion.protocol if answer.separating_motion else None,
         **more,
     )

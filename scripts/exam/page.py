@@ -14,8 +14,8 @@ from ffgym.core.errors import FFGymError
 from ffgym.report import save_figure
 from scripts.exam.exams import EXAMS, ExamName
 from scripts.exam.marks import Mark, read_marks
-from scripts.exam.paper import Row
 from scripts.exam.report import figures_text, misses_text, outcomes_figure, outcomes_text
+from scripts.exam.tasks import Row
 from scripts.tables.page import renew
 
 PAGE = Path(__file__).parents[2] / "docs" / "bench_diagnosis.md"

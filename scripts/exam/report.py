@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, get_args
 from ffgym.core.errors import FFGymError
 from ffgym.report.figure import house_style, legend_above, new_figure
 from scripts.exam.marks import Mark, Outcome
-from scripts.exam.paper import ROWS
 from scripts.exam.tables import BANDS, Line
+from scripts.exam.tasks import ROWS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

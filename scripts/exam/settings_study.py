@@ -23,7 +23,7 @@ from ffgym.diagnosis.settings import record_reads, setting_values, use_settings
 from scripts.exam.exams import IndependentExam
 from scripts.exam.independent import question
 from scripts.exam.marks import Mark, mark_of
-from scripts.exam.paper import Paper, Row
+from scripts.exam.tasks import Row, Task
 
 FACTORS = (0.5, 2.0)
 """Factors by which each setting is changed."""
@@ -134,15 +134,15 @@ def vary(setting: str, factor: float, seed: int) -> Varied:
     changed, largest, marks = list[str](), 0.0, list[Mark]()
     began, error = time.perf_counter(), ""
     for row, number, axes in QUESTIONS:
-        paper, usual, read = _usual(row, number, axes, seed)
+        task, usual, read = _usual(row, number, axes, seed)
         answer = usual
         if setting in read:
             with use_settings({setting: value}):
-                answer = IndependentExam().answer(paper)
+                answer = IndependentExam().answer(task)
         if answer.verdict == "insufficient" and usual.verdict != "insufficient":
             error = answer.sentence
             break
-        mark, mark_before = mark_of(paper, answer), mark_of(paper, usual)
+        mark, mark_before = mark_of(task, answer), mark_of(task, usual)
         marks.append(mark)
         if _said(answer) != _said(usual):
             changed.append(f"{row}-{number}: {mark_before.outcome} -> {mark.outcome}")
@@ -191,12 +191,12 @@ def _size_change(one: Diagnosis, other: Diagnosis) -> float:
 
 
 @cache
-def _usual(row: Row, number: int, axes: int, seed: int) -> tuple[Paper, Diagnosis, frozenset[str]]:
+def _usual(row: Row, number: int, axes: int, seed: int) -> tuple[Task, Diagnosis, frozenset[str]]:
     """Draw a question and answer it with the defaults, once in each process; and list the settings that it reads."""
-    paper = question.hand_out(row, number, seed=seed, n=axes)
+    task = question.draw_task(row, number, seed=seed, n=axes)
     with record_reads() as read:
-        answer = IndependentExam().answer(paper)
-    return paper, answer, frozenset(read)
+        answer = IndependentExam().answer(task)
+    return task, answer, frozenset(read)
 
 
 def _variations(asked: Sequence[tuple[str, float]], seed: int, jobs: int) -> Iterator[Varied]:

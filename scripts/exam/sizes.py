@@ -29,11 +29,11 @@ from scripts.exam.bench import RECORD_DT, RESOLVER_NOISE, Bench, usual_protocol
 from scripts.exam.draw import AMBIENT, RISE, TIME_CONSTANT, Case, draw_machine
 from scripts.exam.exams import Exam
 from scripts.exam.hidden import drawn
-from scripts.exam.loudness import Listener, OwnPaper, at_most, hand_out
+from scripts.exam.loudness import EnergyMeter, OwnTask, limit_effect, record_task
 from scripts.exam.marks import Mark
-from scripts.exam.paper import ROWS, Question, Row, Truth
 from scripts.exam.report import answers_figure, markdown, misses_text
 from scripts.exam.tables import Line
+from scripts.exam.tasks import ROWS, Question, Row, Truth
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -139,16 +139,16 @@ class SizesExam(Exam):
             "motions": hashlib.sha256(motions.encode()).hexdigest()[:16],
         }
 
-    def paper(self, row: Row, number: int, seed: int) -> OwnPaper:
+    def draw_task(self, row: Row, number: int, seed: int) -> OwnTask:
         """Draw a question: an effect at one of its sizes."""
         (ladder, place), step = divmod(number // self.steps, len(EFFECTS)), number % self.steps
         kind, key = list(EFFECTS.values())[place], (seed, ROWS.index("size"), place)
-        bench, listener = bench_of(self), listener_of(self)
+        bench, meter = bench_of(self), build_energy_meter(self)
         joints = places_of(kind, bench.arm.robot)
         joint = joints[np.random.default_rng(key).permutation(len(joints))[ladder % len(joints)]]
         rng = np.random.default_rng((*key, ladder))
         machine, offset = draw_machine(bench.arm.robot, rng)
-        largest, energy = at_most(listener, drawn(kind, machine.robot, rng, joint))
+        largest, energy = limit_effect(meter, drawn(kind, machine.robot, rng, joint))
         case = Case(
             row="size",
             number=number,
@@ -160,7 +160,7 @@ class SizesExam(Exam):
             loudness=(),
             noise=(*key, ladder, step),
         )
-        return hand_out(case, listener)
+        return record_task(case, meter)
 
 
 def share_of(step: int, steps: int, energy: float) -> float:
@@ -207,16 +207,16 @@ def bench_of(exam: SizesExam) -> Bench:
 
 
 @cache
-def listener_of(exam: SizesExam) -> Listener:
-    """Listener to the log of an exam, in a machine that warms up."""
+def build_energy_meter(exam: SizesExam) -> EnergyMeter:
+    """Build the energy meter of the log of an exam, in a machine that warms up."""
     climate = Climate(ambient=AMBIENT, rise=np.array([np.mean(RISE)]), time_constant=TIME_CONSTANT)
-    return Listener(bench_of(exam), climate)
+    return EnergyMeter(bench_of(exam), climate)
 
 
 @cache
 def judgeable(exam: SizesExam) -> tuple[list[type[Effect]], tuple[UnjudgedEffect, ...]]:
     """Effects that the log can show, and the others with the reason."""
-    log, robot = listener_of(exam).log, bench_of(exam).arm.robot
+    log, robot = build_energy_meter(exam).log, bench_of(exam).arm.robot
     able, others = sort_effects(log, Machine(robot=robot), ParameterPrior())
     alone = [kind for kind in able if not places_of(kind, robot)]
     reasons = (UnjudgedEffect(effect=kind.name, joint="", reason="it takes two joints") for kind in alone)

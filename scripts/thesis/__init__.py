@@ -9,5 +9,5 @@ from scripts.thesis.catalogue import count as count
 from scripts.thesis.catalogue import fingerprints as fingerprints
 from scripts.thesis.catalogue import render_page as render_page
 from scripts.thesis.catalogue import reproduce as reproduce
-from scripts.thesis.laboratory import SEED as SEED
-from scripts.thesis.laboratory import Laboratory as Laboratory
+from scripts.thesis.studies import SEED as SEED
+from scripts.thesis.studies import ThesisStudies as ThesisStudies

@@ -41,7 +41,7 @@ class Reproduce:
         need_extra("The reproduction", "matplotlib", "jinja2", "rich")
         from ffgym.cli.progress import progress_bar
         from ffgym.report import save_figure
-        from scripts.thesis import ITEMS, SEED, Laboratory, as_json, chosen, fingerprints, render_page, reproduce
+        from scripts.thesis import ITEMS, SEED, ThesisStudies, as_json, chosen, fingerprints, render_page, reproduce
 
         items = chosen(ITEMS, self.only)
         # what cannot be written is refused before anything is simulated
@@ -55,14 +55,14 @@ class Reproduce:
                 ) from error
             check_writable(self.figures_dir / "figure.svg")
         begin = time.monotonic()
-        laboratory = Laboratory(n_threads=self.threads, stage=progress_bar)
-        results = list(reproduce(items, laboratory))
+        studies = ThesisStudies(n_threads=self.threads, stage=progress_bar)
+        results = list(reproduce(items, studies))
         info = {
             "command": "python -m scripts.thesis",
             "config": {name: str(value) if isinstance(value, Path) else value for name, value in asdict(self).items()},
             "seed": SEED,
             "versions": versions(),
-            "physics_fingerprints": fingerprints(laboratory),
+            "physics_fingerprints": fingerprints(studies),
             "seconds_to_simulate_and_draw": round(time.monotonic() - begin, 1),
         }
         write_text(self.out, render_page(results, info))

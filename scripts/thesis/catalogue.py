@@ -30,8 +30,8 @@ from scripts.thesis.claims import (
     compare,
     judge,
 )
-from scripts.thesis.laboratory import WORKCELL, Laboratory
 from scripts.thesis.measures import AsPublished
+from scripts.thesis.studies import WORKCELL, ThesisStudies
 
 FILE = Path(__file__).parent / "claims.toml"
 
@@ -47,10 +47,10 @@ class Item:
     title: str
     """Subject; the heading names figure or table beside it."""
     claims: tuple[Claim, ...] = ()
-    figures: Callable[[Laboratory], Sequence[ReportFigure]] = lambda laboratory: ()
-    tables: Callable[[Laboratory], Sequence[SpeedTable]] = lambda laboratory: ()
+    figures: Callable[[ThesisStudies], Sequence[ReportFigure]] = lambda studies: ()
+    tables: Callable[[ThesisStudies], Sequence[SpeedTable]] = lambda studies: ()
     """Path errors, simulated beside published."""
-    numbers: Callable[[Laboratory], Sequence[Table]] = lambda laboratory: ()
+    numbers: Callable[[ThesisStudies], Sequence[Table]] = lambda studies: ()
     """Other tables."""
     counterpart: str = ""
     """Simulated item that stands for a figure of the real robot."""
@@ -82,8 +82,8 @@ def _claim(entry: Cells, cells: Cells) -> Claim:
     name, statement, criterion = (row.pop(key) for key in ("name", "statement", "criterion"))
     share, published = row.pop("share", "EVERY"), row.pop("published", False)
 
-    def checks(laboratory: Laboratory) -> list[Check]:
-        return compare(row, cells, TABLE, laboratory)
+    def checks(studies: ThesisStudies) -> list[Check]:
+        return compare(row, cells, TABLE, studies)
 
     return Claim(
         name=name,
@@ -91,7 +91,7 @@ def _claim(entry: Cells, cells: Cells) -> Claim:
         criterion=criterion.format(**THRESHOLDS),
         checks=checks,
         share={"EVERY": EVERY, "MOST": MOST, "MAJORITY": MAJORITY}[share],
-        published=(lambda laboratory: checks(AsPublished(laboratory))) if published else lambda laboratory: (),  # type: ignore[arg-type]
+        published=(lambda studies: checks(AsPublished(studies))) if published else lambda studies: (),  # type: ignore[arg-type]
     )
 
 
@@ -106,7 +106,7 @@ def _item(entry: Cells) -> Item:
     }
     return Item(
         claims=tuple(_claim(claim, cells) for claim in row.pop("claim", ())),
-        numbers=lambda laboratory: [table(laboratory) for table in numbers],
+        numbers=lambda studies: [table(studies) for table in numbers],
         **row,
         **shown,
     )
@@ -138,15 +138,15 @@ class Reproduced:
     numbers: tuple[Table, ...]
 
 
-def reproduce(items: Sequence[Item], laboratory: Laboratory) -> Iterator[Reproduced]:
+def reproduce(items: Sequence[Item], studies: ThesisStudies) -> Iterator[Reproduced]:
     """Simulate what each item needs, draw it, and judge its claims; one item after the other."""
     for item in items:
         yield Reproduced(
             item=item,
-            judgements=tuple(judge(claim, laboratory) for claim in item.claims),
-            figures=tuple(item.figures(laboratory)),
-            tables=tuple(item.tables(laboratory)),
-            numbers=tuple(item.numbers(laboratory)),
+            judgements=tuple(judge(claim, studies) for claim in item.claims),
+            figures=tuple(item.figures(studies)),
+            tables=tuple(item.tables(studies)),
+            numbers=tuple(item.numbers(studies)),
         )
 
 
@@ -156,11 +156,11 @@ def count(results: Sequence[Reproduced]) -> dict[Verdict, int]:
     return {verdict: found[verdict] for verdict in VERDICTS if found[verdict]}
 
 
-def fingerprints(laboratory: Laboratory) -> dict[str, str]:
+def fingerprints(studies: ThesisStudies) -> dict[str, str]:
     """Physics fingerprint of each robot and of the workcell, by name."""
-    robots = (laboratory.robot, laboratory.axis)
+    robots = (studies.robot, studies.axis)
     found = {robot.name: physics_fingerprint(compile_model(robot, ModelOptions(looks=False))) for robot in robots}
-    return found | {WORKCELL: laboratory.workcell.fingerprint}
+    return found | {WORKCELL: studies.workcell.fingerprint}
 
 
 def as_json(results: Sequence[Reproduced], info: Mapping[str, Any]) -> dict[str, Any]:

@@ -11,8 +11,8 @@ import numpy as np
 from ffgym.report import law_styles
 from ffgym.report.circles.comparison import FACTOR as FACTOR
 from scripts.thesis import measures
-from scripts.thesis.laboratory import Laboratory
 from scripts.thesis.measures import BEND as BEND
+from scripts.thesis.studies import ThesisStudies
 
 Verdict = Literal["holds", "partly", "does not hold", "not comparable"]
 VERDICTS: tuple[Verdict, ...] = ("holds", "partly", "does not hold", "not comparable")
@@ -86,11 +86,11 @@ class Claim:
     """Statement of the thesis, in our words."""
     criterion: str
     """Numbers that decide, and the condition on them; where nothing can decide, the reason."""
-    checks: Callable[[Laboratory], Sequence[Check]]
+    checks: Callable[[ThesisStudies], Sequence[Check]]
     """The comparisons; none if nothing comparable was published or can be simulated."""
     share: float = EVERY
     """Share of them that must be true."""
-    published: Callable[[Laboratory], Sequence[Check]] = lambda laboratory: ()
+    published: Callable[[ThesisStudies], Sequence[Check]] = lambda studies: ()
     """The same comparisons of the numbers in a published table, where there is one. They decide nothing here; they say
     whether the thesis' own numbers bear the claim."""
 
@@ -133,10 +133,10 @@ _LISTED = 3
 """Comparisons that one line has room for."""
 
 
-def judge(claim: Claim, laboratory: Laboratory) -> Judgement:
+def judge(claim: Claim, studies: ThesisStudies) -> Judgement:
     """Simulate what the claim needs, if that has not been done, and compare."""
-    checks = tuple(claim.checks(laboratory))
-    published = tuple(claim.published(laboratory))
+    checks = tuple(claim.checks(studies))
+    published = tuple(claim.published(studies))
     return Judgement(claim=claim, verdict=verdict_of(checks, claim.share), checks=checks, published=published)
 
 
@@ -155,14 +155,14 @@ RULES = ("kind", "each", "but", "checks", "where", "value", "limit")
 """Entries of a row that say how to compare; the others are cells."""
 
 
-def compare(row: Cells, cells: Cells, table: Cells, laboratory: Laboratory) -> list[Check]:
+def compare(row: Cells, cells: Cells, table: Cells, studies: ThesisStudies) -> list[Check]:
     """Comparisons of a row of the table, in the order of its `each`.
 
     Args:
         row: the row, or one of its `checks`.
         cells: cells that it shares with others.
         table: the whole table, for its lists and kinds.
-        laboratory: whose results are measured; what it does not have (None) is not compared.
+        studies: whose results are measured; what it does not have (None) is not compared.
     """
     kind = table["kind"].get(row.get("kind"), {})
     cells = {**_cells(kind), **cells, **_cells(row)}
@@ -174,9 +174,9 @@ def compare(row: Cells, cells: Cells, table: Cells, laboratory: Laboratory) -> l
             continue
         if "checks" in row:
             for part in row["checks"]:
-                checks += compare(part, here, table, laboratory)
+                checks += compare(part, here, table, studies)
         else:
-            value, limit = (number(row[side], here, laboratory) for side in ("value", "limit"))
+            value, limit = (number(row[side], here, studies) for side in ("value", "limit"))
             if value is None or limit is None:
                 continue
             where = text(row["where"], here)
@@ -188,7 +188,7 @@ def compare(row: Cells, cells: Cells, table: Cells, laboratory: Laboratory) -> l
     return checks
 
 
-def number(entry: Any, cells: Cells, laboratory: Laboratory) -> Any:
+def number(entry: Any, cells: Cells, studies: ThesisStudies) -> Any:
     """Number that an entry of the table stands for, or one per random start; None where nothing can be measured."""
     if isinstance(entry, str):
         first, _, second = entry.rpartition(" - ")
@@ -196,18 +196,18 @@ def number(entry: Any, cells: Cells, laboratory: Laboratory) -> Any:
     if not isinstance(entry, Mapping):
         return entry
     if "apart" in entry:
-        one, other = (number(each, cells, laboratory) for each in entry["apart"])
+        one, other = (number(each, cells, studies) for each in entry["apart"])
         return abs(one - other)
-    found = call(getattr(measures, entry["measure"]), laboratory, {**cells, **entry})
-    return None if found is None else number(entry.get("times", 1.0), cells, laboratory) * found
+    found = call(getattr(measures, entry["measure"]), studies, {**cells, **entry})
+    return None if found is None else number(entry.get("times", 1.0), cells, studies) * found
 
 
-def call(function: Callable[..., Any], laboratory: Laboratory, cells: Cells) -> Any:
-    """Call a function of the laboratory with those of the cells that it asks for."""
+def call(function: Callable[..., Any], studies: ThesisStudies, cells: Cells) -> Any:
+    """Call a function of the studies with those of the cells that it asks for."""
     known = THRESHOLDS | measures.RECORDS | dict(cells)
     asked = {name: cells[name] for name in signature(function).parameters if name in cells}
     named = {name: known[value[1:]] for name, value in asked.items() if str(value).startswith("$")}
-    return function(laboratory, **asked | named)
+    return function(studies, **asked | named)
 
 
 def text(template: str, cells: Cells) -> str:

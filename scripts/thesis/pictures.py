@@ -19,7 +19,6 @@ from ffgym.report.identification.plots import stribeck_figure
 from ffgym.report.learning_plots import agents_figure, learning_figure
 from ffgym.robot import RigidArm
 from ffgym.studies import CircleStudy
-from scripts.thesis.laboratory import Laboratory
 from scripts.thesis.measures import lefts, record_share, top_speeds
 from scripts.thesis.narx import ESTIMATION, VALIDATION, record_name
 from scripts.thesis.network_plots import (
@@ -31,6 +30,7 @@ from scripts.thesis.network_plots import (
     training_caption,
     training_figure,
 )
+from scripts.thesis.studies import ThesisStudies
 from scripts.thesis.tables import VALIDATING, fit_of_static, mean_rms, spread
 
 RATES = (0.4, 0.8, 1.6, 2.2)
@@ -44,27 +44,27 @@ def _name(figure: ReportFigure, name: str, title: str) -> ReportFigure:
     return replace(figure, name=name, title=title, thesis="")
 
 
-def axis_friction(laboratory: Laboratory, name: str, of: str, frequency: float) -> list[ReportFigure]:
+def axis_friction(studies: ThesisStudies, name: str, of: str, frequency: float) -> list[ReportFigure]:
     """Friction of one axis over speed, and what each law adds."""
-    study = getattr(laboratory, of).only(frequencies=[frequency])
+    study = getattr(studies, of).only(frequencies=[frequency])
     return [_name(one_axis_loops_figure(study), name, "Friction and added torque over speed")]
 
 
-def axis_outputs(laboratory: Laboratory, name: str, of: str, frequency: float) -> list[ReportFigure]:
+def axis_outputs(studies: ThesisStudies, name: str, of: str, frequency: float) -> list[ReportFigure]:
     """Speed, error and feedback of one axis over time."""
-    study = getattr(laboratory, of).only(frequencies=[frequency])
+    study = getattr(studies, of).only(frequencies=[frequency])
     return [_name(one_axis_figure(study, frequency), name, "Speed, motor error and feedback before and after")]
 
 
-def paths(laboratory: Laboratory, name: str, of: str, position: str, speed: float) -> list[ReportFigure]:
+def paths(studies: ThesisStudies, name: str, of: str, position: str, speed: float) -> list[ReportFigure]:
     """Path of the tool (a) and motor errors (b)."""
-    return _paths(name, getattr(laboratory, of).only(positions=[position], speeds=[speed]))
+    return _paths(name, getattr(studies, of).only(positions=[position], speeds=[speed]))
 
 
-def network_paths(laboratory: Laboratory, name: str, of: str, position: str, speed: float) -> list[ReportFigure]:
+def network_paths(studies: ThesisStudies, name: str, of: str, position: str, speed: float) -> list[ReportFigure]:
     """The same with both networks and no compensation."""
     laws = ["none", "bsn_static", "bsn_extended"]
-    return _paths(name, getattr(laboratory, of).only(laws=laws, positions=[position], speeds=[speed]))
+    return _paths(name, getattr(studies, of).only(laws=laws, positions=[position], speeds=[speed]))
 
 
 def _paths(name: str, study: CircleStudy) -> list[ReportFigure]:
@@ -74,25 +74,25 @@ def _paths(name: str, study: CircleStudy) -> list[ReportFigure]:
     ]
 
 
-def joint_friction(laboratory: Laboratory, name: str, of: str, speed: float) -> list[ReportFigure]:
+def joint_friction(studies: ThesisStudies, name: str, of: str, speed: float) -> list[ReportFigure]:
     """Friction of each joint over speed at p1, what each law adds, and what dynamic LuGre would add."""
-    study = getattr(laboratory, of).only(positions=["p1"], speeds=[speed])
+    study = getattr(studies, of).only(positions=["p1"], speeds=[speed])
     figure = joint_loops_figure(study, beside="lugre_dynamic")
     return [_name(figure, name, "Friction and added torque of each joint over speed")]
 
 
-def training(laboratory: Laboratory, name: str, of: str) -> list[ReportFigure]:
+def training(studies: ThesisStudies, name: str, of: str) -> list[ReportFigure]:
     """Mean squares of error and learning signal of each network over iterations; all learn on one motion."""
-    joints = (laboratory.axis if of == "axis_learning" else laboratory.robot).joints
+    joints = (studies.axis if of == "axis_learning" else studies.robot).joints
     found = {
-        law_styles([law])[law].label: {what: lefts(laboratory, of, law, what) for what in ("error", "signal")}
-        for law in getattr(laboratory, of)
+        law_styles([law])[law].label: {what: lefts(studies, of, law, what) for what in ("error", "signal")}
+        for law in getattr(studies, of)
     }
     title = "Mean squares of error and learning signal over iterations"
     return [ReportFigure(name, title, training_caption(found, joints), training_figure(found, joints))]
 
 
-def basis(laboratory: Laboratory, name: str) -> list[ReportFigure]:
+def basis(studies: ThesisStudies, name: str) -> list[ReportFigure]:
     """Basis functions of a B-spline network."""
     basis = SplineBasis()
     speeds = np.linspace(basis.knots[0], basis.knots[-1], 8001)
@@ -103,25 +103,25 @@ def basis(laboratory: Laboratory, name: str) -> list[ReportFigure]:
     return [ReportFigure(name, "Basis functions of a network", caption, basis_figure(speeds, curves, FINE_RANGE))]
 
 
-def feedback_over_speed(laboratory: Laboratory, name: str) -> list[ReportFigure]:
+def feedback_over_speed(studies: ThesisStudies, name: str) -> list[ReportFigure]:
     """Feedback of each joint at p1, 100 mm/s."""
-    speeds = ", ".join(f"{speed:.3g}" for speed in top_speeds(laboratory, 0.100))
+    speeds = ", ".join(f"{speed:.3g}" for speed in top_speeds(studies, 0.100))
     caption = f"No compensation, p1, 100 mm/s, without standstill. Largest speeds: {speeds} rad/s."
-    figure = feedback_over_speed_figure(laboratory.lugre_circles.recordings["none", "p1", 0.100])
+    figure = feedback_over_speed_figure(studies.lugre_circles.recordings["none", "p1", 0.100])
     return [ReportFigure(name, "Feedback over motor speed", caption, figure)]
 
 
-def feedback_parts(laboratory: Laboratory, name: str) -> list[ReportFigure]:
+def feedback_parts(studies: ThesisStudies, name: str) -> list[ReportFigure]:
     """Feedback of joint 2 at p1, 10 mm/s, and its integral part."""
     title = "Feedback of joint 2 with and without its integral part"
     caption = "No compensation, p1, 10 mm/s. The integral part carries gravity, so that u_p has no offset."
-    figure = feedback_parts_figure(laboratory.lugre_circles.recordings["none", "p1", 0.010], joint=1)
+    figure = feedback_parts_figure(studies.lugre_circles.recordings["none", "p1", 0.010], joint=1)
     return [ReportFigure(name, title, caption, figure)]
 
 
-def static_friction(laboratory: Laboratory, name: str) -> list[ReportFigure]:
+def static_friction(studies: ThesisStudies, name: str) -> list[ReportFigure]:
     """Friction of joint 1 at constant speeds."""
-    measured = laboratory.joint_1
+    measured = studies.joint_1
     caption = f"{measured.joint} of a workcell; without what both directions do not share. "
     title = "Friction at constant speeds, and the identified static model"
     figure = stribeck_figure(measured.found)
@@ -129,42 +129,42 @@ def static_friction(laboratory: Laboratory, name: str) -> list[ReportFigure]:
 
 
 def records_over_speed(
-    laboratory: Laboratory, name: str, what: str, numbers: Sequence[int], models: Sequence[str]
+    studies: ThesisStudies, name: str, what: str, numbers: Sequence[int], models: Sequence[str]
 ) -> list[ReportFigure]:
     """Friction of records of joint 1 over motor speed, one panel each, with models."""
-    measured = laboratory.joint_1
+    measured = studies.joint_1
     shown, curves = [measured.records[number] for number in numbers], {each: measured.model(each) for each in models}
     figure = friction_loops_figure(shown, measured.index, curves, known=measured.known)
-    return [ReportFigure(name, what, _records_caption(laboratory, numbers, models), figure)]
+    return [ReportFigure(name, what, _records_caption(studies, numbers, models), figure)]
 
 
 def record_over_both(
-    laboratory: Laboratory, name: str, what: str, number: int, models: Sequence[str]
+    studies: ThesisStudies, name: str, what: str, number: int, models: Sequence[str]
 ) -> list[ReportFigure]:
     """Friction of one record over time (a) and over motor speed (b)."""
-    measured = laboratory.joint_1
+    measured = studies.joint_1
     curves = {each: measured.model(each) for each in models}
     over_time = friction_over_time_figure(measured.records[number], measured.index, curves, known=measured.known)
-    caption = _records_caption(laboratory, [number], models)
+    caption = _records_caption(studies, [number], models)
     return [
         ReportFigure(f"{name}a", f"{what}, over time", caption, over_time),
-        *records_over_speed(laboratory, f"{name}b", f"{what}, over speed", [number], models),
+        *records_over_speed(studies, f"{name}b", f"{what}, over speed", [number], models),
     ]
 
 
-def _records_caption(laboratory: Laboratory, numbers: Sequence[int], models: Sequence[str]) -> str:
+def _records_caption(studies: ThesisStudies, numbers: Sequence[int], models: Sequence[str]) -> str:
     named = {each.number: each for each in FRICTION_RECORDS}
     shown = ", ".join(f"{named[n].amplitude:g} sin(2π {named[n].frequency:g} t) (record {n})" for n in numbers)
-    caption = f"Speed of the motor {shown}; {laboratory.joint_1.joint} of a workcell."
+    caption = f"Speed of the motor {shown}; {studies.joint_1.joint} of a workcell."
     for model in models:
-        shares = ", ".join(f"{record_share(laboratory, number, model):.0%}" for number in numbers)
+        shares = ", ".join(f"{record_share(studies, number, model):.0%}" for number in numbers)
         caption += f" RMS error of the {model} model over RMS friction: {shares}."
     return caption
 
 
-def network_torque(laboratory: Laboratory, name: str, of: str, network: str) -> list[ReportFigure]:
+def network_torque(studies: ThesisStudies, name: str, of: str, network: str) -> list[ReportFigure]:
     """A NARX network in free run and the LuGre model."""
-    found = getattr(laboratory, of)[network]
+    found = getattr(studies, of)[network]
     parts = [
         f"{what}: free run {spread(found.errors[record].simulation.fit)} %, "
         f"one step {spread(found.errors[record].prediction.fit)} %"
@@ -173,15 +173,15 @@ def network_torque(laboratory: Laboratory, name: str, of: str, network: str) -> 
     starts = found.model.n_joints
     caption = f"Fit, median of {starts} random starts (least to most); {'; '.join(parts)}. Drawn is the free run."
     title = f"NARX network of {found.candidate.label} and the LuGre model"
-    return [ReportFigure(name, title, caption, narx_figure(found, laboratory.narx_records))]
+    return [ReportFigure(name, title, caption, narx_figure(found, studies.narx_records))]
 
 
-def reach_of_networks(laboratory: Laboratory) -> list[ReportFigure]:
+def reach_of_networks(studies: ThesisStudies) -> list[ReportFigure]:
     """Fits of extended NARX networks to motions that they were not fitted to."""
-    names = [ESTIMATION, VALIDATION, *map(record_name, VALIDATING), *laboratory.narx_reach]
+    names = [ESTIMATION, VALIDATION, *map(record_name, VALIDATING), *studies.narx_reach]
     fits = {
         fit.candidate.label: np.stack([fit.errors[name].simulation.fit for name in names], axis=1)
-        for fit in laboratory.narx_extended.values()
+        for fit in studies.narx_extended.values()
     }
     title = "Fit of the networks on motions they were not fitted to"
     caption = (
@@ -189,14 +189,14 @@ def reach_of_networks(laboratory: Laboratory) -> list[ReportFigure]:
         "errs more than the mean torque would, and is not drawn. The four on the right are unlike all records of "
         "Table 6.1; A in rad/s, f in Hz."
     )
-    floors = np.array([fit_of_static(laboratory, name) for name in names])
+    floors = np.array([fit_of_static(studies, name) for name in names])
     return [ReportFigure("narx-reach", title, caption, fits_figure(fits, floors, names))]
 
 
-def agents(laboratory: Laboratory, name: str) -> list[ReportFigure]:
+def agents(studies: ThesisStudies, name: str) -> list[ReportFigure]:
     """Mean path errors of every agent."""
-    titles = {each.law.name: each.entry.title for each in laboratory.contenders}
-    errors = {titles[law]: values for law, values in mean_rms(laboratory).items()}
+    titles = {each.law.name: each.entry.title for each in studies.contenders}
+    errors = {titles[law]: values for law, values in mean_rms(studies).items()}
     caption = "Mean RMS path error over 12 circles at each speed, logarithmic."
     return [
         ReportFigure(
@@ -205,16 +205,16 @@ def agents(laboratory: Laboratory, name: str) -> list[ReportFigure]:
     ]
 
 
-def stability(laboratory: Laboratory, name: str) -> list[ReportFigure]:
+def stability(studies: ThesisStudies, name: str) -> list[ReportFigure]:
     """Learning of a static network on one axis at several rates."""
-    arm = RigidArm(laboratory.axis)
-    trial = SimulatedTrial(arm=arm, n_threads=laboratory.n_threads)
+    arm = RigidArm(studies.axis)
+    trial = SimulatedTrial(arm=arm, n_threads=studies.n_threads)
     curves = learning_curves(StaticBSN.zero(1), trial, thesis_motions(arm)[0], RATES, ITERATIONS)
     return [_name(learning_figure(curves), name, "Learning at several rates, predicted and simulated")]
 
 
-def draw_reidentified(laboratory: Laboratory, name: str, of: str) -> list[ReportFigure]:
+def draw_reidentified(studies: ThesisStudies, name: str, of: str) -> list[ReportFigure]:
     """Motor errors with old and with identified parameters."""
-    study = getattr(laboratory, of)
+    study = getattr(studies, of)
     title = "RMS motor position error per joint, with old and with identified parameters"
     return [_name(motor_error_figure(study), name, title)]

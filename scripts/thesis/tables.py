@@ -11,9 +11,9 @@ from ffgym.paths import SPEEDS
 from ffgym.published import ESTIMATION_RECORDS, FRICTION_RECORDS
 from ffgym.report import SpeedTable, Table, circle_tables
 from ffgym.report.circles.comparison import percent
-from scripts.thesis.laboratory import IDENTIFIED, Laboratory
 from scripts.thesis.measures import gone, path, static_of
 from scripts.thesis.narx import ESTIMATION, VALIDATION, NarxFit, record_name
+from scripts.thesis.studies import IDENTIFIED, ThesisStudies
 
 VALIDATING = [each.number for each in FRICTION_RECORDS if each.number not in ESTIMATION_RECORDS]
 """Set V of thesis 6.1.2."""
@@ -21,20 +21,20 @@ OLD = "lugre_dynamic"
 """Dynamic LuGre with the parameters that the controller's model carries."""
 
 
-def circles(laboratory: Laboratory, of: str, speed: float) -> list[SpeedTable]:
+def circles(studies: ThesisStudies, of: str, speed: float) -> list[SpeedTable]:
     """Path errors beside published ones at one speed."""
-    return circle_tables(getattr(laboratory, of).only(speeds=[speed]))
+    return circle_tables(getattr(studies, of).only(speeds=[speed]))
 
 
-def network_circles(laboratory: Laboratory, of: str, speed: float) -> list[SpeedTable]:
+def network_circles(studies: ThesisStudies, of: str, speed: float) -> list[SpeedTable]:
     """The same of both networks and no compensation."""
     laws = ["none", "bsn_static", "bsn_extended"]
-    return circle_tables(getattr(laboratory, of).only(laws=laws, speeds=[speed]))
+    return circle_tables(getattr(studies, of).only(laws=laws, speeds=[speed]))
 
 
-def parameters(laboratory: Laboratory) -> Table:
+def parameters(studies: ThesisStudies) -> Table:
     """The six parameters of joint 1: published, identified, before."""
-    measured, thesis = laboratory.joint_1, laboratory.axis.friction  # the one axis carries (6.9) and (6.18)
+    measured, thesis = studies.joint_1, studies.axis.friction  # the one axis carries (6.9) and (6.18)
     rows = tuple(
         (
             f"{name.replace('_', ' ')} [{estimate.unit}]",
@@ -54,9 +54,9 @@ def parameters(laboratory: Laboratory) -> Table:
     )
 
 
-def records(laboratory: Laboratory) -> Table:
+def records(studies: ThesisStudies) -> Table:
     """The fifteen records, and what both models leave of them."""
-    after, before = (laboratory.joint_1.errors_of(model) for model in ("identified", "original"))
+    after, before = (studies.joint_1.errors_of(model) for model in ("identified", "original"))
     rows = tuple(
         (
             f"{each.number}",
@@ -77,17 +77,17 @@ def records(laboratory: Laboratory) -> Table:
     )
 
 
-def mean_rms(laboratory: Laboratory) -> dict[str, list[float]]:
+def mean_rms(studies: ThesisStudies) -> dict[str, list[float]]:
     """Mean RMS path error [mm] of every agent over the 12 circles at each speed, by law."""
     return {
-        each.law.name: [path(laboratory, "all_circles", each.law.name, speed=speed) or 0.0 for speed in SPEEDS]
-        for each in laboratory.contenders
+        each.law.name: [path(studies, "all_circles", each.law.name, speed=speed) or 0.0 for speed in SPEEDS]
+        for each in studies.contenders
     }
 
 
-def agents(laboratory: Laboratory) -> Table:
+def agents(studies: ThesisStudies) -> Table:
     """List what each agent may know, how much it tried, and its mean path errors."""
-    errors = mean_rms(laboratory)
+    errors = mean_rms(studies)
 
     def error(value: float, without: float) -> str:
         """An error [mm] in micrometres, and how it compares to that without compensation."""
@@ -101,7 +101,7 @@ def agents(laboratory: Laboratory) -> Table:
             f"{each.robot_seconds:.0f}",
             *map(error, errors[each.law.name], errors["none"]),
         )
-        for each in laboratory.contenders
+        for each in studies.contenders
     )
     missing = [f"{entry.title} ({entry.package})" for entry in CATALOGUE.values() if not entry.is_available]
     left_out = f" Left out, as a package is not installed: {', '.join(missing)}." if missing else ""
@@ -120,12 +120,12 @@ def agents(laboratory: Laboratory) -> Table:
     )
 
 
-def networks(laboratory: Laboratory) -> Table:
+def networks(studies: ThesisStudies) -> Table:
     """Fits of every NARX network, and of the static curve."""
-    floor = {name: fit_of_static(laboratory, name) for name in (ESTIMATION, VALIDATION, *map(record_name, VALIDATING))}
+    floor = {name: fit_of_static(studies, name) for name in (ESTIMATION, VALIDATION, *map(record_name, VALIDATING))}
     on_v = [floor[record_name(number)] for number in VALIDATING]
     static = [f"{floor[ESTIMATION]:.1f}", f"{floor[VALIDATION]:.1f}", "", f"{np.median(on_v):.1f}", f"{min(on_v):.1f}"]
-    fits = (laboratory.narx_published | laboratory.narx_extended).values()
+    fits = (studies.narx_published | studies.narx_extended).values()
     return Table.of_rows(
         headings=(
             "network",
@@ -149,9 +149,9 @@ def columns_of(fit: NarxFit) -> list[Array]:
     return [*sines, fit.errors[VALIDATION].prediction.fit, np.median(on_v, axis=0), on_v.min(axis=0)]
 
 
-def fit_of_static(laboratory: Laboratory, record: str) -> float:
+def fit_of_static(studies: ThesisStudies, record: str) -> float:
     """Fit of the static curve to a record [%]."""
-    return float(static_of(laboratory, record).fit[0])
+    return float(static_of(studies, record).fit[0])
 
 
 def spread(values: Array) -> str:
@@ -159,15 +159,15 @@ def spread(values: Array) -> str:
     return f"{np.median(values):.1f} ({values.min():.1f} to {values.max():.1f})"
 
 
-def list_reidentified(laboratory: Laboratory, of: str) -> Table:
+def list_reidentified(studies: ThesisStudies, of: str) -> Table:
     """Mean path errors with old and with identified parameters."""
-    study = getattr(laboratory, of)
+    study = getattr(studies, of)
     rows = []
     for speed in dict.fromkeys(key[2] for key in study.recordings):
         cells = {law: study.only(laws=[law], speeds=[speed]).cells for law in ("none", OLD, IDENTIFIED)}
         better = [new.rms_mm < old.rms_mm for new, old in zip(cells[IDENTIFIED], cells[OLD], strict=True)]
         means = [f"{np.mean([cell.rms_mm for cell in each]):.4f}" for each in cells.values()]
-        less = percent(gone(laboratory, of, IDENTIFIED, than=OLD, speed=speed))
+        less = percent(gone(studies, of, IDENTIFIED, than=OLD, speed=speed))
         rows.append((f"{speed * 1e3:g} mm/s", *means, less, f"{sum(better)} of {len(better)}"))
     return Table.of_rows(
         headings=("", "none [mm]", "old [mm]", "identified [mm]", "identified against old", "circles with less"),
@@ -176,9 +176,9 @@ def list_reidentified(laboratory: Laboratory, of: str) -> Table:
     )
 
 
-def old_and_identified(laboratory: Laboratory) -> Table:
+def old_and_identified(studies: ThesisStudies) -> Table:
     """Parameters of all joints of the workcell."""
-    found = laboratory.all_joints.found
+    found = studies.all_joints.found
     names = [estimate.name.removeprefix("friction.").replace("_", " ") for estimate in found.joints[0].estimates]
 
     def change(each: Any) -> str:

@@ -10,7 +10,7 @@ from ffgym.diagnosis.log import assemble_log
 from ffgym.diagnosis.noise import NullSimulation, estimate_noise
 from ffgym.diagnosis.replay import replay
 from ffgym.simulation.plant import Machine
-from scripts.exam.independent.question import hand_out
+from scripts.exam.independent.question import draw_task
 from scripts.exam.independent.sensors import QUIET, TORQUE_NOISE, Columns
 
 
@@ -33,11 +33,11 @@ def test_no_motion_has_much_less_noise_than_all_though_an_encoder_shows_none_whi
 def test_what_a_model_foretells_above_the_band_of_motions_is_no_noise(row_dt):
     """Quiet sensors of a rigid arm that reverses: its torque has more above 38 Hz than their noise."""
     plain = Columns(tracker=False, set_points=False, feedback=False, speed=False, temperature=False)
-    paper = hand_out(
+    task = draw_task(
         "clean", 0, seed=4, n=2, elastic=False, noise="quiet", row_dt=row_dt, control="documented", columns=plain
     )
-    run = replay(assemble_log(paper.robot, paper.log), Machine.of(paper.robot))
-    true = QUIET * TORQUE_NOISE * paper.robot.friction.coulomb
+    run = replay(assemble_log(task.robot, task.log), Machine.of(task.robot))
+    true = QUIET * TORQUE_NOISE * task.robot.friction.coulomb
     assert np.median(estimate_noise(run).torque / true) < 2.0
 
 

@@ -4,8 +4,8 @@ import pytest
 
 from ffgym.core.errors import FFGymError
 from scripts.exam.marks import Mark
-from scripts.exam.paper import Truth
 from scripts.exam.report import GOOD, PART, SILENT, TIE, WRONG, outcomes_figure, sum_up
+from scripts.exam.tasks import Truth
 
 
 def mark(row="single", outcome="right", verdict="named", loudness=20.0, number=0):

@@ -2,7 +2,7 @@ from .estimate import Estimate as Estimate
 from .friction import FrictionIdentification as FrictionIdentification
 from .friction import Validation as Validation
 from .friction import identify_friction as identify_friction
-from .friction import predicted_friction as predicted_friction
+from .friction import predict_friction as predict_friction
 from .friction import validate as validate
 from .friction_data import FrictionTorque as FrictionTorque
 from .friction_data import ModelError as ModelError

@@ -120,8 +120,8 @@ class Validation:
         return 1 - (self.rms_error / self.rms_friction) ** 2
 
 
-def predicted_friction(friction: LuGreParameters, torque: FrictionTorque) -> Array:
-    """Friction of a LuGre model along the measured speeds, filtered as they are [N m], shape (T, N), thesis (6.16)."""
+def predict_friction(friction: LuGreParameters, torque: FrictionTorque) -> Array:
+    """Predict the friction of a LuGre model along measured speeds, filtered alike [N m], (T, N), thesis (6.16)."""
     law = DynamicLuGreExact(friction, n_substeps=1)
     signals = torque.signals
     return signals.low_pass(law.along(signals.motor_dq, signals.dt), signals.dt)
@@ -141,7 +141,7 @@ def validate(
     found = []
     for torque in torques:
         measured = torque.friction - (0.0 if model_error is None else model_error.torque(torque))
-        error = measured - predicted_friction(friction, torque)
+        error = measured - predict_friction(friction, torque)
         # rows from where bristles have forgotten how they began; at rest they never do
         way = np.cumsum(np.abs(torque.signals.motor_dq), axis=0) * torque.signals.dt
         forgotten = way > travel * friction.static / friction.bristle_stiffness

@@ -12,7 +12,7 @@ from ffgym.diagnosis.identification import (
     FrictionTorque,
     JointFriction,
     ModelError,
-    predicted_friction,
+    predict_friction,
 )
 from ffgym.report.figure import panels
 from ffgym.robot.friction import LuGreParameters
@@ -136,7 +136,7 @@ def _draw_models(
         measured = measured - known.torque(torque)[:, joint]
     axes.plot(over[valid], measured[valid], color=MEASURED, linewidth=width, label="measured")
     for (name, friction), (colour, line) in zip(models.items(), LINES, strict=False):
-        model = predicted_friction(friction, torque)[:, joint]
+        model = predict_friction(friction, torque)[:, joint]
         axes.plot(over[valid], model[valid], color=colour, linestyle=line, linewidth=1.2, label=name)
 
 

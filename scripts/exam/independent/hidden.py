@@ -14,7 +14,7 @@ from scripts.exam.equations import Clue
 from scripts.exam.independent.arm import join
 from scripts.exam.independent.machine import Numbers, with_fault
 from scripts.exam.independent.sensors import Columns, View
-from scripts.exam.paper import Truth
+from scripts.exam.tasks import Truth
 
 _LIMIT_OF_OFFSET = 0.1
 """Largest offset of a torque [N m]: of an effect that the library finds plausible."""

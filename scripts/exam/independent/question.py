@@ -1,4 +1,4 @@
-"""Questions of the second exam by seed, and how they are handed out."""
+"""Draw tasks of the second exam by seed."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -14,7 +14,7 @@ from scripts.exam.independent.loudness import loudness
 from scripts.exam.independent.machine import numbers_of
 from scripts.exam.independent.sensors import Exact, record_log
 from scripts.exam.independent.setup import Setup, draw_setup, simulate_machines
-from scripts.exam.paper import Paper, Row
+from scripts.exam.tasks import Row, Task
 
 COUNTS: Mapping[Row, int] = MappingProxyType({"clean": 200, "single": 180, "outside": 30})
 """Questions of a whole exam, by row: nothing hidden; an effect; one outside the library."""
@@ -33,14 +33,14 @@ _DRAWS = 20
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class IndependentPaper(Paper):
+class IndependentTask(Task):
     """A question about a drawn machine."""
 
     setup: Setup
     """The machine, without what is hidden."""
 
 
-def hand_out(row: Row, number: int, *, seed: int, **fixed: Any) -> IndependentPaper:
+def draw_task(row: Row, number: int, *, seed: int, **fixed: Any) -> IndependentTask:
     """Question `number` of a row, which these and the seed decide alone; `fixed` is not drawn, see `drawn_setup`.
 
     Raises:
@@ -66,7 +66,7 @@ def hand_out(row: Row, number: int, *, seed: int, **fixed: Any) -> IndependentPa
         current_offset=setup.current_offset,
         rng=rng,
     )
-    return IndependentPaper(
+    return IndependentTask(
         row=row,
         number=number,
         robot=setup.robot,

@@ -7,7 +7,7 @@ import pytest
 from friction_samples import ladder, measured, sines
 
 from ffgym.core.errors import FFGymError
-from ffgym.diagnosis.identification import friction_torques, identify_friction, predicted_friction, validate
+from ffgym.diagnosis.identification import friction_torques, identify_friction, predict_friction, validate
 from ffgym.diagnosis.identification.bristle_fit import NAMES, fit_bristles
 from ffgym.diagnosis.settings import use_settings
 from ffgym.published import ESTIMATION_RECORDS
@@ -85,7 +85,7 @@ def test_predicted_friction_is_that_of_the_plant(axis, exact):
     (torque, _) = friction_torques(axis, exact[2])
     true = torque.signals.low_pass(exact[2][0].joint_array("friction.effort"), torque.signals.dt)
     rows = slice(1500, -1500)
-    assert np.abs(predicted_friction(axis.robot.friction, torque) - true)[rows].max() < 0.02
+    assert np.abs(predict_friction(axis.robot.friction, torque) - true)[rows].max() < 0.02
     assert np.abs(torque.friction - true)[rows].max() < 0.01
 
 

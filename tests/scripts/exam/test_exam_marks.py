@@ -15,9 +15,9 @@ from scripts.exam.exams import EXAMS
 from scripts.exam.gain import gain_of
 from scripts.exam.hidden import Hidden
 from scripts.exam.marks import Gain, finds, mark_of, read_marks, write_marks
-from scripts.exam.paper import Paper
 from scripts.exam.report import figures_text, misses_text, outcomes_text
 from scripts.exam.tables import table
+from scripts.exam.tasks import Task
 
 
 def cause(effect, joint, *sizes, **fixed):
@@ -46,11 +46,11 @@ def says(verdict, *causes, **more):
 
 
 @pytest.fixture
-def paper(irb4600):
+def task(irb4600):
     """A function that hands out a question with some effects in it, nothing recorded."""
 
     def make(*hidden, loudness=20.0, row="single", number=0):
-        return Paper(
+        return Task(
             row=row,
             number=number,
             robot=irb4600,
@@ -95,8 +95,8 @@ RIGHT, OTHER = cause("load_friction", "j2"), cause("payload", "")
     ],
     ids=lambda x: x.verdict if isinstance(x, Diagnosis) else str(x),
 )
-def test_an_answer_to_one_hidden_effect_is_mark_of(paper, load, answer, outcome, first, wrongly):
-    mark = mark_of(paper(load), answer)
+def test_an_answer_to_one_hidden_effect_is_mark_of(task, load, answer, outcome, first, wrongly):
+    mark = mark_of(task(load), answer)
     assert (mark.outcome, mark.first_is_right, mark.names_wrongly) == (outcome, first, wrongly)
 
 
@@ -110,42 +110,42 @@ def test_an_answer_to_one_hidden_effect_is_mark_of(paper, load, answer, outcome,
     ],
     ids=["both", "one", "one and another", "both and another"],
 )
-def test_of_a_pair_both_must_be_named(paper, load, cogging, causes, outcome):
-    assert mark_of(paper(load, cogging, row="pair"), says("named", *causes)).outcome == outcome
+def test_of_a_pair_both_must_be_named(task, load, cogging, causes, outcome):
+    assert mark_of(task(load, cogging, row="pair"), says("named", *causes)).outcome == outcome
 
 
 @pytest.mark.parametrize(
     ("listed", "outcome"), [((("cogging", "j3"),), "tie"), ((("payload", ""),), "part"), ((), "part")]
 )
-def test_of_a_pair_both_must_be_in_a_tie(paper, load, cogging, listed, outcome):
+def test_of_a_pair_both_must_be_in_a_tie(task, load, cogging, listed, outcome):
     answer = says("ambiguous", RIGHT, rivals=tuple(rival(*one) for one in listed))
-    assert mark_of(paper(load, cogging, row="pair"), answer).outcome == outcome
+    assert mark_of(task(load, cogging, row="pair"), answer).outcome == outcome
 
 
-def test_a_variant_is_named_by_the_effect_that_it_is_of(paper, irb4600):
+def test_a_variant_is_named_by_the_effect_that_it_is_of(task, irb4600):
     hidden = Hidden(effect=two_wave_cogging.on(irb4600, "j1", amplitude=0.1, cycles=6.0, phase=0.0), joint="j1")
-    mark = mark_of(paper(hidden), says("named", cause("cogging", "j1", cycles=6.04)))
+    mark = mark_of(task(hidden), says("named", cause("cogging", "j1", cycles=6.04)))
     assert mark.outcome == "right"
     assert mark.cycles_off == pytest.approx(0.04)
     assert mark.sizes == ()  # sizes of two equations are not the same
 
 
-def test_of_two_waves_that_are_named_the_main_one_counts_whichever_comes_first(paper, irb4600):
+def test_of_two_waves_that_are_named_the_main_one_counts_whichever_comes_first(task, irb4600):
     hidden = Hidden(effect=two_wave_cogging.on(irb4600, "j1", amplitude=0.1, cycles=6.0, phase=0.0), joint="j1")
     waves = [
         cause("cogging", "j1", cycles=12.01),
         cause("cogging", "j1", cycles=5.97),
         cause("cogging", "j2", cycles=6),
     ]
-    mark = mark_of(paper(hidden), says("named", *waves))
+    mark = mark_of(task(hidden), says("named", *waves))
     assert mark.cycles_off == pytest.approx(-0.03)
 
 
-def test_an_effect_outside_the_library_has_no_right_name(paper, irb4600):
+def test_an_effect_outside_the_library_has_no_right_name(task, irb4600):
     effect = floor_vibration.on(irb4600, "j2", share=0.1, frequency=17.0, phase=0.0)
     hidden = Hidden(effect=effect, joint="j2")
-    named = mark_of(paper(hidden, row="outside"), says("named", OTHER))
-    unknown = mark_of(paper(hidden, row="outside"), says("unknown", patterns=(pattern("time", "line", 17.1),)))
+    named = mark_of(task(hidden, row="outside"), says("named", OTHER))
+    unknown = mark_of(task(hidden, row="outside"), says("unknown", patterns=(pattern("time", "line", 17.1),)))
     assert named.names_wrongly
     assert not named.clue_found
     assert unknown.clue_found
@@ -180,29 +180,29 @@ def test_the_strongest_pattern_of_the_joint_must_be_the_one(clue, patterns, foun
     assert finds(clue, patterns, "j2", ("j1", "j2", "j5")) is found
 
 
-def test_sizes_stand_beside_the_true_ones(paper, load):
+def test_sizes_stand_beside_the_true_ones(task, load):
     size = Size(name="share", value=0.053, unit="1", interval=(0.045, 0.06))
-    (mark,) = mark_of(paper(load), says("named", cause("load_friction", "j2", size))).sizes
+    (mark,) = mark_of(task(load), says("named", cause("load_friction", "j2", size))).sizes
     assert mark.error == pytest.approx(0.06)
     assert mark.is_covered
 
 
-def test_a_size_means_nothing_beside_another_shape(paper, irb4600):
+def test_a_size_means_nothing_beside_another_shape(task, irb4600):
     effect = EFFECTS["dwell_stiction"].on(irb4600, "j2", share=0.3, time=2.0, slip=0.02)
     size = Size(name="share", value=0.3, unit="1", interval=(0.2, 0.4))
-    hidden = paper(Hidden(effect=effect, joint="j2"))
+    hidden = task(Hidden(effect=effect, joint="j2"))
     near = mark_of(hidden, says("named", cause("dwell_stiction", "j2", size, time=2.1, slip=0.02)))
     far = mark_of(hidden, says("named", cause("dwell_stiction", "j2", size, time=0.3, slip=0.02)))
     assert len(near.sizes) == 1
     assert far.sizes == ()
 
 
-def test_marks_are_a_file_that_an_interrupted_exam_goes_on_with(paper, load, tmp_path):
+def test_marks_are_a_file_that_an_interrupted_exam_goes_on_with(task, load, tmp_path):
     place = tmp_path / "marks.jsonl"
     assert read_marks(place, EXAMS["own"].head(5)) == []
     gain = Gain(leftover=1.2, before=9e-6, after=2e-6)
-    first = mark_of(paper(load, number=1), says("named", RIGHT), seconds=3.0, same_bytes=True, gain=gain)
-    second = mark_of(paper(row="clean"), says("none"))
+    first = mark_of(task(load, number=1), says("named", RIGHT), seconds=3.0, same_bytes=True, gain=gain)
+    second = mark_of(task(row="clean"), says("none"))
     write_marks(place, EXAMS["own"].head(5), [first, second])
     assert read_marks(place, EXAMS["own"].head(5)) == [second, first]
     with pytest.raises(FFGymError, match="another seed"):
@@ -217,11 +217,11 @@ def got(marks, number, words):
     return line
 
 
-def test_figures_are_counted_in_their_bands(paper, load):
-    right = mark_of(paper(load, loudness=50.0), says("named", RIGHT))
-    tie = mark_of(paper(load, loudness=1.5), says("ambiguous", OTHER, rivals=(rival("load_friction", "j2"),)))
-    wrong = mark_of(paper(load, loudness=5.0), says("named", OTHER))
-    buried = mark_of(paper(load, loudness=1.1), says("none"))
+def test_figures_are_counted_in_their_bands(task, load):
+    right = mark_of(task(load, loudness=50.0), says("named", RIGHT))
+    tie = mark_of(task(load, loudness=1.5), says("ambiguous", OTHER, rivals=(rival("load_friction", "j2"),)))
+    wrong = mark_of(task(load, loudness=5.0), says("named", OTHER))
+    buried = mark_of(task(load, loudness=1.1), says("none"))
     marks = [right, right, tie, wrong, buried]
     assert got(marks, 2, "first").got == "100.0%"
     assert got(marks, 2, "wrong").is_met
@@ -234,15 +234,15 @@ def test_figures_are_counted_in_their_bands(paper, load):
     assert misses_text(marks).count("\n") == 2
 
 
-def test_a_clean_log_must_not_be_named(paper):
-    marks = [mark_of(paper(row="clean"), says("none")), mark_of(paper(row="clean", number=1), says("partly", OTHER))]
+def test_a_clean_log_must_not_be_named(task):
+    marks = [mark_of(task(row="clean"), says("none")), mark_of(task(row="clean", number=1), says("partly", OTHER))]
     line = got(marks, 1, "clean")
     assert (line.got, line.of, line.is_met) == ("1", 2, False)
 
 
-def test_a_poor_log_may_be_a_tie_that_a_proposed_motion_resolves(paper, load):
+def test_a_poor_log_may_be_a_tie_that_a_proposed_motion_resolves(task, load):
     tie = says("ambiguous", OTHER, rivals=(rival("load_friction", "j2"),))
-    marks = [mark_of(paper(load, row="poor"), tie, then="right"), mark_of(paper(load, row="poor"), says("none"))]
+    marks = [mark_of(task(load, row="poor"), tie, then="right"), mark_of(task(load, row="poor"), says("none"))]
     assert got(marks, 9, "wrong").is_met
     assert got(marks, 9, "tie").is_met
     assert got(marks, 9, "resolves").is_met

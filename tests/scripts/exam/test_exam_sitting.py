@@ -26,9 +26,9 @@ def said(verdict, **more):
 def test_what_a_poor_log_proposes_is_recorded_on_the_same_machine_and_diagnosed_with_it(monkeypatch):
     logs = []
 
-    def answer(exam, paper):
-        logs.append([recording.header.segment for recording in paper.log])
-        if len(paper.log) > 3:
+    def answer(exam, task):
+        logs.append([recording.header.segment for recording in task.log])
+        if len(task.log) > 3:
             return said("none")
         proposed = SeparatingMotion(
             between=("a", "b"), protocol="proposed", toml='[[step]]\nprotocol = "dwell_restart"\n', expected=1.0
@@ -45,13 +45,13 @@ def test_what_a_poor_log_proposes_is_recorded_on_the_same_machine_and_diagnosed_
 
 def test_every_so_often_a_question_is_answered_twice(monkeypatch):
     answers = iter([said("none"), said("none", threshold=0.1), said("none")])
-    monkeypatch.setattr(Exam, "answer", lambda exam, paper: next(answers))
+    monkeypatch.setattr(Exam, "answer", lambda exam, task: next(answers))
     assert examine(("poor_clean", 0), exam=OwnExam(), seed=1020).same_bytes is False
     assert examine(("poor_clean", 1), exam=OwnExam(), seed=1020).same_bytes is None
 
 
 def test_a_question_that_cannot_be_answered_says_which_it_is(monkeypatch):
-    def refuse(exam, paper):
+    def refuse(exam, task):
         raise FFGymError("no such log")
 
     monkeypatch.setattr(Exam, "answer", refuse)

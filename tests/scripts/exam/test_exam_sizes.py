@@ -13,8 +13,8 @@ from ffgym.core.errors import FFGymError
 from ffgym.effects import EFFECTS
 from scripts.exam.__main__ import main
 from scripts.exam.marks import Mark
-from scripts.exam.paper import Truth
 from scripts.exam.sizes import SizesExam, detectable_sizes, places_of, share_of, size_of, sizes_figure, sizes_text
+from scripts.exam.tasks import Truth
 
 PAGE = (Path(__file__).parents[3] / "docs" / "bench_diagnosis.md").read_text(encoding="utf-8")
 SECTION = PAGE.split("## A machine of your own")[1].split("\n## ")[0]

@@ -1,4 +1,4 @@
-"""Laboratories with made-up results, so that claims can be made to hold and to fail."""
+"""Studies with made-up results, so that claims can be made to hold and to fail."""
 
 from dataclasses import replace
 
@@ -6,7 +6,7 @@ import pytest
 
 from ffgym.control import NoCompensation
 from ffgym.studies import CircleStudy, circle_study
-from scripts.thesis import ITEMS, Laboratory
+from scripts.thesis import ITEMS, ThesisStudies
 from scripts.thesis.claims import judge
 
 POSITIONS, RADII, SPEEDS = ("p1", "p2", "p3", "p4"), (1.0, 3.0, 5.0), (0.010, 0.040, 0.100)
@@ -59,19 +59,19 @@ def made_up_circles(short):
 
 
 @pytest.fixture
-def laboratory() -> Laboratory:
-    """A laboratory; tests put results into it instead of simulating."""
-    return Laboratory()
+def studies() -> ThesisStudies:
+    """Studies; tests put results into it instead of simulating."""
+    return ThesisStudies()
 
 
 @pytest.fixture
-def verdict(laboratory):
-    """Function that judges a claim by what is put into the laboratory."""
+def verdict(studies):
+    """Function that judges a claim by what is put into the studies."""
     claims = {claim.name: claim for item in ITEMS for claim in item.claims}
 
     def judged(name, **results) -> str:
         for what, value in results.items():
-            setattr(laboratory, what, value)
-        return judge(claims[name], laboratory).verdict
+            setattr(studies, what, value)
+        return judge(claims[name], studies).verdict
 
     return judged

@@ -78,19 +78,19 @@ def test_more_is_gained_than_published_where_friction_vanishes(verdict, made_up_
     assert verdict("4.10-practice", lugre_circles=made_up_circles(LAWS)) == "does not hold"
 
 
-def test_the_circle_that_the_thesis_excepts_does_not_count(laboratory, made_up_circles):
+def test_the_circle_that_the_thesis_excepts_does_not_count(studies, made_up_circles):
     def excepted(law, speed, radius, position):
         worse = law == "lugre_dynamic" and (radius, position) == (5.0, "p3")
         return 2.0 if worse else as_told(law, speed, radius, position)
 
-    laboratory.lugre_circles = made_up_circles(LAWS, excepted)
-    checks = judge(CLAIMS["T4.1-dynamic"], laboratory).checks
+    studies.lugre_circles = made_up_circles(LAWS, excepted)
+    checks = judge(CLAIMS["T4.1-dynamic"], studies).checks
     assert len(checks) == 11
     assert all(check.true for check in checks)
 
 
-def test_only_the_circles_that_a_claim_speaks_of_count(laboratory, told):
-    laboratory.lugre_circles = told
-    checks = judge(CLAIMS["4.8-others"], laboratory).checks
+def test_only_the_circles_that_a_claim_speaks_of_count(studies, told):
+    studies.lugre_circles = told
+    checks = judge(CLAIMS["4.8-others"], studies).checks
     assert len(checks) == 4  # two laws on circles of 3 and 5 mm
     assert not any("r = 1 mm" in check.where for check in checks)

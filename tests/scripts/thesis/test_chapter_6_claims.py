@@ -22,36 +22,36 @@ def records(one_axis):
 
 
 @pytest.fixture
-def laboratory_with(laboratory, records):
-    """Function that puts NARX fits into the laboratory, whose errors in free run are given as shares of the torque.
+def studies_with(studies, records):
+    """Function that puts NARX fits into the studies, whose errors in free run are given as shares of the torque.
 
     Args:
         free_run: share by network and record.
         one_step: the same one step ahead, of all networks and records.
         rising: error in validation of all networks while the speed rises, over that while it falls.
     """
-    laboratory.narx_records, laboratory.narx_reach = records
+    studies.narx_records, studies.narx_reach = records
 
     def make(free_run, one_step=0.01, rising=1.0):
         fits = {}
         for name, candidate in LABELS.items():
             errors = {}
-            for record, samples in (laboratory.narx_records | laboratory.narx_reach).items():
+            for record, samples in (studies.narx_records | studies.narx_reach).items():
                 torque = np.repeat(samples.torque, STARTS, axis=1)
                 parts = [Misfit.of((1 + share) * torque, torque) for share in (one_step, free_run(name, record))]
                 errors[record] = Errors(prediction=parts[0], simulation=parts[1])
-            model = SimpleNamespace(n_joints=STARTS, simulate=lambda v: simulated(laboratory, v, rising))
+            model = SimpleNamespace(n_joints=STARTS, simulate=lambda v: simulated(studies, v, rising))
             fits[name] = NarxFit(candidate=candidate, model=model, errors=errors)
-        laboratory.narx_published = {each.name: fits[each.name] for each in PUBLISHED}
-        laboratory.narx_extended = {each.name: fits[each.name] for each in EXTENDED}
-        return laboratory
+        studies.narx_published = {each.name: fits[each.name] for each in PUBLISHED}
+        studies.narx_extended = {each.name: fits[each.name] for each in EXTENDED}
+        return studies
 
     return make
 
 
-def simulated(laboratory, motor_dq, rising):
+def simulated(studies, motor_dq, rising):
     """Torque that misses that of the validation data by 0.1 N m while the speed falls."""
-    torque = np.repeat(laboratory.narx_records[VALIDATION].torque, motor_dq.shape[1], axis=1)
+    torque = np.repeat(studies.narx_records[VALIDATION].torque, motor_dq.shape[1], axis=1)
     return torque + np.where(np.gradient(motor_dq, axis=0) > 0, 0.1 * rising, 0.1)
 
 
@@ -68,38 +68,38 @@ THESIS = ["6.10-estimation", "6.10-validation", "6.10-rising", "6.11-estimation"
 
 
 @pytest.mark.parametrize("name", [*THESIS, "narx-prediction", "narx-extension"])
-def test_a_claim_about_networks_holds_for_errors_as_told(name, laboratory_with):
-    assert judge(CLAIMS[name], laboratory_with(as_told, rising=1.5)).verdict == "holds"
+def test_a_claim_about_networks_holds_for_errors_as_told(name, studies_with):
+    assert judge(CLAIMS[name], studies_with(as_told, rising=1.5)).verdict == "holds"
 
 
 @pytest.mark.parametrize("name", ["6.10-validation", "6.11-estimation", "6.11-validation", "6.11-hysteresis"])
-def test_a_claim_that_compares_networks_fails_where_all_are_exact(name, laboratory_with):
-    assert judge(CLAIMS[name], laboratory_with(lambda network, record: 0.01)).verdict == "does not hold"
+def test_a_claim_that_compares_networks_fails_where_all_are_exact(name, studies_with):
+    assert judge(CLAIMS[name], studies_with(lambda network, record: 0.01)).verdict == "does not hold"
 
 
 @pytest.mark.parametrize("name", ["6.10-estimation", "narx-extension", "narx-reach"])
-def test_a_claim_of_a_good_fit_fails_where_none_is(name, laboratory_with):
-    assert judge(CLAIMS[name], laboratory_with(lambda network, record: 0.9)).verdict == "does not hold"
+def test_a_claim_of_a_good_fit_fails_where_none_is(name, studies_with):
+    assert judge(CLAIMS[name], studies_with(lambda network, record: 0.9)).verdict == "does not hold"
 
 
-def test_the_side_of_the_loop_that_fails_decides_about_positive_accelerations(laboratory_with):
-    assert judge(CLAIMS["6.10-rising"], laboratory_with(as_told, rising=0.5)).verdict == "does not hold"
+def test_the_side_of_the_loop_that_fails_decides_about_positive_accelerations(studies_with):
+    assert judge(CLAIMS["6.10-rising"], studies_with(as_told, rising=0.5)).verdict == "does not hold"
 
 
-def test_a_network_that_runs_as_well_as_it_predicts_is_not_warned_of(laboratory_with):
-    assert judge(CLAIMS["narx-prediction"], laboratory_with(as_told, one_step=0.1)).verdict == "does not hold"
+def test_a_network_that_runs_as_well_as_it_predicts_is_not_warned_of(studies_with):
+    assert judge(CLAIMS["narx-prediction"], studies_with(as_told, one_step=0.1)).verdict == "does not hold"
 
 
-def test_how_far_the_extension_reaches_is_told_motion_by_motion(laboratory_with):
-    judgement = judge(CLAIMS["narx-reach"], laboratory_with(as_told))
+def test_how_far_the_extension_reaches_is_told_motion_by_motion(studies_with):
+    judgement = judge(CLAIMS["narx-reach"], studies_with(as_told))
     assert judgement.verdict == "partly"
     assert [check.where for check in judgement.checks if not check.true] == [
         "within presliding: A = 0.05, f = 5, RMS error / RMS friction"
     ]
 
 
-def test_the_table_has_a_row_per_network_and_one_of_the_static_curve(laboratory_with):
+def test_the_table_has_a_row_per_network_and_one_of_the_static_curve(studies_with):
     [item] = [item for item in ITEMS if item.name == "narx"]
-    [table] = item.numbers(laboratory_with(as_told))
+    [table] = item.numbers(studies_with(as_told))
     assert [row[0] for row in table.rows] == [*(each.label for each in LABELS.values()), "static curve"]
     assert {len(row) for row in table.rows} == {len(table.headings)}

@@ -34,27 +34,27 @@ def test_equal_numbers_decide_against_a_claim():
 
 
 def claim_of(*truths: bool) -> Claim:
-    return Claim(name="c", statement="s", criterion="Because.", checks=lambda laboratory: checks(*truths))
+    return Claim(name="c", statement="s", criterion="Because.", checks=lambda studies: checks(*truths))
 
 
-def test_a_judgement_lists_its_numbers(laboratory):
-    text = judge(claim_of(True, False), laboratory).text
+def test_a_judgement_lists_its_numbers(studies):
+    text = judge(claim_of(True, False), studies).text
     assert text == "1 of 2 true: case 0: 0 < 1; case 1: 2 is not < 1."
 
 
-def test_of_many_comparisons_a_judgement_lists_those_that_are_not_true(laboratory):
-    assert judge(claim_of(*[True] * 9, False), laboratory).text == "9 of 10 true; not case 9: 2 is not < 1."
-    assert judge(claim_of(*[False] * 9), laboratory).text.endswith("and 6 more.")
+def test_of_many_comparisons_a_judgement_lists_those_that_are_not_true(studies):
+    assert judge(claim_of(*[True] * 9, False), studies).text == "9 of 10 true; not case 9: 2 is not < 1."
+    assert judge(claim_of(*[False] * 9), studies).text.endswith("and 6 more.")
 
 
-def test_of_many_true_comparisons_a_judgement_shows_the_closest(laboratory):
+def test_of_many_true_comparisons_a_judgement_shows_the_closest(studies):
     many = [Check(where=f"case {i}", value=i / 10, limit=1.0) for i in range(9)]
-    claim = Claim(name="c", statement="s", criterion="Because.", checks=lambda laboratory: many)
-    assert judge(claim, laboratory).text == "9 of 9 true, the closest case 8: 0.8 < 1."
+    claim = Claim(name="c", statement="s", criterion="Because.", checks=lambda studies: many)
+    assert judge(claim, studies).text == "9 of 9 true, the closest case 8: 0.8 < 1."
 
 
-def test_where_nothing_is_comparable_the_judgement_says_why(laboratory):
-    assert judge(claim_of(), laboratory).text == "Because."
+def test_where_nothing_is_comparable_the_judgement_says_why(studies):
+    assert judge(claim_of(), studies).text == "Because."
 
 
 CELLS = {name for _, each in getmembers(measures, isfunction) for name in signature(each).parameters}
@@ -78,9 +78,9 @@ def test_every_entry_of_the_table_is_a_cell_that_some_measure_asks_for_or_a_rule
     assert entries([*rows, *TABLE["kind"].values()]) <= ENTRIES
 
 
-def test_a_cell_of_a_row_counts_for_more_than_that_of_its_item(laboratory, made_up_circles):
-    laboratory.lugre_circles = made_up_circles(("none", "lugre_static"), lambda law, speed, *where: speed)
+def test_a_cell_of_a_row_counts_for_more_than_that_of_its_item(studies, made_up_circles):
+    studies.lugre_circles = made_up_circles(("none", "lugre_static"), lambda law, speed, *where: speed)
     row = {"where": "{law}, {mm_s:g} mm/s", "value": {"measure": "path"}, "limit": "1 - CLEAR", "speed": 0.04}
     cells = {"of": "lugre_circles", "law": "lugre_static", "position": "p1", "speed": 0.01}
-    [check] = compare(row, cells, TABLE, laboratory)
+    [check] = compare(row, cells, TABLE, studies)
     assert (check.where, check.value, check.limit) == ("static LuGre, 40 mm/s", pytest.approx(0.04), 0.75)

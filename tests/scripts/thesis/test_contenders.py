@@ -11,7 +11,7 @@ from ffgym.control import NoCompensation
 from ffgym.simulation import Run
 from scripts.thesis import ITEMS
 from scripts.thesis.claims import judge
-from scripts.thesis.laboratory import contender
+from scripts.thesis.studies import contender
 
 CLAIMS = {claim.name: claim for item in ITEMS for claim in item.claims}
 [AGENTS] = [item for item in ITEMS if item.name == "agents"]
@@ -46,23 +46,23 @@ def test_members_whose_packages_are_missing_are_left_out_and_named(compared, mon
 
 
 @pytest.fixture
-def compared(laboratory, made_up_circles):
-    """Function that puts path errors by law into the laboratory."""
+def compared(studies, made_up_circles):
+    """Function that puts path errors by law into the studies."""
 
     def put(errors):
-        laboratory.all_circles = made_up_circles(errors, lambda law, *where: errors[law])
-        laboratory.contenders = [
+        studies.all_circles = made_up_circles(errors, lambda law, *where: errors[law])
+        studies.contenders = [
             SimpleNamespace(entry=CATALOGUE[name], law=SimpleNamespace(name=name), trials=3, robot_seconds=42.0)
             for name in errors
         ]
-        return laboratory
+        return studies
 
     return put
 
 
 def test_the_table_compares_with_no_compensation(compared):
-    laboratory = compared({"none": 1.0, "lugre_dynamic": 0.5, "elastic": 0.05})
-    [table] = AGENTS.numbers(laboratory)
+    studies = compared({"none": 1.0, "lugre_dynamic": 0.5, "elastic": 0.05})
+    [table] = AGENTS.numbers(studies)
     assert [row[0] for row in table.rows] == ["no compensation", "dynamic LuGre", "elastic feed-forward"]
     assert table.rows[0][2:] == ("3", "42", *["1000"] * 3)
     assert table.rows[1][4:] == ("500 (50% less)",) * 3
@@ -82,5 +82,5 @@ def test_the_figure_has_a_line_per_law(compared):
 
 @pytest.mark.parametrize(("left", "verdict"), [(0.29, "holds"), (0.31, "does not hold")])
 def test_the_limit_is_broken_where_70_percent_of_it_is_gone(compared, left, verdict):
-    laboratory = compared({"lugre_dynamic": 1.0, "elastic": left})
-    assert judge(CLAIMS["agents-elastic"], laboratory).verdict == verdict
+    studies = compared({"lugre_dynamic": 1.0, "elastic": left})
+    assert judge(CLAIMS["agents-elastic"], studies).verdict == verdict

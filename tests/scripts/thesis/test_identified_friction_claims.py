@@ -31,13 +31,13 @@ def measured(one_axis):
 
 
 @pytest.fixture
-def with_old(laboratory, measured):
-    """Function that puts the measured joint into the laboratory, with scaled parameters as the original ones."""
+def with_old(studies, measured):
+    """Function that puts the measured joint into the studies, with scaled parameters as the original ones."""
 
     def put(**factors):
         prior = replace(measured.found.prior, friction=measured.found.friction.scale(**factors))
-        laboratory.joint_1 = replace(measured, found=replace(measured.found, prior=prior))
-        return laboratory
+        studies.joint_1 = replace(measured, found=replace(measured.found, prior=prior))
+        return studies
 
     return put
 
@@ -63,18 +63,18 @@ def test_a_joint_that_is_a_lugre_model_is_captured_at_every_speed(with_old):
     assert len(judgement.checks) == 2
 
 
-def test_a_model_that_is_wrong_is_no_good_fit(laboratory, measured, monkeypatch):
-    laboratory.joint_1 = measured
+def test_a_model_that_is_wrong_is_no_good_fit(studies, measured, monkeypatch):
+    studies.joint_1 = measured
     wrong = measured.found.friction.scale(coulomb=2.0, static=2.0)
     monkeypatch.setattr(type(measured.found), "friction", wrong)
     for name in ("6.3-fit", "6.4-fit", "6.5-fit"):
-        assert judge(CLAIMS[name], laboratory).verdict == "does not hold"
+        assert judge(CLAIMS[name], studies).verdict == "does not hold"
 
 
 def test_tables_show_every_parameter_and_every_record(with_old):
-    laboratory = with_old(**BAD)
-    [parameters] = ITEMS_BY_NAME["figure-6.1"].numbers(laboratory)
-    [records] = ITEMS_BY_NAME["table-6.1"].numbers(laboratory)
+    studies = with_old(**BAD)
+    [parameters] = ITEMS_BY_NAME["figure-6.1"].numbers(studies)
+    [records] = ITEMS_BY_NAME["table-6.1"].numbers(studies)
     published = ["0.5367", "0.5634", "0.0437", "0.15", "69.9787", "0.6753"]  # (6.9) and (6.18)
     assert [row[1] for row in parameters.rows] == published
     assert [row[0] for row in records.rows] == [str(number) for number in range(1, 16)]

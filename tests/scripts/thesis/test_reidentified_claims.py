@@ -14,8 +14,8 @@ LAWS = ("none", "lugre_dynamic", "lugre_identified")
 
 
 @pytest.fixture
-def with_errors(laboratory, made_up_circles):
-    """Function that puts circles into the laboratory: what the identified parameters leave of old errors, by speed."""
+def with_errors(studies, made_up_circles):
+    """Function that puts circles into the studies: what the identified parameters leave of old errors, by speed."""
 
     def put(slow, fast):
         left = {0.010: slow, 0.040: fast, 0.100: 1.0}
@@ -26,8 +26,8 @@ def with_errors(laboratory, made_up_circles):
         def motor(law, speed, position, joint):
             return 1e-3 * path(law, speed, None, position)
 
-        laboratory.reidentified_circles = made_up_circles(LAWS, path, motor).only(speeds=[0.010, 0.040])
-        return laboratory
+        studies.reidentified_circles = made_up_circles(LAWS, path, motor).only(speeds=[0.010, 0.040])
+        return studies
 
     return put
 
@@ -40,13 +40,13 @@ def test_the_claims_hold_where_identified_parameters_leave_less(name, with_error
 
 
 def test_the_tables_say_how_much_less_and_which_parameters_are_not_identified(with_errors):
-    laboratory = with_errors(0.8, 1.1)
+    studies = with_errors(0.8, 1.1)
     known = {"name": "friction.coulomb", "joint": "j1", "unit": "N m", "side": "motor", "value": 0.5, "prior": 0.6}
     sure = Estimate(**known, low=0.4, high=0.6, status="identified")
     unsure = Estimate(**known, low=0.0, high=9.0, status="wide")
     joint = SimpleNamespace(joint="j1", estimates=(sure, unsure))
-    laboratory.all_joints = SimpleNamespace(found=SimpleNamespace(joints=(joint,)))
-    errors, parameters = REIDENTIFIED.numbers(laboratory)
+    studies.all_joints = SimpleNamespace(found=SimpleNamespace(joints=(joint,)))
+    errors, parameters = REIDENTIFIED.numbers(studies)
     assert errors.rows[0] == ("10 mm/s", "9.0000", "1.0000", "0.8000", "20% less", "12 of 12")
     assert errors.rows[1][-2:] == ("10% more", "0 of 12")
     assert parameters.rows == (("j1", "0.6 → 0.5", "0.6 → 0.5 *"),)

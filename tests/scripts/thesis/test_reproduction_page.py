@@ -9,7 +9,7 @@ import pytest
 
 from ffgym.core.errors import FFGymError
 from ffgym.envs.machines import make_rig
-from scripts.thesis import ITEMS, Laboratory, as_json, chosen, count, fingerprints, render_page, reproduce
+from scripts.thesis import ITEMS, ThesisStudies, as_json, chosen, count, fingerprints, render_page, reproduce
 
 FIGURES = [f"figure-4.{n}" for n in range(2, 13)] + [f"figure-5.{n}" for n in (2, 3, *range(5, 21))]
 FIGURES += [f"figure-6.{n}" for n in (*range(1, 8), 10, 11)]
@@ -17,9 +17,9 @@ TABLES = ["table-4.1", "table-4.2", "table-5.1", "table-5.2", "table-6.1"]
 
 
 @pytest.fixture(scope="module")
-def sines() -> Laboratory:
-    """A laboratory that simulates; shared by tests that need the one axis only."""
-    return Laboratory()
+def sines() -> ThesisStudies:
+    """Studies that simulate; shared by tests that need the one axis only."""
+    return ThesisStudies()
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +44,7 @@ def test_names_of_items_and_claims_are_unique():
 
 @pytest.mark.slow
 def test_the_whole_reproduction_shows_and_judges_everything():
-    results = list(reproduce(ITEMS, Laboratory()))
+    results = list(reproduce(ITEMS, ThesisStudies()))
     page = render_page(results, {})
     names = [figure.name for result in results for figure in result.figures]
     assert len(set(names)) == len(names)
@@ -62,9 +62,9 @@ def test_the_whole_reproduction_shows_and_judges_everything():
     json.dumps(as_json(results, {}), allow_nan=False)
 
 
-def test_numbers_carry_the_fingerprint_of_every_machine(laboratory):
-    assert list(fingerprints(laboratory)) == ["irb4600_60_205", "one_axis", "workcell:thesis"]
-    assert fingerprints(laboratory)["workcell:thesis"] == make_rig("workcell:thesis").fingerprint
+def test_numbers_carry_the_fingerprint_of_every_machine(studies):
+    assert list(fingerprints(studies)) == ["irb4600_60_205", "one_axis", "workcell:thesis"]
+    assert fingerprints(studies)["workcell:thesis"] == make_rig("workcell:thesis").fingerprint
 
 
 def test_every_item_of_the_thesis_has_something_to_say_and_to_show():
@@ -73,9 +73,9 @@ def test_every_item_of_the_thesis_has_something_to_say_and_to_show():
             assert item.claims
 
 
-def test_the_page_has_every_item_exactly_once(laboratory):
+def test_the_page_has_every_item_exactly_once(studies):
     blank = {"claims": (), "figures": lambda _: (), "tables": lambda _: (), "numbers": lambda _: ()}
-    page = render_page(list(reproduce([replace(item, **blank) for item in ITEMS], laboratory)), {})
+    page = render_page(list(reproduce([replace(item, **blank) for item in ITEMS], studies)), {})
     for item in ITEMS:
         assert page.count(f'<section id="{item.name}">') == 1
         assert page.count(f"<h3>{item.heading}: ") == 1
@@ -115,9 +115,9 @@ def test_the_page_says_where_its_numbers_come_from(page):
     assert '<th class="l">numpy</th><td class="wrap"><code>9.9</code>' in page
 
 
-def test_a_table_stands_on_the_page_beside_the_published_numbers(laboratory, made_up_circles):
-    laboratory.lugre_circles = made_up_circles(("none", "lugre_static", "lugre_dynamic"), lambda *where: 0.125)
-    page = render_page(list(reproduce(chosen(ITEMS, ["table-4.1"]), laboratory)), {})
+def test_a_table_stands_on_the_page_beside_the_published_numbers(studies, made_up_circles):
+    studies.lugre_circles = made_up_circles(("none", "lugre_static", "lugre_dynamic"), lambda *where: 0.125)
+    page = render_page(list(reproduce(chosen(ITEMS, ["table-4.1"]), studies)), {})
     assert page.count('0.125 <span class="max">(0.250)</span>') == 36
     assert page.count('<td class="published">0.140 <span class="max">(0.31)</span>') == 1
 
@@ -135,7 +135,7 @@ def test_the_numbers_hold_every_claim_with_its_comparisons(results):
 
 
 def test_two_reproductions_find_the_same(results):
-    again = list(reproduce([result.item for result in results], Laboratory(n_threads=2)))
+    again = list(reproduce([result.item for result in results], ThesisStudies(n_threads=2)))
     assert as_json(again, {}) == as_json(results, {})
 
 

@@ -7,7 +7,7 @@ import pytest
 from scripts.exam import exams
 from scripts.exam.exams import IndependentExam, examine
 from scripts.exam.independent import question, robots
-from scripts.exam.independent.question import hand_out
+from scripts.exam.independent.question import draw_task
 from scripts.exam.independent.sensors import Columns
 from scripts.exam.marks import mark_of
 
@@ -41,8 +41,8 @@ def hiding(monkeypatch):
 
 @pytest.mark.parametrize(("n", "elastic"), [(1, False), pytest.param(2, True, marks=pytest.mark.slow)])
 def test_a_clean_log_is_clean(n, elastic, gears_that_keep_the_sign):
-    paper = hand_out("clean", 0, seed=3, n=n, elastic=elastic, **TIDY, **SHORT)
-    assert IndependentExam().answer(paper).verdict == "none"
+    task = draw_task("clean", 0, seed=3, n=n, elastic=elastic, **TIDY, **SHORT)
+    assert IndependentExam().answer(task).verdict == "none"
 
 
 @pytest.mark.parametrize(
@@ -58,25 +58,25 @@ def test_a_clean_log_is_clean(n, elastic, gears_that_keep_the_sign):
 def test_what_sensors_and_numbers_leave_open_is_no_fault(conditions):
     if conditions.get("columns") == "feedback":
         conditions = conditions | {"columns": replace(PLAIN, set_points=False, feedback=True)}
-    paper = hand_out("clean", 0, seed=5, **(TIDY | conditions))
-    assert IndependentExam().answer(paper).verdict == "none"
+    task = draw_task("clean", 0, seed=5, **(TIDY | conditions))
+    assert IndependentExam().answer(task).verdict == "none"
 
 
 @pytest.mark.slow
 def test_coriolis_torques_of_links_that_swing_are_no_fault():
     """Three fast elastic axes, whose quiet sensors hear a tenth of what their swinging takes."""
-    assert IndependentExam().answer(hand_out("clean", 7, seed=101)).verdict == "none"
+    assert IndependentExam().answer(draw_task("clean", 7, seed=101)).verdict == "none"
 
 
 def test_numbers_that_are_off_by_more_than_slopes_tell_are_no_fault():
     """Two elastic axes that are known to 5 %, and swing: slopes leave forty times the noise, and two wrong springs."""
-    assert IndependentExam().answer(hand_out("clean", 6, seed=1601)).verdict == "none"
+    assert IndependentExam().answer(draw_task("clean", 6, seed=1601)).verdict == "none"
 
 
 def test_an_effect_below_a_noise_floor_that_allows_for_too_much_is_named():
     """Sensors that are quieter than models foretell: a tenth of the floor is there, and load friction beside it."""
-    paper = hand_out("single", 3, seed=1601)
-    mark = mark_of(paper, IndependentExam().answer(paper))
+    task = draw_task("single", 3, seed=1601)
+    mark = mark_of(task, IndependentExam().answer(task))
     assert mark.outcome == "right"
     assert all(size.is_covered for size in mark.sizes)
 
@@ -93,16 +93,16 @@ def test_an_effect_below_a_noise_floor_that_allows_for_too_much_is_named():
 )
 def test_a_loud_effect_is_named(name, n, gears_that_keep_the_sign, hiding):
     hiding(name)
-    paper = hand_out("single", 0, seed=3, n=n, elastic=True, **TIDY, **SHORT)
-    assert paper.truth[0].loudness > 10
-    mark = mark_of(paper, IndependentExam().answer(paper))
+    task = draw_task("single", 0, seed=3, n=n, elastic=True, **TIDY, **SHORT)
+    assert task.truth[0].loudness > 10
+    mark = mark_of(task, IndependentExam().answer(task))
     assert mark.outcome in ("right", "tie"), (mark.outcome, mark.sentence)
     assert not mark.names_wrongly
 
 
 def test_a_diagnosis_that_ends_in_an_error_is_an_answer(monkeypatch):
-    small = hand_out("clean", 1, seed=3, n=1, count=1, duration=0.8)
-    monkeypatch.setattr(question, "hand_out", lambda row, number, seed: small)
+    small = draw_task("clean", 1, seed=3, n=1, count=1, duration=0.8)
+    monkeypatch.setattr(question, "draw_task", lambda row, number, seed: small)
     monkeypatch.setattr(exams, "diagnose", lambda *log, **more: (1,).index(2))
     mark = examine(("clean", 1), exam=IndependentExam(), seed=3)
     assert mark.outcome == "insufficient"

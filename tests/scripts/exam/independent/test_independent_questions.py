@@ -13,7 +13,7 @@ from scripts.exam.independent.loudness import loudness
 from scripts.exam.independent.machine import numbers_of
 from scripts.exam.independent.motions import KINDS as MOTIONS
 from scripts.exam.independent.motions import motion
-from scripts.exam.independent.question import _beside, hand_out
+from scripts.exam.independent.question import _beside, draw_task
 from scripts.exam.independent.robots import draw_robot
 from scripts.exam.independent.sensors import Columns, View, _drawn
 from scripts.exam.independent.setup import CONTROLS, EARLY, draw_setup, simulate_machines
@@ -39,8 +39,8 @@ def setup_of(rng, **more):
 
 
 def test_a_question_depends_on_nothing_but_its_number_and_the_seed():
-    one, same = (hand_out("clean", 3, seed=1, n=1, **SHORT) for _ in range(2))
-    other = hand_out("clean", 4, seed=1, n=1, **SHORT)
+    one, same = (draw_task("clean", 3, seed=1, n=1, **SHORT) for _ in range(2))
+    other = draw_task("clean", 4, seed=1, n=1, **SHORT)
     assert one.setup.label == same.setup.label
     for a, b in zip(one.log, same.log, strict=True):
         assert all(np.array_equal(a[name], b[name], equal_nan=True) for name in a.columns)
@@ -115,7 +115,7 @@ def test_effects_that_a_machine_cannot_have_are_not_hidden(rng):
 
 
 def test_an_error_of_the_description_is_not_loud():
-    quiet = hand_out("single", 0, seed=2, n=1, elastic=False, noise="white", share=0.05, **SHORT)
+    quiet = draw_task("single", 0, seed=2, n=1, elastic=False, noise="white", share=0.05, **SHORT)
     assert quiet.truth[0].loudness >= 1.0
 
 
@@ -161,9 +161,9 @@ def test_an_effect_with_which_a_machine_does_not_hold_is_drawn_anew(monkeypatch)
         return held(machine, machines)
 
     monkeypatch.setattr(question, "simulate_machines", unstable_at_first)
-    paper = hand_out("single", 3, seed=1, n=1, **SHORT)
+    task = draw_task("single", 3, seed=1, n=1, **SHORT)
     assert len(drawn) == 3
-    assert len(paper.truth) == 1
+    assert len(task.truth) == 1
     drawn.clear()
     with pytest.raises(FFGymError, match="unstable"):
-        question._draw_stable(paper.truth[0].effect, paper.setup, np.random.default_rng(0), 2)
+        question._draw_stable(task.truth[0].effect, task.setup, np.random.default_rng(0), 2)

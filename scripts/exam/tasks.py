@@ -1,4 +1,4 @@
-"""A question of an exam as it is handed out, and what only the examiner knows of it."""
+"""Tasks of an exam: the log that is diagnosed, and what only the examiner knows of it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -51,8 +51,8 @@ class Truth:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Paper:
-    """A question as it is handed out."""
+class Task:
+    """Log of a question, with what a diagnosis is told of its machine."""
 
     row: Row
     number: int

@@ -62,11 +62,11 @@ def contender(name: str, setting: AgentSetting) -> Contender:
     return Contender(entry=entry, law=law, trials=counted.trials, robot_seconds=counted.robot_seconds)
 
 
-class Laboratory:
+class ThesisStudies:
     """The nominal robot, the one-axis model and a workcell, with the tests of the thesis; all randomness is seeded."""
 
     def __init__(self, *, n_threads: int = 0, stage: Stage = silent) -> None:
-        """Make a laboratory in which nothing has been simulated; `stage` is told of what goes on.
+        """Make studies of which nothing has been simulated; `stage` is told of what goes on.
 
         Threads of the engine are as many as there are cores for 0; results are the same at any number.
         """
