@@ -41,8 +41,8 @@ def resolve_agent(agent: str) -> tuple[AgentSource, bytes | None]:
     entry = find_entry(name)
     if name not in SUBMITTED:
         raise FFGymError(
-            f"Agent {name!r} cannot be submitted by its name, it learns, or is no law that runs sample by sample. "
-            f"Submit {', '.join(SUBMITTED)}, or the file .npz of what was learned, or a .py."
+            f"Agent {name!r} cannot be submitted by its name: it learns, or needs a whole motion at once. Submit "
+            f"{', '.join(SUBMITTED)}, the file (.npz) of a trained agent, or a .py."
         )
     if not colon:
         return AgentSource(kind="law", law=name), None

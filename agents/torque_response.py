@@ -228,7 +228,7 @@ def at_samples(rows: Array, recording: Recording, reference: Reference) -> Array
     per_sample = round(reference.robot.servo.control_dt / recording.dt)
     if len(rows) != (len(reference.t) - 1) * per_sample + 1:
         raise FFGymError(
-            f"Recording {recording.header.segment!r} of {len(rows)} rows every {recording.dt:g} s is none of the "
+            f"Recording {recording.header.segment!r} of {len(rows)} rows every {recording.dt:g} s is not of the "
             f"motion {reference.name!r}, which lasts {reference.duration:g} s."
         )
     seen = ~np.isnan(rows).any(axis=1)

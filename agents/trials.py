@@ -133,7 +133,7 @@ class Lesson:
         motor_ddq = torque_at_rows(reference.motor_ddq, rows_per_step)  # a straight line between samples
         if motor_ddq.shape != motor_dq.shape:
             raise FFGymError(
-                f"Recording {recording.header.segment!r} of {len(motor_dq)} rows every {recording.dt:g} s is none of "
+                f"Recording {recording.header.segment!r} of {len(motor_dq)} rows every {recording.dt:g} s is not of "
                 f"the motion {reference.name!r}, which lasts {reference.duration:g} s."
             )
         ended = recording.t >= reference.phases[-1].end  # the last sample lies up to a step beyond

@@ -127,7 +127,9 @@ def check(config: CheckLogs) -> None:
     if bad := [name for name, report in reports if report.verdict == "insufficient"]:
         raise FFGymError(f"Insufficient: {', '.join(bad)}; see above what is refused, and the way out.")
     if wiring:
-        raise FFGymError("Columns are not what they are called, see above; `ffgym diagnose --out` writes a map.")
+        raise FFGymError(
+            "Columns hold other signals than their names say, see above; `ffgym diagnose --out` writes a map."
+        )
 
 
 def _judge(config: CheckLogs) -> tuple[list[tuple[str, QualityReport]], tuple[Mistake, ...]]:

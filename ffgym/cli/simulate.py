@@ -73,7 +73,7 @@ def _rig(config: Simulate) -> Rig:
     """Make the rig on which the motion is run."""
     if is_workcell(config.robot):
         if given := given_options(config, ("flexible", "friction", "gravity", "springs")):
-            raise FFGymError(f"{given[0]} has no effect on {config.robot}, which is what it is. Leave it out.")
+            raise FFGymError(f"{given[0]} has no effect on {config.robot}, whose parameters are fixed. Leave it out.")
         return make_rig(config.robot)
     options = ModelOptions(
         flexible=config.flexible,

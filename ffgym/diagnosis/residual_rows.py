@@ -56,8 +56,8 @@ def check_length(log: Log) -> None:
     lasts = float(np.count_nonzero(find_valid_rows(log))) * log.sampling.row_dt
     if lasts < limits.shortest_log:
         raise FFGymError(
-            f"The recordings are too short: without the ends, which low-passes take, {lasts:.2g} s are left in which "
-            f"all is known, must be {limits.shortest_log:g} s at least."
+            f"The recordings are too short: {lasts:.2g} s are left between the ends that low-pass filters need, must "
+            f"be {limits.shortest_log:g} s or more. Record longer motions."
         )
 
 

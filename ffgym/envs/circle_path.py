@@ -176,7 +176,7 @@ class WorkcellCirclesVectorEnv(CirclePathVectorEnv):
         for name in _ITS_OWN:
             if name in arguments:
                 raise FFGymError(
-                    f"{name} = {arguments[name]!r} cannot be given, a workcell is what it is. Choose another by "
+                    f"{name} = {arguments[name]!r} cannot be given: a workcell has fixed parameters. Choose another by "
                     f"workcell=<name or seed>, or use ffgym/CirclePath-v0."
                 )
         super().__init__(

@@ -89,7 +89,7 @@ def check(name: str) -> None:
     if changed:
         base, _, version = name.rpartition("-v")
         raise FFGymError(
-            f"{name} is no longer what it was: {', '.join(changed)} changed. Results under this id would not compare: "
+            f"{name} differs from its record: {', '.join(changed)} changed. Results under this id would not compare: "
             f"bump the version (register {base}-v{int(version) + 1} in ffgym/core/registration.py, say what changed in "
             f"CHANGELOG.md), then run python -m scripts.env_fingerprints."
         )

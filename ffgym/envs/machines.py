@@ -94,5 +94,5 @@ def make_rig(
     if not is_workcell(name):
         return SimulatedRig(arm=RigidArm(load_robot(name)), options=options, sensors=sensors or ())
     if options is not None or sensors is not None:
-        raise FFGymError(f"{name} is what it is: nothing can be left out of it, and its sensors are its own.")
+        raise FFGymError(f"{name} has fixed parameters and sensors. Leave options and sensors out, or choose a robot.")
     return workcell_named(str(name))

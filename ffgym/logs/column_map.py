@@ -226,7 +226,7 @@ def _parse_rewire(where: str, table: Any) -> Rewire:
         for key, neutral in _NEUTRAL.items()
     }
     if 0.0 in numbers["factor"]:
-        raise FFGymError(f"{where} factor = {list(numbers['factor'])} must not be zero: nothing of them would be left.")
+        raise FFGymError(f"{where} factor = {list(numbers['factor'])} must not be zero, which erases a column.")
     return Rewire(source=tuple(source), **numbers)
 
 

@@ -134,7 +134,7 @@ def _constants(name: str, given: float | tuple[float, ...] | str, n_parts: int, 
     if not np.all(np.isfinite(constants)):
         raise FFGymError(f"{name} = {constants.tolist()} must be finite.")
     if name == "scale" and np.any(constants == 0.0):
-        raise FFGymError(f"scale = {constants.tolist()} must not be zero: nothing of the numbers would be left.")
+        raise FFGymError(f"scale = {constants.tolist()} must not be zero, which erases a column.")
     return constants
 
 

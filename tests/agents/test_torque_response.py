@@ -219,5 +219,5 @@ def test_errors_are_told_circle_by_circle(reference, recording):
 
 def test_a_recording_of_another_motion_is_refused(arm, recording):
     other = circle_references(arm, ["p1"], [0.04], [0.001])["p1", 0.04]
-    with pytest.raises(FFGymError, match="is none of the motion 'p1, 40 mm/s'"):
+    with pytest.raises(FFGymError, match="is not of the motion 'p1, 40 mm/s'"):
         task_error(recording, other, "motor")

@@ -80,7 +80,7 @@ def load_draft(robot: str | Path) -> RobotDraft:
         return _draft_of(_read_text(Path(robot)), Path(robot))
     if Path(robot).suffix in (".xml", ".urdf"):
         raise FFGymError(
-            f"{robot} is an arm file, which says nothing of drives. Make a description of it: ffgym robot new {robot}"
+            f"{robot} is an arm file, which holds no drives. Make a description of it: ffgym robot new {robot}"
         )
     name = check_choice("robot", str(robot), builtin_robots())
     return parse_draft(_builtin("data")[name].read_text(encoding="utf-8"), where=f"{name}.toml")

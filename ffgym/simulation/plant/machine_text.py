@@ -95,8 +95,8 @@ def _check_says(written: str, machine: Machine, folder: Path) -> None:
     check_same_controller(machine.robot, read.robot)
     if read.physics(options) != machine.physics(options):
         raise FFGymError(
-            f"Robot {machine.robot.name!r} differs from the one that is named in what a machine file cannot say "
-            f"(geometry); write a description of it, and name that."
+            f"Robot {machine.robot.name!r} and the robot that the file names differ in geometry, which a machine file "
+            f"cannot hold. Write a description of it, and name that."
         )
 
 

@@ -147,8 +147,8 @@ def _prepare(folder: Path, index: dict[str, Any], *, force: bool) -> None:
         found = read_index(folder)
     except FFGymError as error:
         raise FFGymError(
-            f"{folder}: its {INDEX} is damaged, so that nobody knows what its recordings are; choose another place, "
-            f"or say --force to write over them."
+            f"{folder}: its {INDEX} is damaged, so its recordings cannot be listed. Choose another folder, or say "
+            f"--force to write over them."
         ) from error
     if found is None:
         raise FFGymError(f"{folder}: holds recordings, but no {INDEX}; choose another place, or say --force.")
