@@ -1,9 +1,20 @@
 """Share of the misfit that causes explain on motions that were left out of their fit."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from ffgym.diagnosis.result import Level
+
+_MOST_NAMED = 3
+"""Joints that are named one by one at most."""
+
+_WORDS: Mapping[str, str] = {
+    "torque": "the torque",
+    "tool": "the tool position",
+    "link": "the link position",
+    "servo": "the torque of the servo",
+}
+"""Names of channels in a sentence."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -14,6 +25,8 @@ class HeldOutShare:
     """Fraction from 0 to 1."""
     channel: str
     """Channel that the share is of; of several, the one with most energy above the noise."""
+    place: str
+    """Channels and joints that the share is of, such as 'the torque of j2'."""
 
 
 def compute_held_out_share(levels: Sequence[Level], joints: Iterable[str]) -> HeldOutShare | None:
@@ -41,7 +54,27 @@ def compute_held_out_share(levels: Sequence[Level], joints: Iterable[str]) -> He
     if before <= 0:
         return None
     loudest = max(found, key=lambda level: _sum_excess([level], "before"))
-    return HeldOutShare(share=min(max(1.0 - after / before, 0.0), 1.0), channel=loudest.channel)
+    return HeldOutShare(
+        share=min(max(1.0 - after / before, 0.0), 1.0), channel=loudest.channel, place=name_place(found)
+    )
+
+
+def name_place(levels: Sequence[Level]) -> str:
+    """Name the channels of levels and their joints, such as 'the torque of j2 and j4, and the tool position'."""
+    channels: dict[str, list[str]] = {}
+    for level in levels:
+        channels.setdefault(level.channel, []).append(level.component)
+    places = [
+        _WORDS[channel] + ("" if channel == "tool" or len(own) > _MOST_NAMED else f" of {' and '.join(own)}")
+        for channel, own in channels.items()
+    ]
+    return ", and ".join(places)
+
+
+def find_loudest(levels: Sequence[Level]) -> Level | None:
+    """Find the level at which the extended model leaves most energy above the noise; None if it leaves none."""
+    judged = [level for level in levels if level.after > level.noise_floor > 0]
+    return max(judged, key=lambda level: _sum_excess([level], "after"), default=None)
 
 
 def _choose_channel(levels: Sequence[Level], joint: str) -> Sequence[Level]:

@@ -247,7 +247,7 @@ class _Pass:
         diagnosis = Diagnosis(
             **dict(self.said) | {"robot": log.robot.name, "motions": log.names},
             verdict=verdict.verdict,
-            sentence=write_sentence(verdict, causes, rivals, patterns, log.robot, share),
+            sentence=write_sentence(verdict, causes, rivals, patterns, log.robot, share, levels),
             causes=causes,
             numbers=() if model is None else list_fitted_numbers(self.machine, model.numbers),
             drifts=find_drifts(log, found.final.fit.run, rest, problem.blocks),

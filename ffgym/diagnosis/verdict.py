@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from ffgym.diagnosis.fit.fit import Fit, Loudness, compute_explained, find_touched
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.fit.problem import FitProblem
-from ffgym.diagnosis.held_out_share import compute_held_out_share
+from ffgym.diagnosis.held_out_share import compute_held_out_share, find_loudest, name_place
 from ffgym.diagnosis.result import Cause, Level, Pattern, Rival, UnjudgedEffect, Verdict
 from ffgym.diagnosis.search.rivals import select_tied
 from ffgym.diagnosis.search.rounds import SearchResult, find_adoption
@@ -114,9 +114,9 @@ def describe_explained(judged: ReasonedVerdict, causes: Sequence[Cause], levels:
     """
     held_out = compute_held_out_share(levels, [cause.joint for cause in causes])
     if held_out is None:
-        return f"{100 * min(judged.explained, 1.0):.0f} % of the misfit there, on the rows that were fitted"
+        return f"{100 * min(judged.explained, 1.0):.0f} % of the misfit, on the rows that were fitted"
     data = "motions" if motions > 1 else "the half of the log"
-    return f"{100 * held_out.share:.0f} % of the misfit there, on {data} left out of the fit"
+    return f"{100 * held_out.share:.0f} % of the misfit in {held_out.place}, on {data} left out of the fit"
 
 
 def write_sentence(
@@ -126,6 +126,7 @@ def write_sentence(
     patterns: Sequence[Pattern],
     robot: RobotDescription,
     share: str,
+    levels: Sequence[Level],
 ) -> str:
     """Write the verdict in one sentence; `share` says how much of the misfit the causes explain, and on which data."""
     # parts of the sentence
@@ -146,7 +147,9 @@ def write_sentence(
     if judged.verdict == "ambiguous":
         return f"Consistent with {named}; but {others} would explain these motions as well."
     if judged.verdict == "partly":
-        more = f"; what is left depends on: {left}" if left else ", and something is left"
+        loudest = find_loudest(levels)
+        place = f" in {name_place([loudest])}" if loudest else ""
+        more = f"; what is left depends on: {left}" if left else f", and something is left{place}"
         # reason for the rest: a shape at its limit, a rival beyond the causes, or a pattern
         if judged.shapes_at_limit:
             more = (

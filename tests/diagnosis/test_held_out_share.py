@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from ffgym.diagnosis.held_out_share import compute_held_out_share
+from ffgym.diagnosis.held_out_share import compute_held_out_share, find_loudest, name_place
 from ffgym.diagnosis.result import Level
 from tests.diagnosis.result_samples import full_diagnosis, left
 
@@ -62,3 +62,14 @@ def test_there_is_no_share_where_nothing_was_left_out_or_wrong():
     assert compute_held_out_share(levels, ["j7"]) is not None  # by the tool
     assert compute_held_out_share(levels[:2], ["j7"]) is None
     assert compute_held_out_share((), ["j2"]) is None
+
+
+def test_the_place_of_a_share_names_some_joints_one_by_one_and_the_tool_as_a_whole():
+    tool = Level(channel="tool", component="x", unit="m", **left(1.0, 0.1, 0.5, 0.1))
+    torques = [
+        Level(channel="torque", component=f"j{j}", unit="N m", **left(1.0, 0.1, 0.5, 0.1 * j)) for j in (1, 2, 3, 4)
+    ]
+    assert name_place([torques[1], torques[3], tool]) == "the torque of j2 and j4, and the tool position"
+    assert name_place(torques) == "the torque"
+    assert find_loudest([tool, *torques]) is torques[3]
+    assert find_loudest([tool]) is None

@@ -129,20 +129,20 @@ PATTERNS = (
 )
 
 
-SHARE = "80 % of the misfit there, on motions left out of the fit"
+SHARE = "80 % of the misfit in the torque of j2, on motions left out of the fit"
 
 
 def sentence(verdict, *, tied=True, stretched=(), patterns=PATTERNS):
     sample = full_diagnosis()
     judged = ReasonedVerdict(verdict=verdict, gains=(0.9,), explained=0.8, shapes_at_limit=stretched)
     rivals = [rival for rival in sample.rivals if tied or not rival.tied]
-    return write_sentence(judged, sample.causes, rivals, patterns, SimpleNamespace(name="arm"), SHARE)
+    return write_sentence(judged, sample.causes, rivals, patterns, SimpleNamespace(name="arm"), SHARE, sample.levels)
 
 
 def test_beside_sure_causes_those_that_tie_are_told_and_what_each_of_some_components_depends_on():
     found = sentence("partly")
     assert found.startswith(
-        "Partly explained by Friction that grows with load of j2: 80 % of the misfit there, on motions"
+        "Partly explained by Friction that grows with load of j2: 80 % of the misfit in the torque of j2, on motions"
     )
     assert "; beyond that, payload would explain more; what is left then depends on: first of j1; of x; of j2." in found
     assert "second of j1" not in found
@@ -153,17 +153,17 @@ def test_the_verdict_states_the_share_of_the_table_and_on_which_data_the_causes_
     sample = full_diagnosis()
     judged = ReasonedVerdict(verdict="named", gains=(0.9,), explained=0.5, shapes_at_limit=())
     assert describe_explained(judged, sample.causes, sample.levels, 2) == (
-        "100 % of the misfit there, on motions left out of the fit"
+        "100 % of the misfit in the torque of j2, on motions left out of the fit"
     )
-    assert "there, on the half of the log left out" in describe_explained(judged, sample.causes, sample.levels, 1)
-    assert describe_explained(judged, sample.causes, (), 2) == "50 % of the misfit there, on the rows that were fitted"
-    named = write_sentence(judged, sample.causes, (), (), SimpleNamespace(name="arm"), SHARE)
+    assert "j2, on the half of the log left out" in describe_explained(judged, sample.causes, sample.levels, 1)
+    assert describe_explained(judged, sample.causes, (), 2) == "50 % of the misfit, on the rows that were fitted"
+    named = write_sentence(judged, sample.causes, (), (), SimpleNamespace(name="arm"), SHARE, sample.levels)
     assert named == f"Consistent with Friction that grows with load of j2, which explains {SHARE}."
 
 
 def test_nothing_is_said_to_be_left_where_those_that_tie_would_leave_nothing():
     assert sentence("partly", patterns=()).endswith("; beyond that, payload would explain more.")
-    assert sentence("partly", patterns=(), tied=False).endswith(", and something is left.")
+    assert sentence("partly", patterns=(), tied=False).endswith(", and something is left in the tool position.")
 
 
 def test_a_rival_that_the_log_cannot_tell_from_a_cause_is_told_beside_it():
@@ -171,7 +171,7 @@ def test_a_rival_that_the_log_cannot_tell_from_a_cause_is_told_beside_it():
     (cause,), (payload, *_) = sample.causes, sample.rivals
     judged = ReasonedVerdict(verdict="partly", gains=(0.9,), explained=0.8, shapes_at_limit=())
     found = write_sentence(
-        judged, [cause], [replace(payload, against=cause.label)], (), SimpleNamespace(name="arm"), SHARE
+        judged, [cause], [replace(payload, against=cause.label)], (), SimpleNamespace(name="arm"), SHARE, sample.levels
     )
     assert "Friction that grows with load of j2 (these logs cannot tell it from payload): 80 % of the misfit" in found
     assert "beyond that" not in found
@@ -198,7 +198,7 @@ def test_an_effect_in_several_waves_is_told_once():
     sample = full_diagnosis()
     (cause, *_), (tied, *_) = sample.causes, [rival for rival in sample.rivals if rival.tied]
     judged = ReasonedVerdict(verdict="ambiguous", gains=(0.9, 0.8), explained=0.8, shapes_at_limit=())
-    found = write_sentence(judged, [cause, cause], [tied, tied], (), SimpleNamespace(name="arm"), SHARE)
+    found = write_sentence(judged, [cause, cause], [tied, tied], (), SimpleNamespace(name="arm"), SHARE, sample.levels)
     assert found.startswith("Consistent with Friction that grows with load of j2 in 2 waves; but payload would explain")
 
 
