@@ -1,8 +1,8 @@
 """Feed-forward friction compensation on industrial robots: simulation, baselines, learning, diagnosis.
 
 `import ffgym` registers the Gymnasium environments of docs/environments. The public names of this package are loaded
-when they are first used; those of each room (`ffgym.robot`, `ffgym.envs`, `ffgym.agents`, ...) stand one level below.
-docs/api.md lists both; anything deeper may change.
+when they are first used; those of each subpackage (`ffgym.robot`, `ffgym.envs`, `ffgym.agents`, ...) stand one level
+below. docs/api.md lists both; anything deeper may change.
 """
 
 import lazy_loader

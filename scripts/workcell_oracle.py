@@ -1,6 +1,6 @@
 """The oracle on a workcell, for the leaderboard: what a model without error is worth on that machine.
 
-Nobody but the workcell's own room, environments, scripts and tests may know its truth, so that no command of ffgym can
+Only the workcell's package, environments, scripts and tests may know its truth, so that no command of ffgym can
 run this row. `python -m scripts.workcell_oracle --out FOLDER` adds it to the row `oracle` of a folder that
 `ffgym leaderboard --out FOLDER` writes; the truth itself is written nowhere. The row is shown, never ranked.
 """

@@ -88,8 +88,8 @@ def test_links_between_documents_lead_somewhere():
 
 def test_every_room_of_the_package_is_in_the_architecture_page():
     text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
-    rooms = {p.stem for p in (ROOT / "ffgym").iterdir() if p.suffix == ".py" or (p / "__init__.py").exists()}
-    missing = {room for room in rooms - {"__init__", "__main__"} if f"`ffgym.{room}`" not in text}
+    packages = {p.stem for p in (ROOT / "ffgym").iterdir() if p.suffix == ".py" or (p / "__init__.py").exists()}
+    missing = {package for package in packages - {"__init__", "__main__"} if f"`ffgym.{package}`" not in text}
     assert not missing
 
 

@@ -6,13 +6,13 @@ from pathlib import Path
 import pytest
 
 import ffgym
-from scripts.tables.library import packages
+from scripts.tables.library import find_packages
 
 ROOT = Path(__file__).parent.parent
 DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 
 
-@pytest.mark.parametrize("package", list(packages()), ids=lambda package: package.__name__)
+@pytest.mark.parametrize("package", list(find_packages()), ids=lambda package: package.__name__)
 def test_no_public_name_is_that_of_a_module_beside_it(package):
     folder = Path(package.__file__).parent
     modules = {path.stem for path in folder.iterdir() if path.suffix == ".py" or path.is_dir()}
@@ -21,9 +21,11 @@ def test_no_public_name_is_that_of_a_module_beside_it(package):
 
 def test_the_package_offers_about_45_names_of_which_each_is_public_in_a_room():
     assert 40 <= len(ffgym.__all__) <= 55
-    rooms = {id(getattr(room, name)) for room in packages() if room is not ffgym for name in room.__all__}
+    packages = {
+        id(getattr(package, name)) for package in find_packages() if package is not ffgym for name in package.__all__
+    }
     for name in ffgym.__all__:
-        assert id(getattr(ffgym, name)) in rooms, name
+        assert id(getattr(ffgym, name)) in packages, name
 
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: str(path.relative_to(ROOT)))

@@ -1,6 +1,6 @@
 """The `ffgym` command: options, and a module of work for each subcommand; one-line errors, exit codes.
 
-What a command computes stands in the room of its subject; commands of the repository stand in `scripts`.
+What a command computes stands in the package of its subject; commands of the repository stand in `scripts`.
 """
 
 import sys

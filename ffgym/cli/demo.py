@@ -36,7 +36,7 @@ def run(config: Demo) -> None:
     circles, one_axis = _circles(config, make_rig(config.robot)), _one_axis(config)
     info = origin(config, circles)
     again = [info["command_line"], *["ffgym diagnose --out found"] * config.diagnosis]
-    page = write_report(config.report, circles, one_axis, info, again)  # files first: nobody may read what is printed
+    page = write_report(config.report, circles, one_axis, info, again)  # files first: printed text may go unread
     rows = [asdict(cell) for cell in circles.cells]
     numbers = info | {"rows": rows, "one_axis": [asdict(result) for result in one_axis.results]}
     write_numbers(config, numbers)

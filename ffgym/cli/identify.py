@@ -57,7 +57,7 @@ def run(config: Identify) -> None:
         outcome = identify_rigid_body_of(config, draft, read_logs(config, robot, known=not draft.missing))
     info = provenance("ffgym identify", config, robot.name, None, config.seed)
     info["inputs"] = hash_inputs((*config.logs, *config.validate, config.robot, config.columns))
-    # files first: nobody may read what is printed
+    # files first: printed text may go unread
     if config.out is not None:
         if not outcome.quantities:
             raise FFGymError(

@@ -183,9 +183,9 @@ class Submit:
     seed: int = 0
     """Seed of the agent's randomness and the sensors' noise."""
     env_steps: int = 0
-    """Control steps of simulated training that it took; a claim that nobody can check."""
+    """Control steps of simulated training that it took; a claim that cannot be checked."""
     robot_seconds: float = 0.0
-    """Time that a machine moved while it learned; a claim that nobody can check."""
+    """Time that a machine moved while it learned; a claim that cannot be checked."""
     inference_us: float | None = None
     """Time of one decision to claim; none claims nothing. It is measured when a submission is verified."""
     json: Path | None = None

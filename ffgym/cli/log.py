@@ -111,7 +111,7 @@ def check(config: CheckLogs) -> None:
     reports, wiring = _judge(config)
     info = provenance("ffgym log check", config, config.robot or "", None, None)
     info["inputs"] = hash_inputs((*config.logs, config.robot, config.columns))
-    if config.report is not None:  # files first: nobody may read what is printed
+    if config.report is not None:  # files first: printed text may go unread
         write_text(config.report, render_quality_page(reports, info))
     logs = [{"file": name} | report.numbers() for name, report in reports]
     write_numbers(config, info | {"logs": logs, "wiring": [asdict(mistake) for mistake in wiring]})

@@ -1,4 +1,4 @@
-"""A progress bar on stderr that stays silent where nobody looks."""
+"""A progress bar on stderr that stays silent where no terminal shows it."""
 
 import sys
 from collections.abc import Callable, Iterator

@@ -90,7 +90,7 @@ def _rig(config: Simulate) -> Rig:
 def _write(
     config: Simulate, study: MotionStudy, recordings: dict[str, Path], info: dict[str, Any], notes: list[str]
 ) -> None:
-    """Files first: nobody may read what is printed."""
+    """Write files first, as printed text may go unread."""
     for law, place in recordings.items():
         write_recording(study.recordings[law, info["motion"]], place)
     if config.report is not None:

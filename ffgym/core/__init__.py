@@ -1,6 +1,6 @@
 """Errors and their checks, files that appear whole or not at all, provenance, executors, typed JSON, array types.
 
-Robots do not occur here; a helper of one room is in that room.
+Robots do not occur here; a helper of one package is in that package.
 """
 
 import lazy_loader

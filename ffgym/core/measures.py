@@ -1,4 +1,4 @@
-"""Measures of numbers, the same in every room."""
+"""Measures of numbers, the same in every package."""
 
 from typing import overload
 

@@ -1,4 +1,4 @@
-"""Discovery of the members of a family: in modules of a room, and by entry points of other packages."""
+"""Discovery of the members of a family: in modules of a package, and by entry points of other packages."""
 
 import pkgutil
 from functools import cache
@@ -10,19 +10,19 @@ from ffgym.core.errors import FFGymError
 
 @cache
 def load_families(group: str, own: str = "") -> None:
-    """Import all modules that declare members of a family, once: those of a room, then those of other packages.
+    """Import all modules that declare members of a family, once: those of a package, then those of other packages.
 
     Args:
         group: group of the entry points, e.g. 'ffgym.agents'.
-        own: module of the room that declares members, or package all of whose modules do; absent is `families` in the
-            room that the group is called after.
+        own: module that declares members, or package all of whose modules do; by default `families` in the package
+            that the group is called after.
 
     Raises:
         FFGymError: if an entry point of another package cannot be imported.
     """
-    room = import_module(own or f"{group}.families")
-    for module in pkgutil.iter_modules(getattr(room, "__path__", ())):
-        import_module(f"{room.__name__}.{module.name}")
+    package = import_module(own or f"{group}.families")
+    for module in pkgutil.iter_modules(getattr(package, "__path__", ())):
+        import_module(f"{package.__name__}.{module.name}")
     for point in sorted(entry_points(group=group), key=lambda point: point.name):
         try:
             point.load()

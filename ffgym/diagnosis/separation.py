@@ -109,7 +109,7 @@ def foresee(
 
 
 WARMING = Climate(rise=np.array([15.0]))
-"""Assumed of a machine whose climate nobody knows, to see what warming up would show: 15 K (Bittencourt 2010: 20 to 40
+"""Assumed of a machine of unknown climate, to see what warming up would show: 15 K (Bittencourt 2010: 20 to 40
 K over a day), within 20 min."""
 
 

@@ -1,6 +1,6 @@
 r"""All numbers of a description fitted to recordings together, for a machine that is far from it in many.
 
-A diagnosis looks for some few causes, and takes the numbers of its model as nearly right. Where nobody identified them,
+A diagnosis looks for some few causes, and takes the numbers of its model as nearly right. Where none was identified,
 all are wrong at once, each hides the others, and none alone explains much. So all that a description has per joint is
 fitted first: friction, rotors, masses of links, springs, by replaying the machine as in a diagnosis (Gauss-Newton on
 torque, tool and link angles together), near the description where recordings do not say. What such a model leaves is

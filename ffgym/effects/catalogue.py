@@ -1,4 +1,4 @@
-"""Every effect by its name: those of the modules of this room, and those that other packages declare."""
+"""Every effect by its name: those of the modules of this package, and those that other packages declare."""
 
 import inspect
 import pkgutil
@@ -26,7 +26,7 @@ _NEEDED = ("name", "code", "title", "equation", "side", "signature", "way_in")
 class EffectCatalogue(Mapping[str, type[Effect]]):
     """Effects by name, in the order of their codes; their modules are imported when the first effect is looked up.
 
-    An effect of this room is a class with a code. An effect of another package is a class that its entry point names;
+    An effect of this package is a class with a code. One of another package is a class that its entry point names;
     other subclasses of Effect, such as the equations of a workcell, are no members.
 
     Raises:
@@ -45,9 +45,14 @@ class EffectCatalogue(Mapping[str, type[Effect]]):
     @cached_property
     def _members(self) -> dict[str, type[Effect]]:
         found: dict[str, type[Effect]] = {}
-        for room in pkgutil.walk_packages(ffgym.effects.__path__, "ffgym.effects."):
-            for kind in vars(import_module(room.name)).values():
-                if isinstance(kind, type) and issubclass(kind, Effect) and kind.__module__ == room.name and kind.code:
+        for package in pkgutil.walk_packages(ffgym.effects.__path__, "ffgym.effects."):
+            for kind in vars(import_module(package.name)).values():
+                if (
+                    isinstance(kind, type)
+                    and issubclass(kind, Effect)
+                    and kind.__module__ == package.name
+                    and kind.code
+                ):
                     found[kind.name] = kind
         for entry in entry_points(group=GROUP):
             kind = _foreign_effect(entry)

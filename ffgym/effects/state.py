@@ -213,7 +213,7 @@ class State:
 
     @classmethod
     def numbers(cls, robot: RobotDescription, climate: Climate | None = None) -> dict[str, Array]:
-        """Numbers of a machine, shape (N,) or (1,) each; `climate` is None if nobody knows it."""
+        """Numbers of a machine, shape (N,) or (1,) each; `climate` is None if it is unknown."""
         known, declared = climate or Climate(), ((name, getattr(cls, name)) for name in cls.names())
         return {name: kind.read(robot, known) for name, kind in declared if isinstance(kind, _Number)}
 

@@ -1,4 +1,4 @@
-"""Tables, figures and pages for terminal, Markdown and HTML; with commands and scripts the only room that draws.
+"""Tables, figures and pages for terminal, Markdown and HTML; with commands and scripts the only package that draws.
 
 Numbers of reports are computed in the packages of their subjects, figures of merit in `ffgym.recordings.metrics`.
 """

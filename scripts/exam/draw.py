@@ -193,7 +193,7 @@ def miscalibrate(robot: RobotDescription, rng: np.random.Generator) -> RobotDesc
 def errors_beside(hidden: Hidden, described: RobotDescription, machine: Machine, offset: Array) -> dict[str, float]:
     """Compute what errors of the description add to the numbers of an effect, by their names.
 
-    One number of the machine is off by both, and nobody can tell them apart. The machine is that of the log, without
+    One number of the machine is off by both, and they cannot be told apart. The machine is that of the log, without
     the effect; `offset` is that of its current sensors, as torque, motor side [N m], shape (N,).
     """
     parameters, found = hidden.effect.parameters(), dict[str, float]()

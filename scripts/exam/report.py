@@ -104,7 +104,7 @@ def outcomes_figure(marks: Sequence[Mark]) -> "Figure":
     """
     by_row = {row: [mark for mark in marks if mark.row == row] for row in reversed(ROWS)}
     rows = {f"{row} ({len(answers)})": answers for row, answers in by_row.items() if answers}
-    about = "loudness of what is hidden (1: nothing, or nobody could know of it)"
+    about = "loudness of what is hidden (1: nothing, or not distinguishable from noise)"
     figure = answers_figure(rows, lambda mark: min(mark.loudness, _LOUDEST), about, (0.62, 1.3))
     (axes,) = figure.axes
     for _, low, _ in BANDS[1:]:

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 QUIETEST, LOUDEST = 0.3, 100.0
 """Energy that the smallest and the largest size of a ladder add, in energies of the noise, as far as plausible sizes
-go; chosen: below, nobody could know of an effect, and above, it is found or never."""
+go; chosen: below, no effect can be told from noise, and above, it is found or never."""
 
 CASES, STEPS = 2, 6
 """Ladders of each effect, and sizes of each, where nothing else is asked for."""

@@ -1,4 +1,4 @@
-"""Pages about the package: public names, rooms, and one page of each physical effect."""
+"""Pages about the package: public names, packages, and one page of each physical effect."""
 
 import inspect
 import re
@@ -20,19 +20,19 @@ only with a line in the changelog. Anything deeper than one level below `ffgym` 
 _PER = {"joint": "joint", "pair": "pair of joints", "machine": "machine", "vector": "axis x, y, z"}
 
 
-def packages() -> Iterator[ModuleType]:
-    """Yield ffgym, then each of its rooms that has public names."""
+def find_packages() -> Iterator[ModuleType]:
+    """Yield ffgym, then each of its packages that has public names."""
     yield ffgym
     for name in sorted(found.name for found in iter_modules(ffgym.__path__) if found.ispkg):
-        room = import_module(f"ffgym.{name}")
-        if getattr(room, "__all__", None):
-            yield room
+        package = import_module(f"ffgym.{name}")
+        if getattr(package, "__all__", None):
+            yield package
 
 
 def names() -> Contents:
     """The page of public names as it should be now."""
     sections = [HEAD]
-    for package in packages():
+    for package in find_packages():
         rows = []
         for name in sorted(package.__all__, key=str.lower):
             thing = getattr(package, name)
@@ -45,13 +45,15 @@ def names() -> Contents:
 
 
 def architecture() -> Contents:
-    """The table of rooms on docs/architecture.md, from their docstrings."""
+    """The table of packages on docs/architecture.md, from their docstrings."""
     names = sorted(found.name for found in iter_modules(ffgym.__path__) if found.ispkg)
     rows = []
-    for room in (import_module(f"ffgym.{name}") for name in names):
-        lives, elsewhere = (" ".join(part.split()) for part in (inspect.getdoc(room) or "").split("\n\n"))
-        rows.append((f"`{room.__name__}`", lives, elsewhere))
-    return Contents(parts={"rooms": markdown(("room", "what lives there", "what does not, and where it is"), rows)})
+    for package in (import_module(f"ffgym.{name}") for name in names):
+        lives, elsewhere = (" ".join(part.split()) for part in (inspect.getdoc(package) or "").split("\n\n"))
+        rows.append((f"`{package.__name__}`", lives, elsewhere))
+    return Contents(
+        parts={"packages": markdown(("package", "what lives there", "what does not, and where it is"), rows)}
+    )
 
 
 def _first_sentence(thing: object) -> str:

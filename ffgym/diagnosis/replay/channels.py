@@ -76,7 +76,7 @@ def predict_tracker(run: Replay, machine: Machine | None = None, every: int = 1)
 def predict_feedback(log: Log, robot: RobotDescription) -> Array:
     """Feedback torque of the documented servo on the measured error [N m], motor side, (T, M, N).
 
-    The integral is that since the motion began; what it held before is a constant that nobody recorded.
+    The integral is that since the motion began; what it held before is a constant that was not recorded.
     """
     if log.reference is None:
         raise ValueError("the log has no set-points")

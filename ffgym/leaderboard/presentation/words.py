@@ -135,7 +135,7 @@ def headline(positions: Standings | None) -> Headline:
         shared = f", which shares its rank with {_join_words(ties)}," if ties else ""
         changes = [f"{each} at {speed:g} mm/s" for each, speed in zip(_changes(best), speeds, strict=True)]
         sentences.append(
-            f"On the workcell, at positions where nobody trained, {best.row.title}{shared} leaves the least error of "
+            f"On the workcell, at positions without training, {best.row.title}{shared} leaves the least error of "
             f"all agents that have not practised the very motion: {_join_words(changes)} than without compensation."
         )
         lines.append((best.row.title, "workcell, held-out positions", _changes(best)))

@@ -152,7 +152,7 @@ def _roughness(s: Array, q: Array) -> Array:
 
 def on_even_clock(recording: Recording, period: float | None = None) -> Recording:
     """The log at an even clock of a period [s], or its own; the log itself if its clock is even."""
-    if is_even(recording.t) or has_two_rates(recording.t):  # of two clocks nobody knows which one is right
+    if is_even(recording.t) or has_two_rates(recording.t):  # of two clocks either may be right
         return recording
     recording = _longest_part(recording)
     if len(recording) < 8 or is_even(recording.t):

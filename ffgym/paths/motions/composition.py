@@ -185,7 +185,7 @@ def compose(
         raise FFGymError(f"Motion {name!r} has no moves; give at least one.")
     labelled = [move if move.label else replace(move, label=f"move {i}") for i, move in enumerate(moves, start=1)]
     q = None if start is None else check_shape("start", start, (arm.robot.n_joints,))
-    # whether nobody says how the tool is to be turned: neither the work area nor any target
+    # whether the orientation of the tool is left open: neither the work area nor any target
     poses = [pose for move in labelled for pose in (getattr(move, "to", None), *getattr(move, "through", ()))]
     area = arm.robot.work_area
     free = not any(isinstance(pose, Pose) and pose.rotation is not None for pose in poses)

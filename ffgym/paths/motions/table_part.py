@@ -30,7 +30,7 @@ QUATERNION = ("qw", "qx", "qy", "qz")
 RPY = ("roll", "pitch", "yaw")
 JUMP = 5.0
 """Ratio of a time step to the median one from which it counts as a jump of the clock; chosen: rows may be missing here
-and there, and log files thin out, but between rows so far apart nobody knows what the robot did."""
+and there, and log files thin out, but between rows so far apart the motion is unknown."""
 FEWEST_TIMES = 4
 """Fewest rows with times: a spline that is smooth needs as many."""
 

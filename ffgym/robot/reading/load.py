@@ -29,7 +29,7 @@ def builtin_parameters() -> tuple[str, ...]:
 
 
 def _builtin(folder: str) -> dict[str, Traversable]:
-    """TOML files of a folder of this room, by name."""
+    """TOML files of a folder of this package, by name."""
     files = (resources.files("ffgym.robot") / folder).iterdir()
     return {Path(file.name).stem: file for file in files if file.name.endswith(".toml")}
 

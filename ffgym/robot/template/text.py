@@ -24,7 +24,7 @@ MARK = "#? "
 _DIGITS = 5
 """Digits of proposed numbers per joint; rules of thumb deserve no more. Single numbers are times, which must fit
 exactly."""
-_SOURCE = "stand-in: nobody said it; what depends on it means nothing"
+_SOURCE = "stand-in: unknown; results that depend on it mean nothing"
 _MODEL = re.compile(r'^(\s*model\s*=\s*)"([^"]*)"', re.MULTILINE)
 """The entry of [robot] that names the arm file."""
 

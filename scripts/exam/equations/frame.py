@@ -43,7 +43,7 @@ class Clue:
     words: tuple[str, ...]
     """One of them must stand in the variable that a pattern names."""
     joint: str | None = None
-    """Whose variable that is; None is nobody's, as time is."""
+    """Whose variable that is; None is that of no joint, as time is."""
     frequency: float | None = None
     """[Hz], of a line in time; a multiple of it is right, too. None if there is none."""
 

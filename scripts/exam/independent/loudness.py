@@ -31,7 +31,7 @@ def loudness(setup: Setup, without: Exact, with_effect: Exact, *, error: float =
         without: log without the effect.
         with_effect: log with it.
         error: of a number of the description, relative, if that is all that the effect is; 0 if it is none. As far as
-            such errors go, nobody can tell it from one.
+            such errors go, it cannot be told from one.
     """
     every = max(1, len(without.angle) // _ROWS)
     quiet = QUIET if setup.noise == "quiet" else 1.0

@@ -80,7 +80,7 @@ class Term:
     applied: Callable[[RobotDescription, Array], RobotDescription] = lambda robot, parameters: robot
     """The robot with parameters (K,) in those entries."""
     is_held: bool = False
-    """Whether the fit is held near the description; friction is not, since nobody knows it before it is measured."""
+    """Whether the fit is held near the description; friction is not, which is unknown before it is measured."""
     least: float = -np.inf
     """Smallest value, as a share of the parameter's size: of its description, or of the torque that its motor has."""
 

@@ -1,4 +1,4 @@
-"""A robot whose masses nobody knows: bodies by rule of thumb, as heavy as the torque says, for a fit to begin with."""
+"""A robot of unknown masses: bodies by rule of thumb, as heavy as the torque says, for a fit to begin with."""
 
 from collections.abc import Sequence
 from dataclasses import replace
