@@ -1,7 +1,8 @@
 """`python -m scripts.exam.settings_study`: a short exam with settings of the diagnosis at half and twice their values.
 
 A setting that changes no answer at either value decides nothing and should go; one that changes many deserves its
-reason. Questions are those of the independent exam on small arms, which take a few seconds each.
+reason. Questions are those of the independent exam on small arms, and one of friction that is known and identified
+again; they take a few seconds each.
 """
 
 import json
@@ -18,30 +19,28 @@ from ffgym.cli.main import run_command
 from ffgym.cli.progress import progress_bar
 from ffgym.core.errors import check_choice, check_whole
 from ffgym.core.files import write_text
-from ffgym.diagnosis.result import Diagnosis
 from ffgym.diagnosis.settings import record_reads, setting_values, use_settings
-from scripts.exam.exams import IndependentExam
-from scripts.exam.independent import question
-from scripts.exam.marks import Mark, mark_of
-from scripts.exam.tasks import Row, Task
+from scripts.exam.study_questions import Answer, DiagnosisQuestion, IdentificationQuestion, StudyQuestion
 
 FACTORS = (0.5, 2.0)
 """Factors by which each setting is changed."""
 
-QUESTIONS: tuple[tuple[Row, int, int], ...] = (
-    ("clean", 2, 1),
-    ("single", 10, 1),
-    ("single", 16, 1),
-    ("single", 20, 1),
-    ("single", 24, 1),
-    ("outside", 1, 1),
-    ("single", 2, 2),
-    ("single", 3, 2),
-    ("single", 5, 2),
+QUESTIONS: tuple[StudyQuestion, ...] = (
+    DiagnosisQuestion(row="clean", number=2, axes=1),
+    DiagnosisQuestion(row="single", number=10, axes=1),
+    DiagnosisQuestion(row="single", number=16, axes=1),
+    DiagnosisQuestion(row="single", number=20, axes=1),
+    DiagnosisQuestion(row="single", number=24, axes=1),
+    DiagnosisQuestion(row="outside", number=1, axes=1),
+    DiagnosisQuestion(row="single", number=2, axes=2),
+    DiagnosisQuestion(row="single", number=3, axes=2),
+    DiagnosisQuestion(row="single", number=5, axes=2),
+    IdentificationQuestion(robot="one_axis", number=3),
 )
-"""Questions that are asked: row, number, joints of the machine; chosen: fast ones, most of them of quiet effects."""
+"""Questions that are asked; chosen: fast ones, most of them of quiet effects, and friction that lies well within its
+intervals with the usual seed."""
 
-_PROBABILITIES = ("screening.level", "sampling.motion_power", "blocks.top_speed")
+_PROBABILITIES = ("screening.level", "sampling.motion_power", "blocks.top_speed", "friction.near_bound")
 """Settings near 1, of which the distance to 1 is halved and doubled."""
 
 
@@ -53,17 +52,18 @@ class Varied:
     factor: float
     value: float
     changed: tuple[str, ...]
-    """Questions whose verdict, causes or rivals that tie are others, as 'single-3: right -> none'."""
+    """Subjects of which something else is said, as 'single-3: right -> none': verdict, causes or rivals that tie,
+    status or interval of a parameter."""
     largest_change: float
-    """Largest relative change of a size of a cause that is named both times."""
+    """Largest relative change of a size of a cause that is named, or of a parameter that is identified, both times."""
     right: int
     """Questions with the best possible answer."""
     wrong: int
-    """Questions in which something is named that is not there."""
+    """Questions in which something is named that is not there, or an interval misses."""
     seconds: float
-    """Time of all diagnoses [s]."""
+    """Time of all answers [s]."""
     error: str = ""
-    """Message of a diagnosis that failed; the questions after it were not asked."""
+    """Message of an answer that failed; the questions after it were not asked."""
 
 
 @dataclass(frozen=True)
@@ -121,7 +121,7 @@ def _cell(varied: Varied | None) -> str:
     if varied is None:
         return "not asked"
     if varied.error:
-        return "no diagnosis"
+        return "no answer"
     answers = "the same" if not varied.changed else "; ".join(varied.changed)
     size = f", sizes up to {varied.largest_change:.0%}" if varied.largest_change >= 0.01 else ""
     return answers + size
@@ -131,21 +131,19 @@ def vary(setting: str, factor: float, seed: int) -> Varied:
     """Ask the short exam with one setting changed, and compare the answers with those of the defaults."""
     before = setting_values()[setting]
     value = _change(setting, before, factor)
-    changed, largest, marks = list[str](), 0.0, list[Mark]()
+    changed, largest, answers = list[str](), 0.0, list[Answer]()
     began, error = time.perf_counter(), ""
-    for row, number, axes in QUESTIONS:
-        task, usual, read = _usual(row, number, axes, seed)
+    for question in QUESTIONS:
+        usual, read = _usual(question, seed)
         answer = usual
         if setting in read:
             with use_settings({setting: value}):
-                answer = IndependentExam().answer(task)
-        if answer.verdict == "insufficient" and usual.verdict != "insufficient":
-            error = answer.sentence
+                answer = question.ask(seed)
+        if answer.error and not usual.error:
+            error = answer.error
             break
-        mark, mark_before = mark_of(task, answer), mark_of(task, usual)
-        marks.append(mark)
-        if _said(answer) != _said(usual):
-            changed.append(f"{row}-{number}: {mark_before.outcome} -> {mark.outcome}")
+        answers.append(answer)
+        changed += _list_changes(usual, answer)
         largest = max(largest, _size_change(usual, answer))
     return Varied(
         setting=setting,
@@ -153,8 +151,8 @@ def vary(setting: str, factor: float, seed: int) -> Varied:
         value=value,
         changed=tuple(changed),
         largest_change=largest,
-        right=sum(_is_best(mark) for mark in marks),
-        wrong=sum(mark.outcome.startswith("wrong") or mark.outcome == "surplus" for mark in marks),
+        right=sum(answer.is_right for answer in answers),
+        wrong=sum(answer.is_wrong for answer in answers),
         seconds=time.perf_counter() - began,
         error=error,
     )
@@ -169,34 +167,24 @@ def _change(setting: str, before: float, factor: float) -> float:
     return before * factor
 
 
-def _is_best(mark: Mark) -> bool:
-    """Tell whether no answer could be better."""
-    return mark.outcome == {"clean": "none", "outside": "unknown"}.get(mark.row, "right")
+def _list_changes(usual: Answer, other: Answer) -> list[str]:
+    """List the subjects of which another answer says something else."""
+    both = [(subject, said, other.statements[subject]) for subject, said in usual.statements.items()]
+    return [f"{subject}: {before.mark} -> {after.mark}" for subject, before, after in both if before != after]
 
 
-def _said(answer: Diagnosis) -> tuple[object, ...]:
-    """List what an answer says without its sizes."""
-    causes = sorted((cause.effect, cause.joint) for cause in answer.causes)
-    return answer.verdict, causes, sorted((rival.effect, rival.joint) for rival in answer.rivals if rival.tied)
-
-
-def _size_change(one: Diagnosis, other: Diagnosis) -> float:
+def _size_change(one: Answer, other: Answer) -> float:
     """Compute the largest relative change of a size that both answers have."""
-    sizes = [
-        {(cause.effect, cause.joint, size.name): size.value for cause in answer.causes for size in cause.parameters}
-        for answer in (one, other)
-    ]
-    common = [(sizes[0][key], sizes[1][key]) for key in sizes[0].keys() & sizes[1].keys()]
+    common = [(one.sizes[name], other.sizes[name]) for name in one.sizes.keys() & other.sizes.keys()]
     return max((abs(a - b) / max(abs(a), abs(b)) for a, b in common if a != b), default=0.0)
 
 
 @cache
-def _usual(row: Row, number: int, axes: int, seed: int) -> tuple[Task, Diagnosis, frozenset[str]]:
-    """Draw a question and answer it with the defaults, once in each process; and list the settings that it reads."""
-    task = question.draw_task(row, number, seed=seed, n=axes)
+def _usual(question: StudyQuestion, seed: int) -> tuple[Answer, frozenset[str]]:
+    """Ask a question with the defaults, once in each process; return the answer and the settings that it reads."""
     with record_reads() as read:
-        answer = IndependentExam().answer(task)
-    return task, answer, frozenset(read)
+        answer = question.ask(seed)
+    return answer, frozenset(read)
 
 
 def _variations(asked: Sequence[tuple[str, float]], seed: int, jobs: int) -> Iterator[Varied]:

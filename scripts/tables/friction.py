@@ -15,7 +15,7 @@ import scipy
 
 from ffgym.core.executors import Executor
 from ffgym.core.types import Array
-from ffgym.diagnosis.identification import friction_torques, identify_friction
+from ffgym.diagnosis.identification import JointFriction, friction_torques, identify_friction
 from ffgym.diagnosis.identification.bristle_fit import NAMES
 from ffgym.diagnosis.resampling import LEVEL
 from ffgym.published import ESTIMATION_RECORDS
@@ -140,6 +140,14 @@ def _exact_recordings(name: str, joints: tuple[str, ...], physics_dt: float, rec
 
 def identify_again(repetition: Repetition) -> tuple[Array, Array]:
     """Return parameters found with noise drawn anew, (J, 6), and their intervals, (J, 6, 2)."""
+    estimates = [joint.estimates for joint in identify_joints(repetition)]
+    values = [[estimate.value for estimate in own] for own in estimates]
+    ends = [[(estimate.low, estimate.high) for estimate in own] for own in estimates]
+    return np.array(values), np.array(ends)
+
+
+def identify_joints(repetition: Repetition) -> list[JointFriction]:
+    """Measure the joints with noise drawn anew, and identify their friction."""
     robot, joints = load_robot(repetition.robot), repetition.joints
     exact = _exact_recordings(repetition.robot, joints, repetition.physics_dt, repetition.record_dt)
     # the model that is known before has less inertia and other friction
@@ -155,10 +163,7 @@ def identify_again(repetition: Repetition) -> tuple[Array, Array]:
     recordings = [measure(recording, sensors, rng) for recording, rng in zip(exact, generators, strict=True)]
     torques = friction_torques(model, recordings)
     found = identify_friction(torques, joints=joints, seed=repetition.number, n_resamples=repetition.resamples)
-    estimates = [joint.estimates for joint in found.joints if joint.joint in joints]
-    values = [[estimate.value for estimate in own] for own in estimates]
-    ends = [[(estimate.low, estimate.high) for estimate in own] for own in estimates]
-    return np.array(values), np.array(ends)
+    return [joint for joint in found.joints if joint.joint in joints]
 
 
 def true_friction(robot: RobotDescription, joints: Sequence[str]) -> Array:

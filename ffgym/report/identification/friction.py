@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from ffgym.diagnosis.identification import FrictionIdentification, FrictionTorque, Validation
+from ffgym.diagnosis.settings import settings
 from ffgym.report.figure import ReportFigure
 from ffgym.report.identification.plots import friction_loops_figure, stribeck_figure
 from ffgym.report.page import Note, Page, Part, Section, words_of
@@ -24,9 +25,6 @@ LETTERS = {
 
 _MOST = 6
 """Largest number of records of a joint that are shown."""
-
-_MOVING = 0.05
-"""Motor speed from which a joint moves in a record [rad/s]."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -153,8 +151,9 @@ def friction_figures(report: FrictionReport) -> list[ReportFigure]:
             ("fit", "Figure 6.3", used, "Records that were used"),
             ("validation", "Figures 6.4 to 6.7", report.held_out, "Records that were not used"),
         ):
+            rest = settings().patterns.rest
             speeds = [np.abs(torque.signals.motor_dq[torque.valid, j]) for torque in torques]
-            moving = [own for own, speed in zip(torques, speeds, strict=True) if speed.max(initial=0.0) > _MOVING]
+            moving = [own for own, speed in zip(torques, speeds, strict=True) if speed.max(initial=0.0) > rest]
             if moving:
                 figures.append(
                     ReportFigure(

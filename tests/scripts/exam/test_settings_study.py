@@ -1,19 +1,29 @@
 """The study of settings: a short exam with one of them changed."""
 
 import json
+from dataclasses import dataclass, field, replace
 
 import pytest
 
-from ffgym.diagnosis.settings import setting_values
+from ffgym.diagnosis.settings import setting_values, settings
 from scripts.exam import settings_study
 from scripts.exam.settings_study import main, read_variations, vary
+from scripts.exam.study_questions import Answer, DiagnosisQuestion, IdentificationQuestion, Statement
+
+SLIDING = IdentificationQuestion(robot="one_axis", number=0, resamples=40, record_dt=1e-3)
+"""Friction that is identified in a few seconds."""
 
 
 @pytest.fixture(autouse=True)
-def one_question(monkeypatch):
-    """One question about a machine with one axis."""
-    monkeypatch.setattr(settings_study, "QUESTIONS", (("single", 2, 1),))
-    settings_study._usual.cache_clear()
+def ask(monkeypatch):
+    """Ask other questions than usual; one about a machine with one axis, unless a test chooses."""
+
+    def choose(*questions):
+        monkeypatch.setattr(settings_study, "QUESTIONS", questions)
+        settings_study._usual.cache_clear()
+
+    choose(DiagnosisQuestion(row="single", number=2, axes=1))
+    return choose
 
 
 def test_a_setting_that_forbids_all_causes_changes_the_answer_and_another_does_not():
@@ -25,6 +35,76 @@ def test_a_setting_that_forbids_all_causes_changes_the_answer_and_another_does_n
     assert not other.changed
     assert other.right == 1
     assert other.largest_change == 0.0
+
+
+def test_identified_friction_is_a_question_too(ask):
+    """With fewer starts the fit ends at the same place.
+
+    No interval is as narrow as a millionth of its value, and none holds a velocity beyond those that are looked at.
+    """
+    ask(SLIDING)
+    fewer, strict, beyond = (
+        vary(f"friction.{name}", factor, 4)
+        for name, factor in (("starts", 0.5), ("wide", 1e-6), ("largest_stribeck_velocity", 0.004))
+    )
+    assert not fewer.changed
+    assert (fewer.right, fewer.wrong) == (1, 0)
+    assert 0.0 < fewer.largest_change < 0.01
+    letters = ("f_c", "f_s", "f_v", "v_s")
+    assert strict.changed[:4] == tuple(f"identify one_axis {letter}: covered -> wide" for letter in letters)
+    assert (strict.right, strict.wrong) == (0, 0)
+    assert strict.largest_change == 0.0
+    assert "identify one_axis v_s: covered -> missed" in beyond.changed
+    assert (beyond.right, beyond.wrong) == (0, 1)
+
+
+def test_an_identification_that_fails_has_no_answer():
+    """Of one resample there are no intervals."""
+    assert replace(SLIDING, resamples=1).ask(4).error.startswith("FFGymError: n_resamples")
+
+
+@dataclass(frozen=True)
+class Stub:
+    """Question that reads one setting."""
+
+    name: str
+    asked: list[int] = field(default_factory=list, compare=False)
+
+    def ask(self, seed):
+        self.asked.append(seed)
+        group, own = self.name.split(".")
+        value = getattr(getattr(settings(), group), own)
+        if value < 0.01:
+            return Answer(error=f"{value} is too small")
+        mark = "right" if value < 100 else "wrong"
+        return Answer(
+            statements={self.name: Statement(mark)},
+            sizes={("x",): value},
+            is_right=mark == "right",
+            is_wrong=value > 99,
+        )
+
+
+def test_questions_of_any_kind_are_asked_again_where_they_read_the_setting(ask):
+    """The other one keeps its answer, and is asked with the defaults alone."""
+    other, own = Stub("search.slack"), Stub("friction.misfit")
+    ask(other, own)
+    one = vary("friction.misfit", 4.0, 28)
+    assert one.changed == ()
+    assert one.largest_change == pytest.approx(0.75)
+    assert one.right == 2
+    one = vary("friction.misfit", 1e4, 28)
+    assert one.changed == ("friction.misfit: right -> wrong",)
+    assert (one.right, one.wrong) == (1, 1)
+    assert (other.asked, own.asked) == ([28], [28] * 3)
+
+
+def test_a_question_without_an_answer_ends_the_exam_and_says_why(ask):
+    """Questions after it are not asked."""
+    ask(Stub("search.slack"), Stub("friction.misfit"))
+    one = vary("search.slack", 0.1, 28)
+    assert one.error == "0.002 is too small"
+    assert one.right == 0
 
 
 def test_the_command_goes_on_where_it_was_interrupted(tmp_path, capsys):
