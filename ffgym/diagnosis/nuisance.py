@@ -128,16 +128,16 @@ Refit = Callable[[Sequence[Recording]], RobotDescription]
 class ParameterPrior:
     """Prior of the numbers of the nominal model, as standard deviations."""
 
-    share: float = settings().prior.share
+    share: float = field(default_factory=lambda: settings().prior.share)
     """Standard deviation of masses, rotors, stiffness, damping and friction, relative."""
     levels: float | None = None
     """Standard deviation of Coulomb and viscous friction, relative, where they are known less well; None is `share`."""
     torque_constant: float = 0.0
     """Error of torque per current, relative, where the torque of a log is a current times a number that was not
     measured; 0 where torque is known."""
-    offset: float = settings().prior.offset * settings().prior.share
+    offset: float = field(default_factory=lambda: settings().prior.offset * settings().prior.share)
     """Standard deviation of torque offsets, as a share of the Coulomb torque."""
-    tool: float = settings().prior.tool_offset
+    tool: float = field(default_factory=lambda: settings().prior.tool_offset)
     """Standard deviation of the tool's place, each axis [m]."""
     base: float = 0.0
     """Error of each base parameter of the rigid arm, as a share of the torque that motors take: for masses and inertias

@@ -76,7 +76,7 @@ def diagnose(
     seed: int = 0,
     report: Report = lambda what, share: None,
     cache: DiagnosisCache | None = None,
-    most: int = settings().search.most_causes,
+    most: int | None = None,
     accept: Sequence[str] = (),
 ) -> Diagnosis:
     """Diagnose logs of a machine.
@@ -89,8 +89,8 @@ def diagnose(
         seed: of resamples and of simulated noise.
         report: told what is done.
         cache: kept from one diagnosis to the next, which is faster where many logs are of the same motions.
-        most: causes to look for, 1 to 8; a diagnosis of the extended model finds further ones, and several short ones
-            take less time than a long one.
+        most: causes to look for, 1 to 8, None for 8; a diagnosis of the extended model finds further ones, and several
+            short ones take less time than a long one.
         accept: names of checks of quality that are overruled, and told.
 
     Raises:
@@ -111,7 +111,7 @@ def examine(
     report: Report = lambda what, share: None,
     first: Callable[[Preview], None] | None = None,
     cache: DiagnosisCache | None = None,
-    most: int = settings().search.most_causes,
+    most: int | None = None,
     accept: Sequence[str] = (),
 ) -> Examination:
     """Diagnose logs of a machine, as `diagnose` does, and keep what that was made from.
@@ -122,7 +122,8 @@ def examine(
     limits = settings().prior
     given = tuple(thin(recordings))
     machine = Machine.of(nominal)
-    check_whole("most causes", most, low=1, high=settings().search.most_causes)
+    high = settings().search.most_causes
+    most = high if most is None else check_whole("most causes", most, low=1, high=high)
     rng = np.random.default_rng(check_whole("seed", seed, low=0))
     recordings = condition_alike(sort_by_content(given))
     # judge the quality of the logs, and keep what is to be reported in any case

@@ -164,11 +164,16 @@ class Table:
         shown = [table[1:] if not table[0].strip(" |") else table for table in tables or [left]]  # no group, no line
         return "\n\n".join("\n".join(line.rstrip() for line in table) for table in shown)
 
-    def markdown(self) -> str:
-        """Format the table in Markdown."""
-        rows = [self.headings, *self.rows]
-        head, *lines = [" | ".join(text.replace("|", r"\|") for text in row) for row in rows]
-        return "\n".join([f"| {head} |", "|---" * len(self.columns) + "|", *(f"| {line} |" for line in lines)])
+    def markdown(self, *, aligned: bool = False) -> str:
+        """Format the table in Markdown; `aligned` cells are as wide as their column, for terminals."""
+        rows = [[text.replace("|", r"\|") for text in row] for row in (self.headings, *self.rows)]
+        rule = "|---" * len(self.columns) + "|"
+        if aligned:
+            widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+            rows = [[text.ljust(width) for text, width in zip(row, widths, strict=True)] for row in rows]
+            rule = f"| {' | '.join('-' * width for width in widths)} |"
+        head, *lines = [f"| {' | '.join(row)} |" for row in rows]
+        return "\n".join([head, rule, *lines])
 
 
 def _join(columns: Sequence[Column]) -> list[str]:

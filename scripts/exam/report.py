@@ -9,6 +9,7 @@ from ffgym.report.figure import house_style, legend_above, new_figure
 from scripts.exam.marks import Mark, Outcome
 from scripts.exam.tables import BANDS, Line
 from scripts.exam.tasks import ROWS
+from scripts.tables.page import markdown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -46,7 +47,7 @@ def figures_text(lines: Sequence[Line]) -> str:
     """Markdown table of figures and demands."""
     met = {True: "yes", False: "NO", None: "-"}
     body = [[str(line.number), line.figure, line.demand, line.got, str(line.of), met[line.is_met]] for line in lines]
-    return markdown(["row", "figure", "demand", "got", "of", "met"], body)
+    return markdown(["row", "figure", "demand", "got", "of", "met"], body, aligned=True)
 
 
 def outcomes_text(marks: Sequence[Mark]) -> str:
@@ -59,7 +60,7 @@ def outcomes_text(marks: Sequence[Mark]) -> str:
                 count = Counter(mark.outcome for mark in here)
                 band = name if here[0].truth else "nothing hidden"
                 body.append([row, band, str(len(here)), *(str(count[one] or "") for one in _OUTCOMES)])
-    return markdown(["question", "loudness", "of", *_OUTCOMES], body)
+    return markdown(["question", "loudness", "of", *_OUTCOMES], body, aligned=True)
 
 
 def misses_text(marks: Sequence[Mark]) -> str:
@@ -73,13 +74,6 @@ def misses_text(marks: Sequence[Mark]) -> str:
             about = f" [{mark.conditions}]" if mark.conditions else ""
             lines.append(f"{mark.name}: {hidden or 'nothing'}; {mark.verdict}: {said or '-'}{about}")
     return "\n".join(lines)
-
-
-def markdown(head: Sequence[str], body: Sequence[Sequence[str]]) -> str:
-    """Table in Markdown, aligned."""
-    widths = [max(len(row[k]) for row in [head, *body]) for k in range(len(head))]
-    rows = [head, ["-" * width for width in widths], *body]
-    return "\n".join("| " + " | ".join(c.ljust(w) for c, w in zip(row, widths, strict=True)) + " |" for row in rows)
 
 
 def sum_up(mark: Mark) -> str:

@@ -21,6 +21,7 @@ from ffgym.core.errors import check_choice, check_whole
 from ffgym.core.files import write_text
 from ffgym.diagnosis.settings import record_reads, setting_values, use_settings
 from scripts.exam.study_questions import Answer, DiagnosisQuestion, IdentificationQuestion, StudyQuestion
+from scripts.tables.page import Contents, markdown
 
 FACTORS = (0.5, 2.0)
 """Factors by which each setting is changed."""
@@ -43,6 +44,9 @@ intervals with the usual seed."""
 _PROBABILITIES = ("screening.level", "sampling.motion_power", "blocks.top_speed", "friction.near_bound")
 """Settings near 1, of which the distance to 1 is halved and doubled."""
 
+_VISIBLE = 0.01
+"""Relative change of a size from which on it is told."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Varied:
@@ -64,6 +68,13 @@ class Varied:
     """Time of all answers [s]."""
     error: str = ""
     """Message of an answer that failed; the questions after it were not asked."""
+    n_read: int
+    """Questions that read the setting; the others keep their answers."""
+
+    @property
+    def has_effect(self) -> bool:
+        """True if an answer is another one, or a size is, by a per cent or more."""
+        return bool(self.changed or self.error) or self.largest_change >= _VISIBLE
 
 
 @dataclass(frozen=True)
@@ -78,6 +89,8 @@ class StudySettings:
     """Folder of the results, one line for each variation; those in it are not computed again."""
     jobs: int = 1
     """Variations that are computed at the same time."""
+    page: Path | None = None
+    """Markdown file whose marked part is replaced by the results, e.g. docs/diagnosis_settings.md."""
 
     def run(self) -> None:
         """Compute the variations that are not there yet, one line of a file for each."""
@@ -96,7 +109,10 @@ class StudySettings:
                 done.append(varied)
                 write_text(place, "".join(json.dumps(asdict(one)) + "\n" for one in done))
                 progress(len(done), len(asked))
-        print("\n".join(table_lines(done)))
+        text = describe_study(done, self.seed)
+        print(text)
+        if self.page is not None:
+            Contents(parts={"settings": text}).write(self.page)
 
 
 def read_variations(place: Path) -> list[Varied]:
@@ -107,14 +123,28 @@ def read_variations(place: Path) -> list[Varied]:
     return [Varied(**{**row, "changed": tuple(row["changed"])}) for row in rows]
 
 
-def table_lines(variations: Sequence[Varied]) -> list[str]:
-    """Write the results as lines of a Markdown table: answers that change, and how many are right and wrong."""
-    lines = ["| setting | value | at half | at twice |", "|---|---|---|---|"]
+def describe_study(variations: Sequence[Varied], seed: int) -> str:
+    """Describe the results in Markdown: how many settings matter, and a table for each group."""
     found = {(one.setting, one.factor): one for one in variations}
+    pairs = {name: [found.get((name, factor)) for factor in FACTORS] for name in setting_values()}
+    asked = [[one for one in pair if one is not None] for pair in pairs.values() if any(pair)]
+    read = [pair for pair in asked if any(one.n_read for one in pair)]
+    moving = [pair for pair in read if any(one.has_effect for one in pair)]
+    turning = [pair for pair in read if any(one.changed or one.error for one in pair)]
+    parts = [
+        f"Of {len(pairs)} settings {len(asked)} were varied (seed {seed}); the {len(QUESTIONS)} questions read "
+        f"{len(read)} of them. At half or twice its value {len(moving)} move a size by 1 % or change an answer; "
+        f"{len(turning)} change an answer."
+    ]
+    groups: dict[str, list[tuple[str, ...]]] = {}
     for name, value in setting_values().items():
-        cells = [_cell(found.get((name, factor))) for factor in FACTORS]
-        lines.append(f"| `{name}` | {value:g} | {cells[0]} | {cells[1]} |")
-    return lines
+        group, own = name.split(".")
+        n_read = max((one.n_read for one in pairs[name] if one is not None), default=0)
+        row = (f"`{own}`", f"{value:g}", str(n_read), *map(_cell, pairs[name]))
+        groups.setdefault(group, []).append(row)
+    head = ("setting", "value", "read by", "at half", "at twice")
+    parts += [f"### {group}\n\n{markdown(head, rows)}" for group, rows in groups.items()]
+    return "\n\n".join(parts)
 
 
 def _cell(varied: Varied | None) -> str:
@@ -122,8 +152,10 @@ def _cell(varied: Varied | None) -> str:
         return "not asked"
     if varied.error:
         return "no answer"
+    if not varied.n_read:
+        return ""
     answers = "the same" if not varied.changed else "; ".join(varied.changed)
-    size = f", sizes up to {varied.largest_change:.0%}" if varied.largest_change >= 0.01 else ""
+    size = f", sizes up to {varied.largest_change:.0%}" if varied.largest_change >= _VISIBLE else ""
     return answers + size
 
 
@@ -131,12 +163,13 @@ def vary(setting: str, factor: float, seed: int) -> Varied:
     """Ask the short exam with one setting changed, and compare the answers with those of the defaults."""
     before = setting_values()[setting]
     value = _change(setting, before, factor)
-    changed, largest, answers = list[str](), 0.0, list[Answer]()
+    changed, largest, answers, n_read = list[str](), 0.0, list[Answer](), 0
     began, error = time.perf_counter(), ""
     for question in QUESTIONS:
         usual, read = _usual(question, seed)
         answer = usual
         if setting in read:
+            n_read += 1
             with use_settings({setting: value}):
                 answer = question.ask(seed)
         if answer.error and not usual.error:
@@ -155,6 +188,7 @@ def vary(setting: str, factor: float, seed: int) -> Varied:
         wrong=sum(answer.is_wrong for answer in answers),
         seconds=time.perf_counter() - began,
         error=error,
+        n_read=n_read,
     )
 
 

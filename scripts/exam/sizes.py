@@ -31,9 +31,10 @@ from scripts.exam.exams import Exam
 from scripts.exam.hidden import drawn
 from scripts.exam.loudness import EnergyMeter, OwnTask, limit_effect, record_task
 from scripts.exam.marks import Mark
-from scripts.exam.report import answers_figure, markdown, misses_text
+from scripts.exam.report import answers_figure, misses_text
 from scripts.exam.tables import Line
 from scripts.exam.tasks import ROWS, Question, Row, Truth
+from scripts.tables.page import markdown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -317,7 +318,8 @@ def sizes_text(found: Sequence[Detectable]) -> str:
         others = ["-" if value is None else f"{value:.3g}" for value in (one.not_found_at, one.loudness)]
         place = [one.effect, one.joint or "machine", one.parameter, one.unit]
         body.append([*place, first, *others, f"{one.found} of {one.asked}"])
-    return markdown(["effect", "joint", "size", "unit", "found from", "not at", "loudness", "found"], body)
+    head = ["effect", "joint", "size", "unit", "found from", "not at", "loudness", "found"]
+    return markdown(head, body, aligned=True)
 
 
 def write_unjudged(others: Sequence[UnjudgedEffect]) -> str:

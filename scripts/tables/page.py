@@ -58,6 +58,6 @@ def renew(text: str, parts: Mapping[str, str]) -> str:
     return text
 
 
-def markdown(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Markdown table of texts."""
-    return Table.of_rows(head, list(rows)).markdown()
+def markdown(head: Sequence[str], rows: Iterable[Sequence[str]], *, aligned: bool = False) -> str:
+    """Format a Markdown table of texts; `aligned` for terminals."""
+    return Table.of_rows(head, list(rows)).markdown(aligned=aligned)

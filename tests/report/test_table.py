@@ -69,6 +69,7 @@ def test_a_page_has_the_same_cells_under_their_groups(table):
 def test_a_table_comes_from_rows_too():
     table = Table.of_rows(["a", "b"], [["1", "2"], ["3", Cell("4", "five")]])
     assert table.markdown().splitlines()[2:] == ["| 1 | 2 |", "| 3 | 4 five |"]
+    assert table.markdown(aligned=True).splitlines()[2:] == ["| 1 | 2      |", "| 3 | 4 five |"]
 
 
 def test_a_table_without_rows_is_its_heading():

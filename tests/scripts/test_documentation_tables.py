@@ -42,7 +42,8 @@ def test_what_follows_from_the_code_is_current(page):
 
 def test_every_page_that_has_made_parts_is_registered():
     with_parts = {page for page in DOCS.rglob("*.md") if "<!-- end -->" in page.read_text(encoding="utf-8")}
-    assert with_parts - {DOCS / "bench_diagnosis.md"} <= {DOCS / name for name in PAGES}
+    by_exams = {DOCS / "bench_diagnosis.md", DOCS / "diagnosis_settings.md"}  # they take hours, and write themselves
+    assert with_parts - by_exams <= {DOCS / name for name in PAGES}
     assert all((DOCS / name).exists() for name in PAGES)
 
 

@@ -57,7 +57,7 @@ def search(
     null_residuals: Values,
     rng: np.random.Generator,
     report: Report = lambda what, share: None,
-    most: int = settings().search.most_causes,
+    most: int | None = None,
 ) -> SearchResult:
     """Find the effects that explain a log.
 
@@ -67,9 +67,10 @@ def search(
         null_residuals: residuals of faultless logs, (R, M, K) by component.
         rng: resamples blocks.
         report: told what is done.
-        most: causes to be found, from 1 to MOST; each wave of one that repeats with an angle counts.
+        most: causes to be found at most, None for the setting; each wave of one that repeats with an angle counts.
     """
     # rounds: adopt a cause, refit all, drop those that the others make up for
+    most = settings().search.most_causes if most is None else most
     nominal = now = fit_and_score(problem, ())
     first = candidates(now.fit)
     rounds, needless = [_run_round(problem, first, null_residuals, nominal, now, (), report)], list[Hypothesis]()

@@ -1,13 +1,14 @@
 """The study of settings: a short exam with one of them changed."""
 
 import json
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
 
 import pytest
 
 from ffgym.diagnosis.settings import setting_values, settings
 from scripts.exam import settings_study
-from scripts.exam.settings_study import main, read_variations, vary
+from scripts.exam.settings_study import Varied, main, read_variations, vary
 from scripts.exam.study_questions import Answer, DiagnosisQuestion, IdentificationQuestion, Statement
 
 SLIDING = IdentificationQuestion(robot="one_axis", number=0, resamples=40, record_dt=1e-3)
@@ -116,7 +117,53 @@ def test_the_command_goes_on_where_it_was_interrupted(tmp_path, capsys):
     assert main(["--settings", "blocks.spread_share", "--out", str(tmp_path)]) == 0
     assert place.read_text() == before
     assert json.loads(before.splitlines()[0])["changed"] == []
-    assert "| `blocks.spread_share` | 0.5 | the same | the same |" in capsys.readouterr().out
+    printed = capsys.readouterr().out
+    assert "### blocks\n\n" in printed
+    assert "| `spread_share` | 0.5 | 0 |  |  |" in printed
+
+
+def test_a_page_tells_what_each_setting_changes(tmp_path):
+    """Those that no question reads have empty cells, and those that were not varied say so."""
+    page = tmp_path / "page.md"
+    page.write_text("before\n<!-- settings -->\n<!-- end -->\nafter\n")
+    (tmp_path / "seed_28.jsonl").write_text(
+        "".join(
+            json.dumps(asdict(varied(setting, factor, **told))) + "\n"
+            for factor in (0.5, 2.0)
+            for setting, told in (
+                (
+                    "search.near_best",
+                    {"changed": ("single-3: right -> none",)} if factor < 1 else {"largest_change": 0.1},
+                ),
+                ("search.slack", {"largest_change": 0.001}),
+                ("rivals.near", {"n_read": 0}),
+            )
+        )
+    )
+    assert main(["--settings", "search.slack", "--out", str(tmp_path), "--page", str(page)]) == 0
+    text = page.read_text()
+    assert text.startswith("before\n")
+    assert text.endswith("after\n")
+    assert "3 were varied (seed 28); the 1 questions read 2 of them." in text
+    assert "value 1 move a size by 1 % or change an answer; 1 change an answer." in text
+    assert "| `near_best` | 0.5 | 1 | single-3: right -> none | the same, sizes up to 10% |" in text
+    assert "| `slack` | 0.02 | 1 | the same | the same |" in text
+    assert "| `near` | 0.9 | 0 |  |  |" in text
+    assert "| `tried` | 3 | 0 | not asked | not asked |" in text
+
+
+def varied(setting, factor, **told):
+    usual = {"changed": (), "largest_change": 0.0, "right": 1, "wrong": 0, "seconds": 1.0, "n_read": 1}
+    return Varied(setting=setting, factor=factor, value=setting_values()[setting] * factor, **usual | told)
+
+
+def test_the_page_of_the_docs_has_every_setting_with_its_value():
+    text = (Path(__file__).parents[3] / "docs" / "diagnosis_settings.md").read_text(encoding="utf-8")
+    groups = {part.partition("\n")[0]: part for part in text.split("### ")[1:]}
+    for name, value in setting_values().items():
+        group, own = name.split(".")
+        assert f"| `{own}` | {value:g} |" in groups[group], name
+    assert "not asked" not in text
 
 
 def test_an_unknown_setting_is_refused_in_one_line(tmp_path, capsys):
