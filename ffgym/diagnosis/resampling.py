@@ -142,20 +142,22 @@ def bootstrap(
     return np.stack([estimate(blocks.draw(rng)) for _ in range(count)])
 
 
-def intervals(estimate: Array, resampled: Array, level: float = LEVEL) -> Intervals:
-    """Percentile intervals of parameters.
+def intervals(estimate: Array, resampled: Array, level: float = LEVEL, *, widened: float = 1.0) -> Intervals:
+    """Compute percentile intervals of parameters.
 
     Args:
         estimate: parameters, shape (P,); an interval always holds it.
         resampled: what `bootstrap` gives, shape (B, P).
         level: probability.
+        widened: factor on the distance of the ends from the estimate, for what resamples do not vary.
 
     Reference:
         Kuensch (1989), Annals of Statistics 17(3), for blocks; Davison & Hinkley (1997), Bootstrap Methods, ch. 5.
     """
     level = check_number("level", level, low=0.0, high=1.0, open_low=True)
     low, high = np.quantile(resampled, [(1 - level) / 2, (1 + level) / 2], axis=0)
-    return Intervals(low=np.minimum(low, estimate), high=np.maximum(high, estimate))
+    low, high = np.minimum(low, estimate), np.maximum(high, estimate)
+    return Intervals(low=low - (widened - 1) * (estimate - low), high=high + (widened - 1) * (high - estimate))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -736,6 +736,10 @@ class FrictionFitSettings:
     """Resamples of the first of both fits of a joint, which are only to tell what is identified."""
     matters: float = 0.1
     """Share of the Coulomb torque below which a viscous torque at the fastest speed does not matter."""
+    widened: float = 1.1
+    """Ends of an interval are this much further from the estimate than quantiles of resamples, for errors that no
+    resample varies. Calibrated by simulation: 90 % intervals of 24 parameters of four joints held the truth in 87 % of
+    50 repetitions without it, in 90 % with it; docs/identification.md has further repetitions."""
     wide: float = 0.5
     """Half width of an interval, relative to the value, from which it counts as wide."""
 

@@ -94,6 +94,13 @@ def test_same_seed_same_intervals_and_the_estimate_is_inside():
     assert (interval.high >= estimate(np.ones(12))).all()
 
 
+def test_a_widened_interval_reaches_further_on_both_sides():
+    resampled = np.linspace(0.0, 1.0, 101)[:, None]
+    plain, wide = (intervals(np.array([0.25]), resampled, widened=widened) for widened in (1.0, 1.5))
+    assert (plain.low[0], plain.high[0]) == pytest.approx((0.05, 0.95))
+    assert (wide.low[0], wide.high[0]) == pytest.approx((0.25 - 1.5 * 0.2, 0.25 + 1.5 * 0.7))
+
+
 def test_runs_are_found_at_the_ends_too():
     assert stretches(np.array([True, True, False, True])) == [slice(0, 2), slice(3, 4)]
     assert stretches(np.zeros(3, dtype=np.bool_)) == []

@@ -141,11 +141,11 @@ def _static_estimates(
     """Estimates of f_c, f_s, f_v, v_s, beside the description's `prior` (6,); v_s may be `given` by the caller."""
     if fit is None:
         return [_estimate(joint, i, prior, "not excited", "too few constant speeds") for i in range(4)]
-    span = intervals(fit.values, fit.resampled[:, :4], level)
+    span = intervals(fit.values, fit.resampled[:, :4], level, widened=settings().friction.widened)
     fastest = float(np.abs(fit.data.speed).max())
     found = []
     for i, name in enumerate(NAMES[:4]):
-        value, low, high = float(fit.values[i]), float(span.low[i]), float(span.high[i])
+        value, low, high = float(fit.values[i]), max(float(span.low[i]), 0.0), float(span.high[i])
         scale = settings().friction.matters * fit.values[0] / fastest if name == "viscous" else 0.0
         status, reason = judge_estimate(value, low, high, scale=scale, excited=fit.lacking[name])
         if name == "stribeck_velocity" and given is not None:
@@ -165,13 +165,13 @@ def _dynamic_estimates(joint: str, prior: Array, fit: BristleFit | None, missing
     """
     if fit is None:
         return [_estimate(joint, i, prior, "not excited", missing) for i in (4, 5)]
-    span = intervals(fit.values, fit.resampled, level)
+    span = intervals(fit.values, fit.resampled, level, widened=settings().friction.widened)
     limits, short = settings().friction, ""
     if fit.n_blocks < limits.fewest_blocks:
         short = f"its records last less than {limits.fewest_blocks * limits.block:g} s, too little for an interval"
     found = []
     for i in range(2):
-        value, low, high = float(fit.values[i]), float(span.low[i]), float(span.high[i])
+        value, low, high = float(fit.values[i]), max(float(span.low[i]), 0.0), float(span.high[i])
         status, reason = judge_estimate(value, low, high, scale=0.0, excited=short, at_bound=bool(fit.at_bound[i]))
         if status == "identified" and fit.at_bound.any():
             status, reason = "at bound", "the fit ends at the bound of the other bristle parameter"

@@ -9,7 +9,7 @@ from friction_samples import ladder, measured, sines
 from ffgym.core.errors import FFGymError
 from ffgym.diagnosis.identification import friction_torques, identify_friction, predict_friction, validate
 from ffgym.diagnosis.identification.bristle_fit import NAMES, fit_bristles
-from ffgym.diagnosis.settings import use_settings
+from ffgym.diagnosis.settings import settings, use_settings
 from ffgym.published import ESTIMATION_RECORDS
 from ffgym.robot import RigidArm
 
@@ -68,6 +68,16 @@ def test_intervals_are_narrow_and_near_the_truth(found, one_axis):
         assert 0.0003 < half / true < 0.2
         assert estimate.low < estimate.value < estimate.high
         assert abs(estimate.value - true) < 3 * half
+
+
+def test_intervals_reach_further_than_resamples_by_what_was_calibrated(found):
+    joint, widened = found.joints[0], settings().friction.widened
+    assert widened > 1
+    for estimate, own in zip(
+        joint.estimates, [*joint.stribeck.resampled.T[:4], *joint.bristles.resampled.T], strict=True
+    ):
+        ends = estimate.value + widened * (np.quantile(own, [0.05, 0.95]) - estimate.value)
+        np.testing.assert_allclose([estimate.low, estimate.high], ends)
 
 
 def test_new_parameters_explain_records_that_were_not_used_and_old_ones_do_not(found, exact, wrong):
