@@ -42,3 +42,5 @@ from .resampling import Intervals as Intervals
 from .resampling import bootstrap as bootstrap
 from .resampling import intervals as intervals
 from .result import Diagnosis as Diagnosis
+from .settings import setting_values as setting_values
+from .settings import use_settings as use_settings

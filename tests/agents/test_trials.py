@@ -69,7 +69,7 @@ def test_a_wrong_signal_or_a_recording_of_another_motion_is_refused(arm, circle,
     with pytest.raises(FFGymError, match=r"Unknown learning signal 'u_x'\. Available: e_p, u_c, u_p"):
         Lesson.of(circle, recording, "u_x")
     other = circle_references(arm, ["p1"], [0.04], [0.001])["p1", 0.04]
-    with pytest.raises(FFGymError, match="none of the motion"):
+    with pytest.raises(FFGymError, match="not of the motion"):
         Lesson.of(other, recording)
 
 
