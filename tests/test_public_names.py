@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import ffgym
-from scripts.tables.library import find_packages
+from scripts.tables.package_pages import find_packages
 
 ROOT = Path(__file__).parent.parent
 DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]

@@ -15,12 +15,12 @@ from ffgym.core.provenance import versions
 from ffgym.effects import EFFECTS
 from ffgym.report import save_figure
 from ffgym.robot import builtin_robots
-from scripts.tables import definitions, friction, laws, library, physics, recorded
+from scripts.tables import definitions, friction, laws, package_pages, physics, recorded
 from scripts.tables.page import DOCS, DPI, Contents
 
 DEFINED: Mapping[str, Callable[[], Contents]] = {
-    "api.md": library.names,
-    "architecture.md": library.architecture,
+    "api.md": package_pages.names,
+    "architecture.md": package_pages.architecture,
     "column_maps.md": definitions.column_maps,
     "motion_files.md": definitions.motion_files,
     "protocols.md": definitions.protocols,
@@ -28,8 +28,8 @@ DEFINED: Mapping[str, Callable[[], Contents]] = {
     "recordings.md": definitions.recordings,
     "robot_description.md": definitions.robot_description,
     **{f"robots/{name}.md": partial(definitions.robot, name) for name in builtin_robots()},
-    "effects/README.md": library.effects,
-    **{f"effects/{name}.md": partial(library.effect_page, effect) for name, effect in EFFECTS.items()},
+    "effects/README.md": package_pages.effects,
+    **{f"effects/{name}.md": partial(package_pages.effect_page, effect) for name, effect in EFFECTS.items()},
 }
 """Pages that follow from the code, by their place in docs/."""
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ffgym.core.errors import FFGymError
-from ffgym.diagnosis import examine
+from ffgym.diagnosis import ParameterPrior, examine, use_settings
 from ffgym.effects import EFFECTS
 from ffgym.envs.machines import make_rig
 from ffgym.recordings.io import read_folder
@@ -45,3 +45,12 @@ def test_what_one_diagnosis_leaves_the_next_finds(recordings, one_axis):
 def test_there_is_a_least_and_a_most(most, one_axis):
     with pytest.raises(FFGymError, match="most causes"):
         examine(one_axis, [], most=most)
+
+
+def test_changed_settings_reach_what_is_not_given(one_axis):
+    """The most causes of a diagnosis, and the prior of a description."""
+    with use_settings({"search.most_causes": 4, "prior.share": 0.02, "prior.offset": 3.0, "prior.tool_offset": 1e-3}):
+        with pytest.raises(FFGymError, match="There is nothing to diagnose"):
+            examine(one_axis, [])
+        prior = ParameterPrior()
+    assert (prior.share, prior.offset, prior.tool) == pytest.approx((0.02, 0.06, 1e-3))
