@@ -41,3 +41,21 @@ def test_getting_started_quotes_how_many_cells_are_near(study):
     near = sum(nearness(study, "none", speed, "rms")[0] for speed in (10.0, 40.0))
     text = (DOCS / "docs" / "getting_started.md").read_text(encoding="utf-8")
     assert f"{near} of 24 cells within a factor 1.5" in text
+
+
+def dynamic_over_none(study) -> str:
+    """Ratios of the RMS path error at 40 mm/s, r = 1 mm, p1 to p4, as documents print them: simulated, published."""
+    simulated, published = [], []
+    for position in ("p1", "p2", "p3", "p4"):
+        where = {"speed_mm_s": 40.0, "radius_mm": 1.0, "position": position}
+        [(dynamic,), (none,)] = [study.select(agent=law, **where) for law in ("lugre_dynamic", "none")]
+        simulated.append(dynamic.rms_mm / none.rms_mm)
+        dynamic, none = (published_mm(law, "rms", 0.04, 0.001, position) for law in ("lugre_dynamic", "none"))
+        published.append(dynamic / none)
+    one, other = (", ".join(f"{ratio:.2f}" for ratio in ratios) for ratios in (simulated, published))
+    return f"{one} at p1 to p4 ({simulated[0] - 1:.0%} more at p1), published {other}".replace("%", " %")
+
+
+def test_the_reproduction_quotes_by_how_much_compensation_harms_the_smallest_circles(study):
+    text = (DOCS / "docs" / "reproduction.md").read_text(encoding="utf-8")
+    assert dynamic_over_none(study) in " ".join(text.split())

@@ -30,12 +30,13 @@ def told(made_up_circles):
 
 AS_TOLD = """
 4.6-round 4.6-radius 4.6-smallest 4.6-motors 4.6-joints 4.7-round 4.7-joint-3 4.7-alike 4.8-inner
-4.8-others 4.8-motors 4.9-trouble 4.9-path 4.9-motors 4.11-inner T4.1-clear T4.1-dynamic T4.2-less
-T4.2-nearer
+4.8-others 4.8-motors 4.9-trouble 4.9-path 4.9-motors 4.11-inner T4.1-clear T4.1-dynamic T4.2-better
+T4.2-dynamic T4.2-less T4.2-nearer
 """
 NOT_WITHOUT_CHANGE = """
 4.6-round 4.6-smallest 4.6-motors 4.7-round 4.7-joint-3 4.8-inner 4.8-others 4.8-motors 4.9-path
-4.9-motors 4.11-inner 4.11-motors T4.1-clear T4.1-dynamic T4.2-less T4.2-nearer
+4.9-motors 4.11-inner 4.11-motors T4.1-clear T4.1-dynamic T4.2-better T4.2-dynamic
+T4.2-less T4.2-nearer
 """
 
 
@@ -70,6 +71,19 @@ def test_errors_as_published_are_as_large_as_published(verdict, made_up_circles)
         assert verdict(name, lugre_circles=made_up_circles(LAWS, published)) == "holds"
     double = made_up_circles(LAWS, lambda *where: 2 * published(*where))
     assert verdict("T4.1-sizes", lugre_circles=double) == "does not hold"
+
+
+def test_the_published_numbers_of_table_4_2_are_counted_beside_what_is_simulated(studies, told):
+    studies.lugre_circles = told
+    found = [judge(CLAIMS[name], studies).published for name in ("T4.2-better", "T4.2-dynamic")]
+    assert [(sum(check.true for check in each), len(each)) for each in found] == [(24, 24), (9, 12)]
+
+
+def test_a_robot_that_gains_on_all_but_the_smallest_circles_is_partly_as_the_caption_says(verdict, made_up_circles):
+    def worse_inside(law, speed, radius, position):
+        return 1.0 if law == "none" else 1.31 if radius == 1.0 else 0.9
+
+    assert verdict("T4.2-better", lugre_circles=made_up_circles(LAWS, worse_inside)) == "partly"
 
 
 def test_more_is_gained_than_published_where_friction_vanishes(verdict, made_up_circles):
