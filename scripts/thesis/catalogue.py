@@ -82,8 +82,8 @@ def _claim(entry: Cells, cells: Cells) -> Claim:
     name, statement, criterion = (row.pop(key) for key in ("name", "statement", "criterion"))
     share, published = row.pop("share", "EVERY"), row.pop("published", False)
 
-    def checks(studies: ThesisStudies) -> list[Check]:
-        return compare(row, cells, TABLE, studies)
+    def checks(studies: ThesisStudies, *, fitted: bool = False) -> list[Check]:
+        return compare(row, cells, TABLE, studies, fitted=fitted)
 
     return Claim(
         name=name,
@@ -92,6 +92,7 @@ def _claim(entry: Cells, cells: Cells) -> Claim:
         checks=checks,
         share={"EVERY": EVERY, "MOST": MOST, "MAJORITY": MAJORITY}[share],
         published=(lambda studies: checks(AsPublished(studies))) if published else lambda studies: (),  # type: ignore[arg-type]
+        fitted=partial(checks, fitted=True),
     )
 
 
@@ -216,4 +217,5 @@ def _plain(judgement: Judgement) -> dict[str, Any]:
         "verdict": judgement.verdict,
         "checks": plain(judgement.checks),
         "published": plain(judgement.published),
+        "fitted": plain(judgement.fitted),
     }

@@ -93,6 +93,8 @@ class Claim:
     published: Callable[[ThesisStudies], Sequence[Check]] = lambda studies: ()
     """The same comparisons of the numbers in a published table, where there is one. They decide nothing here; they say
     whether the thesis' own numbers bear the claim."""
+    fitted: Callable[[ThesisStudies], Sequence[Check]] = lambda studies: ()
+    """The same comparisons of cells that the robot was fitted to. They decide nothing: agreement there is by design."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -104,14 +106,17 @@ class Judgement:
     checks: tuple[Check, ...]
     published: tuple[Check, ...] = ()
     """The same of published numbers, for comparison."""
+    fitted: tuple[Check, ...] = ()
+    """The same of fitted cells, for comparison."""
 
     @property
     def text(self) -> str:
         """The numbers that decide, in one line; of many comparisons those that are not true."""
-        if not self.published:
-            return self._decisive
-        true = sum(check.true for check in self.published)
-        return f"{self._decisive} Of the published numbers themselves: {true} of {len(self.published)}."
+        words = self._decisive
+        for name, checks in (("published numbers themselves", self.published), ("cells that were fitted", self.fitted)):
+            if checks:
+                words += f" Of the {name}: {sum(check.true for check in checks)} of {len(checks)}."
+        return words
 
     @property
     def _decisive(self) -> str:
@@ -135,9 +140,9 @@ _LISTED = 3
 
 def judge(claim: Claim, studies: ThesisStudies) -> Judgement:
     """Simulate what the claim needs, if that has not been done, and compare."""
-    checks = tuple(claim.checks(studies))
-    published = tuple(claim.published(studies))
-    return Judgement(claim=claim, verdict=verdict_of(checks, claim.share), checks=checks, published=published)
+    checks, published, fitted = (tuple(part(studies)) for part in (claim.checks, claim.published, claim.fitted))
+    verdict = verdict_of(checks, claim.share)
+    return Judgement(claim=claim, verdict=verdict, checks=checks, published=published, fitted=fitted)
 
 
 def verdict_of(checks: Sequence[Check], share: float = EVERY) -> Verdict:
@@ -151,11 +156,11 @@ def verdict_of(checks: Sequence[Check], share: float = EVERY) -> Verdict:
 Cells = Mapping[str, Any]
 """Cells of the table by name, e.g. law, position and speed [m/s]; see `claims.toml`."""
 
-RULES = ("kind", "each", "but", "checks", "where", "value", "limit")
+RULES = ("kind", "each", "but", "fitted", "checks", "where", "value", "limit")
 """Entries of a row that say how to compare; the others are cells."""
 
 
-def compare(row: Cells, cells: Cells, table: Cells, studies: ThesisStudies) -> list[Check]:
+def compare(row: Cells, cells: Cells, table: Cells, studies: ThesisStudies, *, fitted: bool = False) -> list[Check]:
     """Comparisons of a row of the table, in the order of its `each`.
 
     Args:
@@ -163,6 +168,7 @@ def compare(row: Cells, cells: Cells, table: Cells, studies: ThesisStudies) -> l
         cells: cells that it shares with others.
         table: the whole table, for its lists and kinds.
         studies: whose results are measured; what it does not have (None) is not compared.
+        fitted: take the combinations that the row marks as fitted, instead of all others.
     """
     kind = table["kind"].get(row.get("kind"), {})
     cells = {**_cells(kind), **cells, **_cells(row)}
@@ -174,8 +180,8 @@ def compare(row: Cells, cells: Cells, table: Cells, studies: ThesisStudies) -> l
             continue
         if "checks" in row:
             for part in row["checks"]:
-                checks += compare(part, here, table, studies)
-        else:
+                checks += compare(part, here, table, studies, fitted=fitted)
+        elif fitted == ("fitted" in row and row["fitted"].items() <= here.items()):
             value, limit = (number(row[side], here, studies) for side in ("value", "limit"))
             if value is None or limit is None:
                 continue

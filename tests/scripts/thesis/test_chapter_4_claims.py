@@ -73,6 +73,18 @@ def test_errors_as_published_are_as_large_as_published(verdict, made_up_circles)
     assert verdict("T4.1-sizes", lugre_circles=double) == "does not hold"
 
 
+@pytest.mark.parametrize("name", ["T4.1-sizes", "T4.2-sizes"])
+def test_cells_that_the_robot_was_fitted_to_decide_nothing(name, studies, made_up_circles):
+    def wrong_where_held_out(law, speed, radius, position):
+        return (published_mm(law, "rms", speed, radius / 1e3, position) or 1.0) * (1.0 if law == "none" else 2.0)
+
+    studies.lugre_circles = made_up_circles(LAWS, wrong_where_held_out)
+    judgement = judge(CLAIMS[name], studies)
+    assert judgement.verdict == "does not hold"
+    assert (len(judgement.checks), len(judgement.fitted)) == (24, 12)
+    assert judgement.text.endswith(" Of the cells that were fitted: 12 of 12.")
+
+
 def test_the_published_numbers_of_table_4_2_are_counted_beside_what_is_simulated(studies, told):
     studies.lugre_circles = told
     found = [judge(CLAIMS[name], studies).published for name in ("T4.2-better", "T4.2-dynamic")]

@@ -4,6 +4,7 @@ import base64
 import json
 import re
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
@@ -60,6 +61,11 @@ def test_the_whole_reproduction_shows_and_judges_everything():
     answers = ("reidentified-mean", "reidentified-circles", "narx-prediction", "narx-extension")
     assert {verdicts[name] for name in answers} == {"holds"}  # acceptance: 6.1.3 and 6.2.3 of the thesis, left open
     json.dumps(as_json(results, {}), allow_nan=False)
+    sizes = [j for result in results for j in result.judgements if j.claim.name.endswith("-sizes")]
+    counts = [f"{sum(check.true for check in part)} of {len(part)}" for j in sizes for part in (j.checks, j.fitted)]
+    text = (Path(__file__).parents[3] / "docs" / "reproduction.md").read_text(encoding="utf-8")
+    rows = [line.split(" | ")[1:3] for line in text.splitlines() if line.startswith(("| 4.", "| 5."))]
+    assert [cell for row in rows for cell in row] == counts
 
 
 def test_numbers_carry_the_fingerprint_of_every_machine(studies):
