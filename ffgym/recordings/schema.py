@@ -86,6 +86,7 @@ _FAMILIES = (
     Family("compensation.effort", "N m", "motor", "added feed-forward u_lff", decided_by="torque_semantics"),
     Family("command.effort", "N m", "motor", "total commanded torque", decided_by="torque_semantics"),
     Family("friction.effort", "N m", "motor", "true friction torque, simulation only"),
+    Family("arm_friction.effort", "N m", "link", "true friction torque behind the elasticity, simulation only"),
     Family("link.position", "rad", "link", f"joint angle {_AFTER_GEARBOX}", may_lack=True),
     Family("link.velocity", "rad/s", "link", f"joint speed {_AFTER_GEARBOX}", may_lack=True),
     Family("tcp.position", "m", "tool", "tool centre point, measured", parts="xyz", may_miss=True),

@@ -97,6 +97,12 @@ class RobotDescription:
         return len(self.joints)
 
     @property
+    def arm_share(self) -> Array:
+        """Share of friction behind the elasticity [1], shape (N,); 0 for rigid joints, which have one side alone."""
+        share = self.friction.arm_share
+        return np.zeros(self.n_joints) if share is None else np.where(self.drive.is_rigid, 0.0, share)
+
+    @property
     def n_substeps(self) -> int:
         """Physics steps in one control step."""
         return round(self.servo.control_dt / self.physics_dt)

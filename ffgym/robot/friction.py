@@ -1,4 +1,4 @@
-"""LuGre friction, motor side, and slip elements, the memory of presliding."""
+"""LuGre friction, motor side, its share behind the elasticity, and slip elements, the memory of presliding."""
 
 from dataclasses import dataclass, fields
 from typing import Self
@@ -37,10 +37,18 @@ class LuGreParameters:
     """Bristle stiffness sigma_0 [N m/rad], shape (N,), > 0."""
     bristle_damping: Array
     """Bristle damping sigma_1 [N m s/rad], shape (N,), >= 0."""
+    arm_share: Array | None = None
+    """Share of the friction that acts on the arm, behind the joint's elasticity [1], shape (N,), 0 to 1; None is 0.
+
+    The torques above are those of both parts together. Each part has bristles of its own, on the motor's motion and on
+    the link's, with `arm_share` and its complement as factors on all torques. A rigid joint has it all on one side.
+    """
 
     def __post_init__(self) -> None:
         n = np.size(self.coulomb)
         for field in fields(self):
+            if field.name == "arm_share":
+                continue
             value = check_shape(f"friction {field.name}", np.atleast_1d(getattr(self, field.name)), (n,))
             low_is_open = field.name in ("coulomb", "stribeck_velocity", "bristle_stiffness")
             if np.any(value < 0) or (low_is_open and np.any(value == 0)):
@@ -48,6 +56,12 @@ class LuGreParameters:
             object.__setattr__(self, field.name, value)
         if np.any(self.static < self.coulomb):
             raise FFGymError(f"friction static = {self.static} must be >= coulomb = {self.coulomb} on every joint.")
+        if self.arm_share is not None:
+            share = check_shape("friction arm_share", np.atleast_1d(self.arm_share), (n,))
+            if np.any(share < 0) or np.any(share > 1):
+                raise FFGymError(f"friction arm_share = {share} must be from 0 to 1, the part of friction on the arm.")
+            # a share of 0 is no share: one description of one robot
+            object.__setattr__(self, "arm_share", share if np.any(share) else None)
 
     @property
     def n_joints(self) -> int:
@@ -56,10 +70,11 @@ class LuGreParameters:
 
     def scale(self, **factors: float | Array) -> Self:
         """Return a copy with the named parameters multiplied by `factors` (numbers or shape (N,))."""
-        values = {f.name: getattr(self, f.name) * factors.pop(f.name, 1.0) for f in fields(self)}
+        names = [f.name for f in fields(self) if f.name != "arm_share"]
+        values = {name: getattr(self, name) * factors.pop(name, 1.0) for name in names}
         if factors:
             raise FFGymError(f"Unknown friction parameters {sorted(factors)}. Available: {sorted(values)}.")
-        return type(self)(**values)
+        return type(self)(**values, arm_share=self.arm_share)
 
     def stribeck_level(self, dq: Array) -> Array:
         """Steady-state friction level g(v) [N m] without viscous part, >= coulomb; same shape as `dq` [rad/s]."""

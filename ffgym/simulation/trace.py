@@ -151,8 +151,13 @@ def _signals(state: PlantState, rows: ReferenceRows, u_lff: Array, plant: Plant,
     # friction of the bristles, where it is all friction there is
     peak, friction = robot.drive.peak_torque, {}
     if not machine.torque_effects:  # with effects that add to it, a part would be taken for all of it
-        bristles = robot.friction.torque(state.bristle, state.motor_velocity)
-        friction["friction.effort"] = bristles if plant.addresses.has_bristle.all() else np.zeros_like(bristles)
+        at, lugre = plant.addresses, robot.friction
+        bristles = (1 - robot.arm_share) * lugre.torque(state.bristle, state.motor_velocity)
+        friction["friction.effort"] = np.where(at.has_bristle, bristles, 0.0)
+        if at.has_arm_bristle.any():
+            speed = robot.drive.gear_ratio * state.link_velocity
+            behind = robot.drive.gear_ratio * robot.arm_share * lugre.torque(state.arm_bristle, speed)
+            friction["arm_friction.effort"] = np.where(at.has_arm_bristle, behind, 0.0)
     return {
         "motor.position": position,
         "motor.velocity": velocity,

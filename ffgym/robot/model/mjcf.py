@@ -136,10 +136,12 @@ _COMMENTS = {
     "worldbody": "The arm, link side, in SI units. JOINT_motor moves by motor angle / gear ratio and carries rotor "
     "inertia, friction and servo; JOINT_deflection behind it is the elasticity, and carries the link. The position of "
     "the joint is their sum.",
-    "tendon": "Angles of motors that several joints turn (fixed), springs between links (spatial).",
+    "tendon": "Angles of motors that several joints turn, and of links with friction, in motor units (fixed), springs "
+    "between links (spatial).",
     "actuator": "The drives, motor side: gear is motor turns per joint turn, so that set-points, gains and torques are "
     "those of the motor. data.ctrl has position [rad], velocity [rad/s] and feed-forward torque [N m] of each servo. "
-    "lugre is stiffness, damping, Coulomb and static torque, Stribeck velocity of the friction; damping is viscous.",
+    "lugre is stiffness, damping, Coulomb and static torque, Stribeck velocity of the friction; damping is viscous. "
+    "JOINT_arm_friction is the part of the friction that acts on the arm, behind the elasticity.",
     "keyframe": "States of equilibrium to start from: springs and servo integrals carry the load.",
 }
 """Comments for a reader before each section."""

@@ -66,7 +66,7 @@ def play(model: Any, controls: Any, signals: dict[str, Signal], stride: int) -> 
 
 def signals_of(model: Any, joints: Sequence[str]) -> dict[str, Signal]:
     """Return readers of all signals that a recording may have; motor quantities are motor side."""
-    servo, friction = (_actuators(model, joints, kind) for kind in ("servo", "friction"))
+    servo = [at for at in _actuators(model, joints, "servo") if at >= 0]
     integrals = list(zip(model.actuator_gainprm[servo, 0], model.actuator_actadr[servo], strict=True))
     qpos, dof = (_addresses(model, joints, at) for at in (model.jnt_qposadr, model.jnt_dofadr))
     signals: dict[str, Signal] = {
@@ -77,11 +77,15 @@ def signals_of(model: Any, joints: Sequence[str]) -> dict[str, Signal]:
         "link.position": lambda data: [data.qpos[at].sum() for at in qpos],
         "link.velocity": lambda data: [data.qvel[at].sum() for at in dof],
     }
-    if friction:  # bristles act as a force of the actuator, viscous friction as its damping
-        viscous = model.actuator_damping[friction]
-        signals["friction.effort"] = lambda data: (
-            viscous * data.actuator_velocity[friction] - data.actuator_force[friction]
-        )
+    motors, arms = (_actuators(model, joints, kind) for kind in ("friction", "arm_friction"))
+    behind = any(at >= 0 for at in arms)
+    if behind or any(at >= 0 for at in motors):
+        signals["friction.effort"] = lambda data: [_friction(model, data, at) for at in motors]
+    if behind:  # in motor units, times the gear ratio, which the tendon of the link has as coefficient
+        gears = [model.wrap_prm[model.tendon_adr[model.actuator_trnid[at, 0]]] if at >= 0 else 0.0 for at in arms]
+        signals["arm_friction.effort"] = lambda data: [
+            gear * _friction(model, data, at) for gear, at in zip(gears, arms, strict=True)
+        ]
     if any(model.site(i).name == "tcp" for i in range(model.nsite)):
         signals["tcp.position"] = lambda data: data.site("tcp").xpos
     return signals
@@ -100,9 +104,17 @@ def read_recording(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
     return json.loads("".join(comments[1:])), dict(zip(names, values.T, strict=True))
 
 
+def _friction(model: Any, data: Any, at: int) -> float:
+    """Friction torque of an actuator, 0 where there is none: bristles are its force, viscous friction its damping."""
+    if at < 0:
+        return 0.0
+    return float(model.actuator_damping[at] * data.actuator_velocity[at] - data.actuator_force[at])
+
+
 def _actuators(model: Any, joints: Sequence[str], kind: str) -> list[int]:
+    """Return the actuator of each joint, -1 where it has none of this kind."""
     names = {model.actuator(i).name: i for i in range(model.nactuator)}
-    return [names[f"{joint}_{kind}"] for joint in joints if f"{joint}_{kind}" in names]
+    return [names.get(f"{joint}_{kind}", -1) for joint in joints]
 
 
 def _addresses(model: Any, joints: Sequence[str], at: Any) -> list[list[int]]:

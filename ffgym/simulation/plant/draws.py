@@ -79,6 +79,8 @@ class PlantDistribution:
     """Factor on mass and inertia of each link."""
     rotor_inertia: Distribution | None = LogUniform(0.97, 1.03)
     """Factor on the rotor inertia of each motor."""
+    arm_share: Distribution | None = None
+    """Share of friction behind the elasticity, in place of the robot's own; the robots of a batch all have one."""
     payload: Distribution | None = Uniform(0.0, 5.0)
     """Point mass at the TCP [kg], beside the tool."""
 
@@ -108,11 +110,13 @@ class PlantDistribution:
         tool = robot.tool
         if tool is not None and self.payload is not None:
             tool = with_payload(robot, float(self.payload.draw(rng, 1)[0])).tool
+        friction = robot.friction if self.arm_share is None else replace(robot.friction, arm_share=factor["arm_share"])
+        del factor["arm_share"]
         # damping goes with the root of the stiffness, which keeps the damping ratio at equal inertia
         drive, bodies = robot.drive, robot.bodies
         return replace(
             robot,
-            friction=robot.friction.scale(coulomb=level, static=level, **factor),
+            friction=friction.scale(coulomb=level, static=level, **factor),
             drive=replace(
                 drive,
                 joint_stiffness=drive.joint_stiffness * stiffness,

@@ -10,7 +10,13 @@ from mujoco import batch
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.robot import RobotDescription
 from ffgym.robot.drive import Drive
-from ffgym.robot.model.spec import deflection_joint, friction_actuator, motor_joint, servo_actuator
+from ffgym.robot.model.spec import (
+    arm_friction_actuator,
+    deflection_joint,
+    friction_actuator,
+    motor_joint,
+    servo_actuator,
+)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -29,6 +35,9 @@ class Addresses:
     has_integral: BoolArray
     bristle: IntArray
     has_bristle: BoolArray
+    arm_bristle: IntArray
+    """Bristles of the friction behind the elasticity."""
+    has_arm_bristle: BoolArray
 
     @classmethod
     def of(cls, model: mujoco.MjModel, robot: RobotDescription) -> "Addresses":
@@ -37,6 +46,7 @@ class Addresses:
         deflections = [deflection_joint(j) for j in robot.joints]
         integral = np.array([_activation(model, servo_actuator(j)) for j in robot.joints])
         bristle = np.array([_activation(model, friction_actuator(j)) for j in robot.joints])
+        arm_bristle = np.array([_activation(model, arm_friction_actuator(j)) for j in robot.joints])
         own = {*deflections, *(motor_joint(j) for j in robot.joints)}
         extra = [i for i in range(model.njnt) if model.joint(i).name not in own]
         return cls(
@@ -49,6 +59,8 @@ class Addresses:
             has_integral=integral >= 0,
             bristle=bristle,
             has_bristle=bristle >= 0,
+            arm_bristle=arm_bristle,
+            has_arm_bristle=arm_bristle >= 0,
         )
 
 
@@ -72,6 +84,8 @@ class PlantState:
     """[rad/s], link side."""
     bristle: Array
     """LuGre bristle deflection z [rad], motor side; zero in a plant without friction."""
+    arm_bristle: Array
+    """Deflection of the bristles on the link, in motor units [rad]; zero without friction behind the elasticity."""
     integral: Array
     """Integral of the position error [rad s], motor side."""
 
@@ -82,8 +96,9 @@ class PlantState:
         link_q, link_dq = motor_q.copy(), motor_dq.copy()
         link_q[..., at.is_elastic] += qpos[..., at.deflection_qpos]
         link_dq[..., at.is_elastic] += qvel[..., at.deflection_qpos]
-        bristle, integral = np.zeros_like(motor_q), np.zeros_like(motor_q)
+        bristle, arm_bristle, integral = (np.zeros_like(motor_q) for _ in range(3))
         bristle[..., at.has_bristle] = act[..., at.bristle[at.has_bristle]]
+        arm_bristle[..., at.has_arm_bristle] = act[..., at.arm_bristle[at.has_arm_bristle]]
         integral[..., at.has_integral] = act[..., at.integral[at.has_integral]]
         return cls(
             motor_position=drive.motor_angle(motor_q),
@@ -91,6 +106,7 @@ class PlantState:
             link_position=link_q,
             link_velocity=link_dq,
             bristle=bristle,
+            arm_bristle=arm_bristle,
             integral=integral,
         )
 

@@ -273,7 +273,8 @@ class Plant:
 
 def _make(model: mujoco.MjModel) -> tuple[Any, ...]:
     """Return the structure that all models of a batch must share; they differ in numbers alone."""
-    return model.nu, model.na, [model.joint(i).name for i in range(model.njnt)]
+    parts = ((model.joint, model.njnt), (model.actuator, model.nactuator))
+    return model.nu, model.na, [part(i).name for part, count in parts for i in range(count)]
 
 
 @contextmanager

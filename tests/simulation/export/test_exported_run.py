@@ -36,6 +36,14 @@ def swing(robot):
     return joint_reference(robot, path)
 
 
+SHARES = (0.6, 1.0)
+
+
+def shared(robot, share):
+    """The robot with a share of the friction of joints 2 and 3 behind the elasticity."""
+    return replace(robot, friction=replace(robot.friction, arm_share=np.array([0, share, share, 0, 0, 0])))
+
+
 @pytest.fixture(scope="module")
 def circle(irb4600, arm):
     (reference,) = circle_references(arm, ["p2"], [0.1], radii=[0.01]).values()
@@ -54,6 +62,10 @@ def runs(irb4600, circle):
             for name, motion in swings.items()
         },
         "rails, coupled wrist and springs": (Run(reference=swing(rails), law=dynamic_lugre(rails)), ModelOptions()),
+        **{
+            f"arm friction, share {share}": (Run(reference=swing(shared(irb4600, share))), ModelOptions())
+            for share in SHARES
+        },
         "rigid": (Run(reference=swing(irb4600)), ModelOptions(flexible=False)),
         "no friction, no gravity": (Run(reference=swing(irb4600)), ModelOptions(friction=False, gravity=False)),
         "other step": (Run(reference=swing(irb4600)), ModelOptions(physics_dt=0.0005)),
@@ -64,6 +76,7 @@ NAMES = (
     "circle",
     *builtin_robots(),
     "rails, coupled wrist and springs",
+    *(f"arm friction, share {share}" for share in SHARES),
     "rigid",
     "no friction, no gravity",
     "other step",
@@ -92,6 +105,7 @@ def test_the_player_repeats_the_recording_without_ffgym(name, runs, tmp_path):
     assert {"motor.position", "motor.velocity", "motor.effort", "feedback.integral", "link.position"} <= named.keys()
     assert ("tcp.position" in named) == (run.reference.robot.tool is not None)
     assert ("friction.effort" in named) == options.friction
+    assert ("arm_friction.effort" in named) == bool(run.reference.robot.arm_share.any())
     assert max(named.values()) < 1e-9
 
 
