@@ -59,3 +59,14 @@ def dynamic_over_none(study) -> str:
 def test_the_reproduction_quotes_by_how_much_compensation_harms_the_smallest_circles(study):
     text = (DOCS / "docs" / "reproduction.md").read_text(encoding="utf-8")
     assert dynamic_over_none(study) in " ".join(text.split())
+    more, less = (round(100 * abs(float(ratio) - 1)) for ratio in re.findall(r"\d\.\d+", dynamic_over_none(study))[::4])
+    assert (more, less) == (31, 15)  # the README, getting started and calibration say so of p1
+    assert f"took away {less} % of the error, the simulated error grows by {more} %" in words_of("README.md")
+    assert f"by {more} % at p1 with dynamic LuGre, where the real robot's shrank by {less} %" in words_of(
+        "docs/getting_started.md"
+    )
+    assert f"dynamic LuGre by {more} % at p1" in words_of("docs/calibration.md")
+
+
+def words_of(document: str) -> str:
+    return " ".join((DOCS / document).read_text(encoding="utf-8").split())

@@ -1,4 +1,11 @@
-"""Tables of the thesis: path errors of the real robot (4.1, 4.2, 5.1, 5.2), and records of its friction (6.1)."""
+"""Tables of the thesis: path errors of the real robot (4.1, 4.2, 5.1, 5.2), and records of its friction (6.1).
+
+Reference:
+    Learning Local Models of Multi-axis Robot for Improved Feed-Forward Control, master's thesis, Chalmers University of
+    Technology and ABB Robotics. The paper of the same work: V. Johansson, S. Moberg, E. Hedberg, M. Norrlöf,
+    S. Gunnarsson, A Learning Approach for Feed-Forward Friction Compensation, IFAC-PapersOnLine 51-22 (2018), 412-417,
+    doi 10.1016/j.ifacol.2018.11.578.
+"""
 
 import json
 from dataclasses import dataclass
