@@ -9,7 +9,7 @@ from ffgym.robot import RigidArm, RobotDescription
 from ffgym.simulation import Rig, Sensor
 from ffgym.simulation.plant import Machine
 
-_HIDDEN = ("friction.effort.", "link.position.", "link.velocity.")
+_HIDDEN = ("friction.effort.", "arm_friction.effort.", "link.position.", "link.velocity.")
 """Columns that no sensor of the workcell measures."""
 
 

@@ -124,15 +124,22 @@ def _read_text(path: Path) -> str:
 
 
 GROUPS = {"friction": "friction", "drive": "drive", "links": "bodies", "tool": "tool"}
-"""Tables of a parameter file, and the part of the description that each goes to: physics that can be identified.
-Geometry, servo and sample times are known by design and stay in the description."""
+"""Tables of physics that can be identified, and the part of the description that each goes to."""
+
+_TABLES = {**GROUPS, "servo": "servo"}
+"""Tables of a parameter file: gains of the servo beside them. Geometry and sample times are known by design and stay in
+the description."""
+
+ENTRIES = tuple(path for path in RULES if path.split(".")[0] in _TABLES and path != "servo.control_dt")
+"""Entries that a parameter file may have."""
 
 
 def with_parameters(robot: RobotDescription, path: str | Path) -> RobotDescription:
     """Return the robot with the numbers of a parameter file in place of its own.
 
-    The file is TOML with any of the tables [friction.*], [drive.*], [links.*] and [tool.*] as in a robot description,
-    and maybe [parameters] with the name of the `robot` they belong to, a `title`, and the path of its `description`.
+    The file is TOML with any of the tables [friction.*], [drive.*], [links.*], [tool.*] and gains [servo.*] as in a
+    robot description, and maybe [parameters] with the name of the `robot` they belong to, a `title`, and the path of
+    its `description`.
 
     Raises:
         FFGymError: if the file cannot be read, is for another robot, or an entry is unknown or invalid.
@@ -159,7 +166,7 @@ def with_numbers(robot: RobotDescription, tree: Mapping[str, Any]) -> RobotDescr
     """Return the robot with the numbers of parsed TOML tables, as in a parameter file, in place of its own."""
     quantities = _parse(tree, robot)
     parts: dict[str, Any] = {}
-    for group, attribute in GROUPS.items():
+    for group, attribute in _TABLES.items():
         found = {
             path.removeprefix(f"{group}."): q.value for path, q in quantities.items() if path.startswith(f"{group}.")
         }
@@ -182,12 +189,11 @@ def _parse(tree: Mapping[str, Any], robot: RobotDescription) -> dict[str, Quanti
         for group, tables in tree.items()
         for name, table in (tables.items() if isinstance(tables, dict) else [("", tables)])
     }
-    known = [path for path in RULES if path.split(".")[0] in GROUPS]
-    unknown = sorted(set(entries) - set(known))
+    unknown = sorted(set(entries) - set(ENTRIES))
     if unknown:
-        raise FFGymError(f"Unknown entries {unknown}. A parameter file may have: {', '.join(sorted(known))}.")
+        raise FFGymError(f"Unknown entries {unknown}. A parameter file may have: {', '.join(sorted(ENTRIES))}.")
     if not entries:
-        raise FFGymError(f"There are no parameters. A parameter file may have: {', '.join(sorted(known))}.")
+        raise FFGymError(f"There are no parameters. A parameter file may have: {', '.join(sorted(ENTRIES))}.")
     if robot.tool is None and any(path.startswith("tool.") for path in entries):
         raise FFGymError(f"Robot {robot.name!r} has no tool to give parameters to.")
     types, gears = robot.kinematics.types, robot.drive.gear_ratio

@@ -80,7 +80,7 @@ def test_a_robot_description_without_its_other_parts_is_a_parameter_file(robot, 
         ('robot = "one_axis"', 'robot = "other"', "are for robot 'other', not for 'one_axis'"),
         ("title", "titel", r"\[parameters\] may have robot and title"),
         ("[friction.coulomb]", "[friction.coulumb]", "Unknown entries .*coulumb"),
-        ("[drive.rotor_inertia]", "[servo.position_gain]", "Unknown entries .*servo.position_gain"),
+        ("[drive.rotor_inertia]", "[servo.control_dt]", "Unknown entries .*servo.control_dt"),
         ("value = [0.4]", "value = [0.4, 0.5]", "friction.coulomb"),
         ("value = [0.4]", "value = [nan]", "friction.coulomb must be finite"),
         ("value = [0.4]", "value = [0.9]", "static = .* must be >= coulomb"),
@@ -116,6 +116,16 @@ def test_a_parameter_file_that_names_its_robot_stands_for_it(one_axis, tmp_path)
         load_robot(written(tmp_path, FRICTION.replace("one_axis", "other")))
     with pytest.raises(FFGymError, match=r"\[robot\]|robot"):
         load_robot(written(tmp_path, FRICTION.replace('robot = "one_axis"\n', "")))
+
+
+def test_gains_of_the_servo_can_be_replaced_and_its_sample_time_stays(one_axis, tmp_path):
+    gains = (
+        "[servo.velocity_gain]\nvalue = [0.7]\nunit = 'N m s/rad'\nside = 'motor'\norigin = 'chosen'\nsource = 'test'\n"
+    )
+    robot = with_parameters(one_axis, written(tmp_path, gains))
+    assert robot.servo.velocity_gain == 0.7
+    assert robot.servo.control_dt == one_axis.servo.control_dt
+    np.testing.assert_array_equal(robot.servo.position_gain, one_axis.servo.position_gain)
 
 
 @pytest.mark.parametrize("name", builtin_parameters())
