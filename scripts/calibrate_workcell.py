@@ -1,6 +1,7 @@
 """Fit the workcell `thesis`, and the older friction that its controller knows, to the published path errors.
 
-    python -m scripts.calibrate_workcell                 # hours on 2 cores; can be stopped, goes on where it was
+    python -m scripts.calibrate_workcell                 # half an hour on 2 cores; can be stopped, goes on where it was
+    python -m scripts.calibrate_workcell --workcell thesis_arm --state arm.json     # with friction behind the springs
     python -m scripts.calibrate_workcell --steps 0       # writes the files of the state as it is
     python -m scripts.calibrate_workcell --table         # simulated beside all 240 published numbers; minutes
 
@@ -17,10 +18,11 @@ from pathlib import Path
 import numpy as np
 import tyro
 
+from ffgym.core.errors import check_choice
 from ffgym.core.files import write_json
 from ffgym.robot import load_robot
 from ffgym.workcell import workcell
-from scripts.workcell.free import FREE, SPREAD, prior_trees, write_result
+from scripts.workcell.free import CALIBRATIONS, prior_trees, write_result
 from scripts.workcell.search import LAWS, SPEEDS, Objective, Point, search
 from scripts.workcell.table import measure_cells, summary, table
 
@@ -29,6 +31,8 @@ from scripts.workcell.table import measure_cells, summary, table
 class Config:
     """Calibration of the workcell."""
 
+    workcell: str = "thesis"
+    """Workcell to calibrate."""
     steps: int = 10
     """Largest number of Gauss-Newton steps."""
     state: Path = Path("workcell_state.json")
@@ -44,7 +48,7 @@ class Config:
 def main(config: Config) -> dict[str, float]:
     """Calibrate, or print the table; returns what was reached."""
     if config.table:
-        cells = measure_cells(workcell("thesis"), config.threads, print)
+        cells = measure_cells(workcell(config.workcell), config.threads, print)
         print(table(cells))
         reached = summary(cells)
         for name, value in reached.items():
@@ -53,18 +57,19 @@ def main(config: Config) -> dict[str, float]:
             write_json(config.json, {"summary": reached, "cells": [vars(cell) for cell in cells]})
         return reached
     nominal = load_robot("irb4600_60_205")
-    objective = Objective(nominal, prior_trees(nominal), config.threads)
+    calibration = CALIBRATIONS[check_choice("workcell", config.workcell, list(CALIBRATIONS))]
+    objective = Objective(calibration, nominal, prior_trees(calibration, nominal), config.threads)
 
     def tell(step: int, point: Point) -> None:
         off = np.abs(np.log(point.sizes / objective.published))
         by_law = np.median(off[0].reshape(len(LAWS) * len(SPEEDS), -1), axis=1).round(2)
-        prior = float(((point.x / SPREAD) ** 2).sum())
+        prior = float(((point.x / calibration.spread) ** 2).sum())
         print(f"step {step}: cost {point.cost:.1f}, prior {prior:.1f}, median of rms {np.median(off[0]):.3f} {by_law}")
 
     found = search(objective, config.steps, config.state, tell)
-    for free, x in zip(FREE, found.x, strict=True):
+    for free, x in zip(calibration.free, found.x, strict=True):
         print(f"  {free.name:40s} {x:7.3f}  ({x / free.spread:5.2f} spreads)")
-    write_result(objective.prior, found.x)
+    write_result(calibration, objective.prior, found.x)
     return {"cost": found.cost, "median": float(np.median(np.abs(np.log(found.sizes[0] / objective.published[0]))))}
 
 

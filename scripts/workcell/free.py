@@ -1,4 +1,4 @@
-"""Prior of the calibration (the nominal robot, `prior.toml`), what is free (`free.toml`), and its result as files."""
+"""Calibrations of workcells: the prior (nominal robot, `prior.toml`), free numbers (`free.toml`), results as files."""
 
 import tomllib
 from collections.abc import Iterator, Mapping
@@ -13,6 +13,7 @@ import tomlkit
 from ffgym.core.files import write_text
 from ffgym.core.types import Array
 from ffgym.robot import RobotDescription
+from ffgym.workcell.reading import merge_tables
 
 File = Literal["machine", "controller"]
 """The machine, or the model that its controller knows."""
@@ -21,9 +22,6 @@ Trees = Mapping[File, dict[str, Any]]
 
 _FOLDER = Path(__file__).parent
 _SLIPPING = "effects.slip_elements.level"
-
-MACHINE = Path("ffgym/workcell/data/thesis.toml")
-CONTROLLER = Path("ffgym/robot/parameters/irb4600_60_205_commissioned.toml")
 
 SOURCE = (
     "scripts/calibrate_workcell.py: path errors of the published robot with no, static LuGre and dynamic LuGre "
@@ -50,12 +48,44 @@ class Free:
     file: File = "machine"
     added_to: str | None = None
     low: float = -np.inf
+    high: float = np.inf
 
 
-def _free_numbers() -> Iterator[Free]:
-    for row in tomllib.loads((_FOLDER / "free.toml").read_text(encoding="utf-8"))["free"]:
-        each = row.pop("each", False)
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Calibration:
+    """Calibration of one workcell: its files, its free numbers, and what its prior has beside that of the others."""
+
+    machine: Path
+    controller: Path
+    free: tuple[Free, ...]
+    beside: dict[str, Any]
+
+    @property
+    def spread(self) -> Array:
+        """Standard deviations of the free numbers, shape (K,)."""
+        return np.array([free.spread for free in self.free])
+
+    def clip(self, x: Array) -> Array:
+        """Bring free numbers (..., K) within their bounds."""
+        low, high = ([getattr(free, end) for free in self.free] for end in ("low", "high"))
+        return np.clip(x, low, high)
+
+    @property
+    def changes(self) -> set[tuple[File, str]]:
+        """Files and entries that the calibration changes."""
+        return {(free.file, entry) for free in self.free for entry in free.entries}
+
+
+def _read_toml(name: str) -> dict[str, Any]:
+    return tomllib.loads((_FOLDER / name).read_text(encoding="utf-8"))
+
+
+def _free_numbers(workcell: str) -> Iterator[Free]:
+    for row in _read_toml("free.toml")["free"]:
+        each, only = row.pop("each", False), row.pop("only", workcell)
         free = Free(**row)
+        if only != workcell:
+            continue
         if each:
             for joint in free.joints:
                 yield replace(free, name=f"{free.name}, joint {joint}", joints=(joint,))
@@ -63,17 +93,28 @@ def _free_numbers() -> Iterator[Free]:
             yield free
 
 
-FREE = tuple(_free_numbers())
-SPREAD = np.array([free.spread for free in FREE])
-LOW = np.array([free.low for free in FREE])
+def _calibration(workcell: str, controller: str) -> Calibration:
+    return Calibration(
+        machine=Path(f"ffgym/workcell/data/{workcell}.toml"),
+        controller=Path(f"ffgym/robot/parameters/{controller}.toml"),
+        free=tuple(_free_numbers(workcell)),
+        beside=_read_toml("prior.toml").get("only", {}).get(workcell, {}),
+    )
 
 
-def applied(prior: Trees, x: Array) -> dict[File, dict[str, Any]]:
+CALIBRATIONS = {
+    "thesis": _calibration("thesis", "irb4600_60_205_commissioned"),
+    "thesis_arm": _calibration("thesis_arm", "irb4600_60_205_commissioned_arm"),
+}
+"""Calibrations by the name of their workcell."""
+
+
+def applied(calibration: Calibration, prior: Trees, x: Array) -> dict[File, dict[str, Any]]:
     """The prior's tables with the free numbers `x` (K,) in them: shifts first, then factors."""
     out: dict[File, dict[str, Any]] = {name: deepcopy(tree) for name, tree in prior.items()}
-    order = sorted(range(len(FREE)), key=lambda i: FREE[i].added_to is None)
+    order = sorted(range(len(calibration.free)), key=lambda i: calibration.free[i].added_to is None)
     for i in order:
-        free = FREE[i]
+        free = calibration.free[i]
         for entry in free.entries:
             table = table_at(out[free.file], entry)
             values = np.array(table["value"], dtype=np.float64)
@@ -89,11 +130,6 @@ def applied(prior: Trees, x: Array) -> dict[File, dict[str, Any]]:
     return out
 
 
-def list_changes() -> set[tuple[File, str]]:
-    """Files and entries that the calibration changes."""
-    return {(free.file, entry) for free in FREE for entry in free.entries}
-
-
 def table_at(tree: Mapping[str, Any], entry: str) -> dict[str, Any]:
     """Table of value, unit and source of an entry such as 'friction.coulomb'."""
     found: Any = tree
@@ -103,13 +139,12 @@ def table_at(tree: Mapping[str, Any], entry: str) -> dict[str, Any]:
     return table
 
 
-def prior_trees(nominal: RobotDescription) -> dict[File, dict[str, Any]]:
+def prior_trees(calibration: Calibration, nominal: RobotDescription) -> dict[File, dict[str, Any]]:
     """Tables of the machine and of its controller's model before the calibration."""
-    trees: dict[File, dict[str, Any]] = {
-        "machine": tomllib.loads((_FOLDER / "prior.toml").read_text(encoding="utf-8")),
-        "controller": {},
-    }
-    for file, entry in sorted(list_changes()):
+    machine = _read_toml("prior.toml")
+    del machine["only"]
+    trees: dict[File, dict[str, Any]] = {"machine": merge_tables(machine, calibration.beside), "controller": {}}
+    for file, entry in sorted(calibration.changes):
         group, _, name = entry.partition(".")
         if entry in nominal.quantities:  # the others are in the file
             trees[file].setdefault(group, {})[name] = _table(nominal, entry)
@@ -134,21 +169,21 @@ def _table(nominal: RobotDescription, entry: str) -> dict[str, Any]:
     }
 
 
-def write_result(prior: Trees, x: Array) -> None:
+def write_result(calibration: Calibration, prior: Trees, x: Array) -> None:
     """Write the machine's file and its controller's parameters with the free numbers `x` (K,) in them."""
-    trees = round_entries(applied(prior, x))
-    _write(MACHINE, "machine", trees["machine"], prior)
+    trees = round_entries(calibration, applied(calibration, prior, x))
+    _write(calibration, "machine", trees["machine"], prior)
     parameters = {
         "robot": "irb4600_60_205",
         "title": "friction as identified when the robot was commissioned, years ago",
     }
-    _write(CONTROLLER, "controller", {"parameters": parameters, **trees["controller"]}, prior)
+    _write(calibration, "controller", {"parameters": parameters, **trees["controller"]}, prior)
 
 
-def round_entries(trees: Trees) -> dict[File, dict[str, Any]]:
+def round_entries(calibration: Calibration, trees: Trees) -> dict[File, dict[str, Any]]:
     """The tables with changed numbers as they are written."""
     out: dict[File, dict[str, Any]] = dict(trees)
-    for file, entry in list_changes():
+    for file, entry in calibration.changes:
         table = table_at(out[file], entry)
         table["value"] = _to_digits(table["value"])
     return out
@@ -160,13 +195,13 @@ def _to_digits(value: Any) -> Any:
     return float(f"{value:.{_DIGITS}g}")
 
 
-def _write(path: Path, file: File, tree: Mapping[str, Any], prior: Trees) -> None:
-    for changed_file, entry in list_changes():
+def _write(calibration: Calibration, file: File, tree: Mapping[str, Any], prior: Trees) -> None:
+    for changed_file, entry in calibration.changes:
         if changed_file == file:
             _mark_fitted(table_at(tree, entry), table_at(prior[file], entry))
     heads = [key for key in ("parameters", "workcell", "machine") if key in tree]
     ordered = {key: tree[key] for key in [*heads, *sorted(set(tree) - set(heads))]}
-    write_text(path, f"{_HEADS[file]}\n\n" + tomlkit.dumps(ordered))
+    write_text(getattr(calibration, file), f"{_HEADS[file]}\n\n" + tomlkit.dumps(ordered))
 
 
 def _mark_fitted(table: dict[str, Any], before: Mapping[str, Any]) -> None:

@@ -26,7 +26,7 @@ from ffgym.simulation import Run, simulate
 from ffgym.studies import circle_references
 from ffgym.workcell import Workcell
 from ffgym.workcell.reading import build
-from scripts.workcell.free import FREE, LOW, SPREAD, Trees, applied, table_at
+from scripts.workcell.free import Calibration, Trees, applied, table_at
 
 SPEEDS = (0.010, 0.040)
 LAWS = ("none", "lugre_static", "lugre_dynamic")
@@ -68,8 +68,8 @@ class Played(FeedForwardLaw):
 class Objective:
     """Residuals as a function of the free numbers; candidates are simulated side by side."""
 
-    def __init__(self, nominal: RobotDescription, prior: Trees, n_threads: int) -> None:
-        self.nominal, self.prior, self._n_threads = nominal, prior, n_threads
+    def __init__(self, calibration: Calibration, nominal: RobotDescription, prior: Trees, n_threads: int) -> None:
+        self.calibration, self.nominal, self.prior, self._n_threads = calibration, nominal, prior, n_threads
         self.arm = RigidArm(nominal)
         self._noise = table_at(prior["machine"], "sensors.tracker_noise")["value"]
         self.references = circle_references(self.arm, speeds=SPEEDS)
@@ -83,7 +83,7 @@ class Objective:
 
     def candidate(self, x: Array) -> Workcell:
         """The workcell with free numbers `x` (K,), and the friction that its controller knows."""
-        trees = applied(self.prior, x)
+        trees = applied(self.calibration, self.prior, x)
         return build("candidate", trees["machine"], RigidArm(with_numbers(self.nominal, trees["controller"])))
 
     def sizes(self, candidates: Sequence[Workcell]) -> Array:
@@ -116,7 +116,7 @@ class Objective:
         """The law with the friction that the controller knows; most candidates share theirs, so torques are kept."""
         if name == "none":
             return NoCompensation()
-        key = (name, np.concatenate(astuple(known)).tobytes())
+        key = (name, np.concatenate([part for part in astuple(known) if part is not None]).tobytes())
         if key not in self._torques:
             law = StaticLuGre(known) if name == "lugre_static" else DynamicLuGreExact(known)
             self._torques[key] = {id(r): law.torque(r) for r in self.references.values()}
@@ -134,7 +134,7 @@ class Objective:
 
     def residuals(self, x: Array, sizes: Array) -> Array:
         """Misfit and distance from the prior of free numbers `x` (..., K), (..., M + K)."""
-        return np.concatenate([self.misfit(sizes), x / SPREAD], axis=-1)
+        return np.concatenate([self.misfit(sizes), x / self.calibration.spread], axis=-1)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -159,8 +159,8 @@ def search(objective: Objective, steps: int, state: Path, tell: Callable[[int, P
     Raises:
         FFGymError: if the state file is of other free numbers.
     """
-    names = [free.name for free in FREE]
-    x, damping = np.zeros(len(FREE)), 1.0
+    names = [free.name for free in objective.calibration.free]
+    x, damping = np.zeros(len(names)), 1.0
     if state.exists():
         saved = json.loads(read_text(state))
         if list(saved["x"]) != names:
@@ -193,13 +193,15 @@ def _points(objective: Objective, xs: Array, damping: Array) -> list[Point]:
 
 def _better(objective: Objective, point: Point) -> Point | None:
     """The best of several steps; None if none is better."""
+    free, spread = objective.calibration.free, objective.calibration.spread
     steps = np.array(
-        [_STEP * f.spread if f.added_to is not None else min(_LARGEST_STEP, _STEP * f.spread) for f in FREE]
+        [_STEP * f.spread if f.added_to is not None else min(_LARGEST_STEP, _STEP * f.spread) for f in free]
     )
     shifted = _points(objective, point.x + np.diag(steps), np.full(len(steps), point.damping))
     jacobian = np.stack([(p.residuals - point.residuals) / h for p, h in zip(shifted, steps, strict=True)], axis=1)
     normal, slope = jacobian.T @ jacobian, jacobian.T @ point.residuals
     dampings = point.damping * np.array(_DAMPINGS)
-    tries = [np.maximum(point.x - np.linalg.solve(normal + d * np.diag(SPREAD**-2), slope), LOW) for d in dampings]
+    moves = [np.linalg.solve(normal + d * np.diag(spread**-2), slope) for d in dampings]
+    tries = [objective.calibration.clip(point.x - move) for move in moves]
     best = min(_points(objective, np.array(tries), dampings), key=lambda p: p.cost)
     return best if best.cost < point.cost else None

@@ -2,6 +2,7 @@
 
 import json
 import tomllib
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,12 +14,9 @@ from ffgym.robot import with_parameters
 from ffgym.studies import StudyCell
 from ffgym.workcell.reading import build
 from scripts.calibrate_workcell import Config, main
-from scripts.workcell import free as files
 from scripts.workcell.free import (
-    FREE,
-    SPREAD,
+    CALIBRATIONS,
     applied,
-    list_changes,
     prior_trees,
     round_entries,
     table_at,
@@ -27,20 +25,35 @@ from scripts.workcell.free import (
 from scripts.workcell.search import RMS_SPREAD, Objective, search
 from scripts.workcell.table import SPEEDS, summary, table
 
+THESIS = CALIBRATIONS["thesis"]
+FREE, SPREAD = THESIS.free, THESIS.spread
+
 
 @pytest.fixture(scope="module")
 def prior(irb4600):
-    return prior_trees(irb4600)
+    return prior_trees(THESIS, irb4600)
 
 
 def index_of(name):
     return [free.name for free in FREE].index(name)
 
 
-def test_free_numbers_have_names_of_their_own_and_change_entries_that_exist(prior):
-    assert len({free.name for free in FREE}) == len(FREE)
-    for file, entry in list_changes():
+@pytest.mark.parametrize("calibration", CALIBRATIONS.values(), ids=CALIBRATIONS.keys())
+def test_free_numbers_have_names_of_their_own_and_change_entries_that_exist(calibration, irb4600):
+    assert len({free.name for free in calibration.free}) == len(calibration.free)
+    prior = prior_trees(calibration, irb4600)
+    for file, entry in calibration.changes:
         assert table_at(prior[file], entry)["unit"]
+
+
+def test_a_share_behind_the_elasticity_is_free_in_its_own_workcell_alone(irb4600):
+    arm = CALIBRATIONS["thesis_arm"]
+    names = {free.name for free in arm.free} - {free.name for free in FREE}
+    assert names == {f"share of friction behind the elasticity, joint {joint}" for joint in (1, 2, 3)}
+    prior = prior_trees(arm, irb4600)
+    x = arm.clip(np.full(len(arm.free), 10.0))
+    shares = table_at(applied(arm, prior, x)["machine"], "friction.arm_share")["value"]
+    assert shares == pytest.approx([0.95] * 3 + [0.0] * 3)
 
 
 def test_slip_elements_and_lugre_together_have_the_friction_of_the_thesis(prior, irb4600):
@@ -50,13 +63,13 @@ def test_slip_elements_and_lugre_together_have_the_friction_of_the_thesis(prior,
 
 
 def test_numbers_at_zero_are_the_prior(prior):
-    assert applied(prior, np.zeros(len(FREE))) == prior
+    assert applied(THESIS, prior, np.zeros(len(FREE))) == prior
 
 
 def test_a_factor_and_a_shift_change_their_entries_and_joints_alone(prior):
     x = np.zeros(len(FREE))
     x[index_of("stiffness, joint 2")], x[index_of("payload")] = np.log(2.0), 1.5
-    trees = applied(prior, x)
+    trees = applied(THESIS, prior, x)
     before, after = (np.array(table_at(t["machine"], "drive.joint_stiffness")["value"]) for t in (prior, trees))
     np.testing.assert_allclose(after / before, [1, 2, 1, 1, 1, 1])
     assert trees["machine"]["payload"]["mass"]["value"] == prior["machine"]["payload"]["mass"]["value"] + 1.5
@@ -64,13 +77,12 @@ def test_a_factor_and_a_shift_change_their_entries_and_joints_alone(prior):
     assert trees["machine"]["links"] == prior["machine"]["links"]
 
 
-def test_files_that_are_written_are_read_as_what_was_simulated(prior, irb4600, tmp_path, monkeypatch):
+def test_files_that_are_written_are_read_as_what_was_simulated(prior, irb4600, tmp_path):
     machine, controller = tmp_path / "thesis.toml", tmp_path / "irb4600_60_205_commissioned.toml"
-    monkeypatch.setattr(files, "MACHINE", machine)
-    monkeypatch.setattr(files, "CONTROLLER", controller)
+    elsewhere = replace(THESIS, machine=machine, controller=controller)
     x = 0.5 * SPREAD * np.random.default_rng(0).uniform(-1, 1, len(FREE))
-    write_result(prior, x)
-    simulated, tree = round_entries(applied(prior, x)), tree_of(machine)
+    write_result(elsewhere, prior, x)
+    simulated, tree = round_entries(THESIS, applied(THESIS, prior, x)), tree_of(machine)
     cell, same = build("test", tree), build("test", simulated["machine"])
     np.testing.assert_array_equal(cell.machine.robot.friction.coulomb, same.machine.robot.friction.coulomb)
     np.testing.assert_array_equal(cell.machine.robot.bodies.inertia, same.machine.robot.bodies.inertia)
@@ -90,7 +102,7 @@ class Valley(Objective):
     """An objective whose sizes are known functions of the free numbers, and which simulates nothing."""
 
     def __init__(self, published):
-        self.published = published
+        self.published, self.calibration = published, THESIS
 
     def candidate(self, x):
         return x
@@ -137,8 +149,8 @@ def test_the_objective_pays_for_misfit_and_for_distance_from_the_prior():
 
 @pytest.mark.slow
 def test_the_command_line_evaluates_the_prior(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(files, "MACHINE", tmp_path / "thesis.toml")
-    monkeypatch.setattr(files, "CONTROLLER", tmp_path / "irb4600_60_205_commissioned.toml")
+    elsewhere = replace(THESIS, machine=tmp_path / "thesis.toml", controller=tmp_path / "commissioned.toml")
+    monkeypatch.setitem(CALIBRATIONS, "thesis", elsewhere)
     reached = main(Config(steps=0, state=tmp_path / "state.json", threads=1))
     assert reached["median"] > 0.1
     assert "step 0" in capsys.readouterr().out
