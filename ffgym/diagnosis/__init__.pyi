@@ -16,6 +16,7 @@ from .identification import validate as validate
 from .identification.narx import Errors as Errors
 from .identification.narx import Regressors as Regressors
 from .identification.narx import Structure as Structure
+from .identification.narx import fit_linear as fit_linear
 from .identification.narx import fit_network as fit_network
 from .identification.rigid_body import TERMS as TERMS
 from .identification.rigid_body import BaseParameters as BaseParameters

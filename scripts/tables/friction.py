@@ -29,6 +29,7 @@ from scripts.tables.page import Contents, markdown
 from scripts.thesis.narx import (
     ESTIMATION,
     EXTENDED,
+    LINEAR,
     N_STARTS,
     OTHERS,
     PUBLISHED,
@@ -208,11 +209,11 @@ def draw_coverage(numbers: Mapping[str, Any]) -> "Figure":
     return figure
 
 
-CANDIDATES = {each.name: each for each in (*PUBLISHED, *OTHERS, *EXTENDED)}
+CANDIDATES = {each.name: each for each in (*PUBLISHED, *OTHERS, *EXTENDED, *LINEAR)}
 
 
 def networks(candidates: Sequence[str] = tuple(CANDIDATES), n_starts: int = N_STARTS, seed: int = 0) -> Contents:
-    """NARX networks beside one another, fitted to data of the LuGre model as in thesis 6.2 from random weights."""
+    """NARX networks from random weights and linear models, fitted to data of the LuGre model as in thesis 6.2."""
     friction = load_robot("one_axis").friction
     records, reach = narx_records(friction), reach_records(friction)
     floors = {name: static_misfit(friction, each).fit for name, each in (records | reach).items()}

@@ -1,11 +1,13 @@
 """Thesis 6.2: NARX networks on data of a LuGre model, as the thesis fitted them, and with other regressors and data.
 
+Beside them stand linear models of (3.5) on the same problems: ARX, output error (OE), and slip elements.
+
 What the thesis chose is kept: three sigmoid neurons, no linear term, Levenberg-Marquardt on the prediction error with
 at most 1000 iterations, data of (6.14) every 0.5 ms. It shows one fit of each model; here each is fitted from several
 random weights, since different weights end in different minima.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Literal
@@ -17,11 +19,13 @@ from ffgym.core.types import Array
 from ffgym.diagnosis.identification.narx import (
     Errors,
     Focus,
+    LinearModel,
     Misfit,
     NarxModel,
     Regressors,
     Samples,
     Structure,
+    fit_linear,
     fit_network,
     lags_of,
 )
@@ -51,6 +55,10 @@ Data = Literal["sine", "set D"]
 """Data that a network is fitted to: the one sine of thesis 6.2.2, or the records of set D of Table 6.1."""
 
 
+Kind = Literal["network", "linear"]
+"""Sigmoid neurons, or a linear difference equation."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Candidate:
     """A structure, and how it is fitted."""
@@ -63,7 +71,8 @@ class Candidate:
     data: Data = "sine"
     focus: Focus = "prediction"
     n_evaluations: int = N_EVALUATIONS
-    """At most; thesis 6.2.3 allows 1000 iterations."""
+    """At most, of a network; thesis 6.2.3 allows 1000 iterations."""
+    kind: Kind = "network"
 
 
 SPEEDS = Regressors(speed_lags=(0, 1), output_lags=())
@@ -102,12 +111,28 @@ OTHERS = (
 """Changes that do not help enough: of the thesis' regressors, longer lags, and a fit to the free run."""
 
 
+_linear = partial(Candidate, kind="linear")
+_output_error = partial(_linear, focus="simulation")
+LINEAR = (
+    _linear(name="linear_speeds", label="linear: v(k), v(k-1)", regressors=SPEEDS),
+    _linear(name="arx_output", label="ARX: v(k), y(k-1)", regressors=OUTPUT),
+    _output_error(name="oe_output", label="OE: v(k), y(k-1)", regressors=OUTPUT),
+    _linear(name="arx_both", label="ARX: v(k), v(k-1), y(k-1)", regressors=BOTH),
+    _output_error(name="oe_both", label="OE: v(k), v(k-1), y(k-1)", regressors=BOTH),
+    _linear(name="arx_both_set_d", label="ARX: v(k), v(k-1), y(k-1), set D", regressors=BOTH, data="set D"),
+    _output_error(name="oe_both_set_d", label="OE: v(k), v(k-1), y(k-1), set D", regressors=BOTH, data="set D"),
+    _linear(name="linear_slip", label="linear: v(k), slip elements", regressors=SLIP),
+    _linear(name="linear_slip_set_d", label="linear: v(k), slip elements, set D", regressors=SLIP, data="set D"),
+)
+"""Linear models of the thesis' regressors and of slip elements; without past outputs ARX and OE are the same."""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class NarxFit:
-    """Fits of one candidate from S random starts."""
+    """Fits of one candidate from S random starts; of a linear model there is one."""
 
     candidate: Candidate
-    model: NarxModel
+    model: NarxModel | LinearModel
     """One motor per start."""
     errors: Mapping[str, Errors]
     """Errors by record; shape (S,) each."""
@@ -153,8 +178,12 @@ def reach_records(friction: LuGreParameters) -> dict[str, Samples]:
 def fit_narx(
     candidate: Candidate, records: Mapping[str, Samples], *, n_starts: int = N_STARTS, seed: int = 0
 ) -> NarxFit:
-    """Fit a candidate from several random starts, and score it on all records, as those of `narx_records`."""
+    """Fit a candidate from several random starts, and score it on all records, as those of `narx_records`.
+
+    A linear model begins with least squares, so that it has one start.
+    """
     check_whole("n_starts", n_starts, low=1)
+    n_starts = n_starts if candidate.kind == "network" else 1
     names = [ESTIMATION] if candidate.data == "sine" else [record_name(number) for number in ESTIMATION_RECORDS]
     # the same samples for as many motors, so that all starts are fitted and simulated side by side
     copies = {
@@ -167,15 +196,21 @@ def fit_narx(
         )
         for name, samples in records.items()
     }
-    model = fit_network(
-        [copies[name] for name in names],
+    model = _fit(candidate, [copies[name] for name in names], seed)
+    errors = {name: Errors.of(model, samples) for name, samples in copies.items()}
+    return NarxFit(candidate=candidate, model=model, errors=errors)
+
+
+def _fit(candidate: Candidate, records: Sequence[Samples], seed: int) -> NarxModel | LinearModel:
+    if candidate.kind == "linear":
+        return fit_linear(records, candidate.regressors, focus=candidate.focus)
+    return fit_network(
+        records,
         Structure(regressors=candidate.regressors),
         np.random.default_rng(seed),
         focus=candidate.focus,
         n_evaluations=candidate.n_evaluations,
     )
-    errors = {name: Errors.of(model, samples) for name, samples in copies.items()}
-    return NarxFit(candidate=candidate, model=model, errors=errors)
 
 
 def static_misfit(friction: LuGreParameters, samples: Samples) -> Misfit:

@@ -20,7 +20,7 @@ from ffgym.simulation import Rig
 from ffgym.simulation.run import Progress
 from ffgym.studies import CircleStudy, OneAxisStudy, circle_references, circle_study, one_axis_study
 from scripts.thesis.measured_friction import ALL_RECORDS, MeasuredFriction, measure_friction
-from scripts.thesis.narx import EXTENDED, PUBLISHED, Candidate, NarxFit, fit_narx, narx_records, reach_records
+from scripts.thesis.narx import EXTENDED, LINEAR, PUBLISHED, Candidate, NarxFit, fit_narx, narx_records, reach_records
 
 Stage = Callable[[str, str], AbstractContextManager[Progress]]
 """Called with a title and a unit when a piece of work begins; yields what is told of its progress."""
@@ -174,6 +174,11 @@ class ThesisStudies:
     def narx_extended(self) -> dict[str, NarxFit]:
         """NARX networks with more data and with another regressor, by name."""
         return self._networks(EXTENDED)
+
+    @cached_property
+    def narx_linear(self) -> dict[str, NarxFit]:
+        """Linear models on the same problems, by name."""
+        return self._networks(LINEAR)
 
     @cached_property
     def contenders(self) -> list[Contender]:

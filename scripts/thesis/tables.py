@@ -121,14 +121,14 @@ def agents(studies: ThesisStudies) -> Table:
 
 
 def networks(studies: ThesisStudies) -> Table:
-    """Fits of every NARX network, and of the static curve."""
+    """Fits of every NARX network, of linear models, and of the static curve."""
     floor = {name: fit_of_static(studies, name) for name in (ESTIMATION, VALIDATION, *map(record_name, VALIDATING))}
     on_v = [floor[record_name(number)] for number in VALIDATING]
     static = [f"{floor[ESTIMATION]:.1f}", f"{floor[VALIDATION]:.1f}", "", f"{np.median(on_v):.1f}", f"{min(on_v):.1f}"]
-    fits = (studies.narx_published | studies.narx_extended).values()
+    fits = (studies.narx_published | studies.narx_extended | studies.narx_linear).values()
     return Table.of_rows(
         headings=(
-            "network",
+            "model",
             f"{ESTIMATION} [%]",
             f"{VALIDATION} [%]",
             f"{VALIDATION}, one step [%]",
@@ -136,9 +136,9 @@ def networks(studies: ThesisStudies) -> Table:
             "set V, worst record [%]",
         ),
         rows=(*((fit.candidate.label, *map(spread, columns_of(fit))) for fit in fits), ("static curve", *static)),
-        note="Fit, in free run but where it says one step: median of random starts (least to most). Networks are "
-        "fitted to A = 1, f = 1, or where it says so to set D, records 2, 4, 7, 9, 12 and 14 of Table 6.1; set V is "
-        "its other records.",
+        note="Fit, in free run but where it says one step: median of random starts (least to most); a linear model has "
+        "one. All are fitted to A = 1, f = 1, or where it says so to set D, records 2, 4, 7, 9, 12 and 14 of Table "
+        "6.1; set V is its other records.",
     )
 
 
@@ -155,7 +155,9 @@ def fit_of_static(studies: ThesisStudies, record: str) -> float:
 
 
 def spread(values: Array) -> str:
-    """Median, least and most."""
+    """Median, least and most; of one value itself."""
+    if len(values) == 1:
+        return f"{values[0]:.1f}"
     return f"{np.median(values):.1f} ({values.min():.1f} to {values.max():.1f})"
 
 

@@ -126,6 +126,15 @@ def test_tables_of_networks_have_a_row_per_network_beside_the_static_curve():
     assert len(fit["errors"]["A = 1, f = 1"]["simulation_rms_nm"]) == 1
 
 
+def test_a_linear_model_stands_in_the_same_tables_with_one_number_per_cell():
+    made = friction.networks(candidates=("oe_both",), n_starts=2)
+    for name, table in made.parts.items():
+        row = table.splitlines()[-1]
+        assert row in part_of("narx.md", name)
+        assert row.startswith("| OE: v(k), v(k-1), y(k-1) | ")
+        assert "to" not in row
+
+
 ALLOWED = np.array([0.02, 0.02, 0.02, np.inf, 0.1, 0.1])
 """Largest relative error of f_c, f_s, f_v, v_s, sigma_0, sigma_1 that acceptance allows; it says nothing of v_s."""
 

@@ -6,11 +6,14 @@ import numpy as np
 import pytest
 
 from ffgym.core.errors import FFGymError
+from ffgym.diagnosis.identification.narx import fit_linear
 from ffgym.studies import lugre_samples, sine
 from ffgym.studies.friction_data import SAMPLE_TIME
 from scripts.thesis.narx import (
+    BOTH,
     ESTIMATION,
     EXTENDED,
+    LINEAR,
     PUBLISHED,
     VALIDATION,
     fit_narx,
@@ -67,6 +70,22 @@ def test_slip_elements_hold_on_records_that_were_not_fitted_to(one_axis, records
     for name in (ESTIMATION, VALIDATION, *map(record_name, (1, 3, 5, 6, 8, 10, 11, 13, 15))):
         assert fit.rms(name) < 0.75 * static_misfit(one_axis.friction, records[name]).rms
         assert fit.errors[name].simulation.fit > 80
+
+
+def test_a_linear_model_has_one_start_and_is_fitted_to_the_same_records(records):
+    [candidate] = [each for each in LINEAR if each.name == "oe_both_set_d"]
+    fit = fit_narx(candidate, records, n_starts=3)
+    expected = fit_linear([records[record_name(n)] for n in (2, 4, 7, 9, 12, 14)], BOTH, focus="simulation")
+    np.testing.assert_array_equal(fit.model.output_weights, expected.output_weights)
+    assert fit.rms(VALIDATION).shape == (1,)
+
+
+def test_linear_models_are_worse_than_the_static_curve_on_other_amplitudes(one_axis, records):
+    """Thesis 3.1.2: a linear model is not rich enough."""
+    fits = [fit_narx(each, records) for each in LINEAR if each.name in ("arx_both", "oe_both")]
+    for name in map(record_name, (1, 3, 6, 8, 10, 11, 13, 15)):
+        floor = static_misfit(one_axis.friction, records[name]).rms
+        assert all(fit.rms(name) > floor for fit in fits), name
 
 
 def test_the_start_that_is_drawn_is_the_median_one(records):

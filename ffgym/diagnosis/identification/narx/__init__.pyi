@@ -2,10 +2,13 @@ from .fit import Focus as Focus
 from .fit import Structure as Structure
 from .fit import best_simulating as best_simulating
 from .fit import fit_network as fit_network
+from .linear import LinearModel as LinearModel
+from .linear import fit_linear as fit_linear
 from .model import ARRAYS as ARRAYS
 from .model import NarxModel as NarxModel
-from .model import Regressors as Regressors
-from .model import lags_of as lags_of
 from .problems import Errors as Errors
+from .problems import FrictionModel as FrictionModel
 from .problems import Misfit as Misfit
 from .problems import Samples as Samples
+from .regressors import Regressors as Regressors
+from .regressors import lags_of as lags_of

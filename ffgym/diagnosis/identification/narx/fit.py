@@ -7,11 +7,12 @@ from typing import Literal, get_args
 import numpy as np
 import scipy
 
-from ffgym.core.errors import FFGymError, check_choice, check_whole
+from ffgym.core.errors import check_choice, check_whole
 from ffgym.core.measures import rms
 from ffgym.core.types import Array
-from ffgym.diagnosis.identification.narx.model import NarxModel, Regressors, joint_models
-from ffgym.diagnosis.identification.narx.problems import Prediction, Samples, Simulation, split
+from ffgym.diagnosis.identification.narx.model import NarxModel, joint_models
+from ffgym.diagnosis.identification.narx.problems import Prediction, Samples, Simulation, check_records, split
+from ffgym.diagnosis.identification.narx.regressors import Regressors
 
 Focus = Literal["prediction", "simulation"]
 """What errors are minimised: one step ahead, as in the thesis, or in free run."""
@@ -59,20 +60,7 @@ def fit_network(
         FFGymError: if there is no record, records do not fit together, they have fewer scored samples than a motor has
             weights, or a number is out of range.
     """
-    if not records:
-        raise FFGymError("There is no motion to fit a NARX network to.")
-    for name, values in {
-        "sample times [s]": {each.dt for each in records},
-        "numbers of motors": {each.motor_dq.shape[1] for each in records},
-    }.items():
-        if len(values) > 1:
-            raise FFGymError(f"Motions for one NARX network have different {name}: {sorted(values)}. Use one of them.")
-    n = sum(int(record.scored.sum()) for record in records)
-    if n < structure.n_weights:
-        raise FFGymError(
-            f"{n} scored samples are too few for a NARX network of {structure.n_weights} weights per motor. Score more "
-            "samples, or take fewer neurons or regressors."
-        )
+    check_records(records, structure.n_weights, "NARX network", "neurons or regressors")
     check_choice("focus", focus, get_args(Focus))
     check_whole("n_evaluations", n_evaluations, low=1)
     model = _minimise(_random(records, rng, structure), records, Prediction, n_evaluations)

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import tanh
 from operator import mul
+from typing import Protocol
 
 import numpy as np
 import scipy
@@ -50,6 +51,34 @@ class Samples:
         object.__setattr__(self, "scored", marks)
 
 
+def check_records(records: Sequence[Samples], n_weights: int, model: str, fewer: str) -> None:
+    """Check that records fit together, and that they can determine the weights of each motor.
+
+    Args:
+        records: motions to fit to.
+        n_weights: weights of a motor.
+        model: name of the model, for the message.
+        fewer: parts of the model that a fit to little data has to do without.
+
+    Raises:
+        FFGymError: if one of that is not so.
+    """
+    if not records:
+        raise FFGymError(f"There is no motion to fit a {model} to.")
+    for name, values in {
+        "sample times [s]": {each.dt for each in records},
+        "numbers of motors": {each.motor_dq.shape[1] for each in records},
+    }.items():
+        if len(values) > 1:
+            raise FFGymError(f"Motions for one {model} have different {name}: {sorted(values)}. Use one of them.")
+    n = sum(int(record.scored.sum()) for record in records)
+    if n < n_weights:
+        raise FFGymError(
+            f"{n} scored samples are too few for a {model} of {n_weights} weights per motor. Score more samples, or "
+            f"take fewer {fewer}."
+        )
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Misfit:
     """Distance of a torque from the true one, motor side, shape (N,) each."""
@@ -69,9 +98,26 @@ class Misfit:
         return cls(rms=error, share=_over(error, rms(torque, 0)), fit=100 * (1 - _over(error, torque.std(axis=0))))
 
 
+class FrictionModel(Protocol):
+    """A model of friction in samples: a network, or a linear one."""
+
+    @property
+    def dt(self) -> float:
+        """Time between samples [s]."""
+
+    def is_sampled_at(self, dt: float) -> bool:
+        """Tell whether samples every `dt` [s] are those that the lags count."""
+
+    def predict(self, motor_dq: Array, torque: Array) -> Array:
+        """Torque [N m] one step ahead along motor speeds [rad/s], all (T, N): past outputs are measured `torque`."""
+
+    def simulate(self, motor_dq: Array) -> Array:
+        """Torque [N m] along motor speeds [rad/s], both (T, N), from past outputs of its own."""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Errors:
-    """Errors of a network along one motion, in its scored samples."""
+    """Errors of a model along one motion, in its scored samples."""
 
     prediction: Misfit
     """One step ahead, with measured past torques."""
@@ -79,11 +125,11 @@ class Errors:
     """In free run, with its own past torques."""
 
     @classmethod
-    def of(cls, model: NarxModel, samples: Samples) -> "Errors":
+    def of(cls, model: FrictionModel, samples: Samples) -> "Errors":
         """Errors of `model`, motor by motor, on samples of its motors and at its sample time."""
         if not model.is_sampled_at(samples.dt):
             raise FFGymError(
-                f"The NARX network was fitted to samples every {model.dt:g} s, these are {samples.dt:g} s apart; its "
+                f"The friction model was fitted to samples every {model.dt:g} s, these are {samples.dt:g} s apart; its "
                 f"lags are counted in samples. Give it samples every {model.dt:g} s."
             )
         rows, torque = samples.scored, samples.torque

@@ -89,7 +89,7 @@ def test_motions_of_other_motors_are_refused(form, network, sweep):
     model, v = network(FORMS[form]), sweep()
     with pytest.raises(FFGymError, match=r"motor_dq has shape \(600, 1\), must be \(any, 2\)"):
         model.simulate(v[:, :1])
-    with pytest.raises(FFGymError, match="motor_dq of a NARX network has no samples"):
+    with pytest.raises(FFGymError, match="motor_dq has no samples; give the friction model a motion"):
         model.simulate(v[:0])
     with pytest.raises(FFGymError, match=r"torque has shape \(10, 2\), must be \(600, 2\)"):
         model.predict(v, v[:10])
