@@ -33,6 +33,11 @@ class Drive:
     """Torque per motor current, motor side [N m/A], shape (N,), which logs of currents take; None is not known."""
     rated_torque: Array | None = None
     """Torque at 100 %, motor side [N m], shape (N,), which logs in percent take; None is not known."""
+    torque_lag: Array | None = None
+    """Time constant T_c of the torque loop, a first-order lag from command to torque [s], shape (N,); None is 0, no
+    lag."""
+    torque_rate: Array | None = None
+    """Fastest change of the torque that the drive gives, motor side [N m/s], shape (N,); None is inf, no limit."""
     coupling: Array | None = None
     """C_ij, how far motor i turns with joint j when its own joint stands still, shape (N, N), 0 on the diagonal; None
     is no coupling."""
@@ -45,6 +50,7 @@ class Drive:
                 f"drive.gear_ratio = {self.gear_ratio.tolist()} gives rotors of {reflected.tolist()} kg m^2 behind the "
                 f"gearbox. Ratios are motor turns per joint turn, some hundred at most."
             )
+        self._set_torque_loop()
         if self.coupling is None:
             return
         coupling = check_shape("drive.coupling", self.coupling, (len(self.gear_ratio), len(self.gear_ratio)))
@@ -56,6 +62,36 @@ class Drive:
             object.__setattr__(self, "coupling", None)
         elif np.linalg.cond(self.matrix) > 1 / np.finfo(np.float64).eps:
             raise FFGymError(f"drive.coupling = {coupling.tolist()} leaves joint motions that turn no motor.")
+
+    def _set_torque_loop(self) -> None:
+        """Check the numbers of the torque loop; those that change nothing become None: one description of one robot."""
+        for name, ideal in _IDEAL.items():
+            if (given := getattr(self, name)) is None:
+                continue
+            values = np.atleast_1d(np.asarray(given, dtype=np.float64))
+            check_shape(f"drive.{name}", np.where(values == ideal, 1.0, values), (len(self.gear_ratio),))
+            if np.any(values < 0) or (ideal > 0 and np.any(values == 0)):
+                raise FFGymError(
+                    f"drive.{name} = {values.tolist()} must be {'>' if ideal > 0 else '>='} 0 on every joint; "
+                    f"{ideal:g} leaves it out."
+                )
+            object.__setattr__(self, name, None if np.all(values == ideal) else values)
+
+    @property
+    def has_torque_loop(self) -> BoolArray:
+        """Tell which drives do not give the commanded torque at once, shape (N,)."""
+        lag, rate = self.torque_loop
+        loop: BoolArray = (lag > 0) | np.isfinite(rate)
+        return loop
+
+    @property
+    def torque_loop(self) -> tuple[Array, Array]:
+        """Return lag [s] and fastest change of torque, motor side [N m/s], (N,) each; 0 and inf where there is none."""
+        n = len(self.gear_ratio)
+        lag, rate = (
+            np.full(n, ideal) if (values := getattr(self, name)) is None else values for name, ideal in _IDEAL.items()
+        )
+        return lag, rate
 
     @property
     def reflected_inertia(self) -> Array:
@@ -101,6 +137,29 @@ class Drive:
         """Torques behind the gearbox, link side, of the motor torques `motor_torque` [N m] (..., N)."""
         torque: Array = motor_torque * self.gear_ratio
         return torque if self.coupling is None else _with_others(torque, self.matrix.T, motor_torque)
+
+
+_IDEAL = {"torque_lag": 0.0, "torque_rate": np.inf}
+"""Numbers of the torque loop, and their values in an ideal drive."""
+
+
+def next_torque(torque: Array, command: Array, dt: float, lag: Array, rate: Array | None = None) -> Array:
+    r"""Compute what a torque loop gives after `dt` [s], of torques of any leading shape (..., N).
+
+    .. math:: T_c \dot \tau = u - \tau, \quad |\dot \tau| \le R
+
+    The step of the lag is exact for a command that is held over it; its mean rate is limited.
+
+    Args:
+        torque: torque before [N m].
+        command: commanded torque u, within the limits of the drive [N m].
+        dt: time [s].
+        lag: time constant T_c [s], (N,) or (..., N); 0 follows at once.
+        rate: fastest change R [N m/s], likewise; None is no limit.
+    """
+    keep = np.exp(-np.divide(dt, lag, out=np.full_like(lag, np.inf), where=lag > 0))
+    later: Array = command + (torque - command) * keep
+    return later if rate is None else torque + np.clip(later - torque, -rate * dt, rate * dt)
 
 
 def _with_others(total: Array, matrix: Array, values: Array) -> Array:

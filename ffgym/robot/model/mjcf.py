@@ -81,16 +81,26 @@ def element(kind: str, part: Any, tag: str = "") -> ET.Element:
 
 
 def actuator_element(part: Any) -> ET.Element:
-    """A servo as `pid` or a friction as `dcmotor`, whose attributes say what the numbers are."""
+    """A servo as `pid`, with a torque loop as `dcmotor`, or a friction as `dcmotor`; attributes name the numbers."""
     gain, bias, dynamics = part.gainprm, part.biasprm, part.dynprm
+    inputs = " ".join(name for name, bit in _INPUTS.items() if part.ctrlspec & int(bit)) or "none"
     if part.gaintype == mujoco.mjtGain.mjGAIN_PID:
         out = element("actuator", part, "pid")
         numbers = {"kp": -bias[1], "kv": -bias[2], "ki": gain[0], "imax": dynamics[0]}
-        inputs = " ".join(name for name, bit in _INPUTS.items() if part.ctrlspec & int(bit))
+    elif part.gaintype == mujoco.mjtGain.mjGAIN_DCMOTOR and inputs != "none":
+        out = element("actuator", part, "dcmotor")
+        for name in ("forcelimited", "forcerange"):  # which saturation sets
+            out.attrib.pop(name, None)
+        numbers = {
+            "motorconst": gain[[1, 1]],
+            "resistance": gain[0],
+            "inductance": np.array([0.0, dynamics[0]]),
+            "saturation": np.array([part.forcerange[1], 0.0, dynamics[1]]),
+            "controller": np.array([gain[4], gain[5], gain[6], 0.0, dynamics[8], gain[7]]),
+        }
     elif part.gaintype == mujoco.mjtGain.mjGAIN_DCMOTOR:
         out = element("actuator", part, "dcmotor")
         numbers = {"motorconst": np.zeros(2), "resistance": gain[0], "lugre": np.array([*dynamics[5:7], *bias[3:6]])}
-        inputs = "none"
     else:
         raise FFGymError(f"Actuator {part.name!r} is neither a servo (pid) nor a friction (dcmotor). Leave it out.")
     out.set("joint" if part.trntype == mujoco.mjtTrn.mjTRN_JOINT else "tendon", part.target)
@@ -141,6 +151,8 @@ _COMMENTS = {
     "actuator": "The drives, motor side: gear is motor turns per joint turn, so that set-points, gains and torques are "
     "those of the motor. data.ctrl has position [rad], velocity [rad/s] and feed-forward torque [N m] of each servo. "
     "lugre is stiffness, damping, Coulomb and static torque, Stribeck velocity of the friction; damping is viscous. "
+    "Where the torque lags its command, a servo is a dcmotor whose current is the torque: inductance is the lag, the "
+    "last number of saturation the fastest change per second, of a step. "
     "JOINT_arm_friction is the part of the friction that acts on the arm, behind the elasticity.",
     "keyframe": "States of equilibrium to start from: springs and servo integrals carry the load.",
 }

@@ -3,9 +3,9 @@
 Each joint is two hinges on one axis (thesis (2.5)-(2.6)): the motor hinge turns by motor angle / gear ratio and carries
 rotor inertia, friction and servo; the deflection hinge behind it is the elasticity, and carries the link. Actuators
 have `gear` = gear ratio, so that their numbers stay in motor units; a motor that other axes turn too acts on a fixed
-tendon whose length is the motor angle. MuJoCo supplies servo (`pid`) and friction (passive `dcmotor` with LuGre
-bristles) natively. Friction behind the elasticity acts on a fixed tendon, whose length is the angle of the link times
-the gear ratio. A spring between two links is a spatial tendon.
+tendon whose length is the motor angle. MuJoCo supplies servo (`ffgym.robot.model.servo`) and friction (passive
+`dcmotor` with LuGre bristles) natively. Friction behind the elasticity acts on a fixed tendon, whose length is the
+angle of the link times the gear ratio. A spring between two links is a spatial tendon.
 """
 
 from dataclasses import dataclass
@@ -17,13 +17,12 @@ import numpy as np
 from ffgym.core.errors import check_number
 from ffgym.robot.description import RobotDescription
 from ffgym.robot.model.looks import add_looks
+from ffgym.robot.model.servo import add_servo
 
 motor_joint = "{}_motor".format
 """Name of the hinge that the motor of a joint turns."""
 deflection_joint = "{}_deflection".format
 """Name of the hinge that is the elasticity of a joint."""
-servo_actuator = "{}_servo".format
-"""Name of the servo actuator of a joint."""
 friction_actuator = "{}_friction".format
 """Name of the friction actuator of a joint."""
 arm_friction_actuator = "{}_arm_friction".format
@@ -32,8 +31,6 @@ link_tendon = "{}_link_angle".format
 """Name of the tendon whose length is the angle of a link times the gear ratio."""
 motor_tendon = "{}_motor_angle".format
 """Name of the tendon whose length is the angle of a motor that other axes turn too."""
-
-_SERVO_INPUTS = mujoco.mjtCtrlInput.mjINPUT_POS | mujoco.mjtCtrlInput.mjINPUT_VEL | mujoco.mjtCtrlInput.mjINPUT_FF
 
 
 def _add_actuators(spec: mujoco.MjSpec, robot: RobotDescription, i: int, options: "ModelOptions") -> None:
@@ -50,22 +47,8 @@ def _add_actuators(spec: mujoco.MjSpec, robot: RobotDescription, i: int, options
         for j in np.flatnonzero(ratios):
             tendon.wrap_joint(motor_joint(robot.joints[j]), ratios[j])
     motor["gear"] = [gear, 0, 0, 0, 0, 0]
-    if options.servo:  # PID with set-points for position, velocity and feed-forward torque; its integral is clamped
-        peak, integral_gain = robot.drive.peak_torque[i], robot.servo.integral_gain[i]
-        servo = spec.add_actuator(
-            name=servo_actuator(joint),
-            armature=robot.drive.rotor_inertia[i],
-            forcelimited=True,
-            forcerange=[-peak, peak],
-            **motor,
-        )
-        servo.set_to_pid(
-            kp=robot.servo.position_gain[i],
-            kv=robot.servo.velocity_gain[i],
-            ki=integral_gain,
-            imax=peak / integral_gain if integral_gain > 0 else 0.0,
-            ctrlspec=int(_SERVO_INPUTS),
-        )
+    if options.servo:
+        add_servo(spec, robot, i, motor)
     if not options.friction:
         return
     # friction of the motor, and of the arm: on the link's angle in units of the motor's

@@ -67,12 +67,12 @@ def play(model: Any, controls: Any, signals: dict[str, Signal], stride: int) -> 
 def signals_of(model: Any, joints: Sequence[str]) -> dict[str, Signal]:
     """Return readers of all signals that a recording may have; motor quantities are motor side."""
     servo = [at for at in _actuators(model, joints, "servo") if at >= 0]
-    integrals = list(zip(model.actuator_gainprm[servo, 0], model.actuator_actadr[servo], strict=True))
+    integrals = [_integral(model, at) for at in servo]
     qpos, dof = (_addresses(model, joints, at) for at in (model.jnt_qposadr, model.jnt_dofadr))
     signals: dict[str, Signal] = {
         "motor.position": lambda data: data.actuator_length[servo],
         "motor.velocity": lambda data: data.actuator_velocity[servo],
-        "motor.effort": lambda data: data.actuator_force[servo],
+        "motor.effort": lambda data: [_commanded(model, data, at) for at in servo],
         "feedback.integral": lambda data: [k * data.act[i] if i >= 0 else 0.0 for k, i in integrals],
         "link.position": lambda data: [data.qpos[at].sum() for at in qpos],
         "link.velocity": lambda data: [data.qvel[at].sum() for at in dof],
@@ -102,6 +102,25 @@ def read_recording(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
         values = np.loadtxt(file, delimiter=",", ndmin=2)
     names = line.strip().split(",")
     return json.loads("".join(comments[1:])), dict(zip(names, values.T, strict=True))
+
+
+def _commanded(model: Any, data: Any, at: int) -> float:
+    """Torque that a servo commands: its force, or what goes into its torque loop, if it is a `dcmotor`."""
+    if model.actuator_gaintype[at] != mujoco.mjtGain.mjGAIN_DCMOTOR:
+        return float(data.actuator_force[at])
+    kp, ki, kv = model.actuator_gainprm[at, 4:7]
+    position, speed, torque = data.ctrl[model.actuator_ctrladr[at] :][:3]
+    command = kp * (position - data.actuator_length[at]) + kv * (speed - data.actuator_velocity[at]) + torque
+    if ki > 0:
+        command += ki * data.act[model.actuator_actadr[at]]
+    return float(np.clip(command, *model.actuator_forcerange[at]))
+
+
+def _integral(model: Any, at: int) -> tuple[float, int]:
+    """Integral gain of a servo, and the address of its integral, -1 if it has none."""
+    loop = model.actuator_gaintype[at] == mujoco.mjtGain.mjGAIN_DCMOTOR
+    gain = float(model.actuator_gainprm[at, 5 if loop else 0])
+    return gain, int(model.actuator_actadr[at]) if gain > 0 else -1
 
 
 def _friction(model: Any, data: Any, at: int) -> float:

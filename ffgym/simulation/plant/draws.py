@@ -81,6 +81,10 @@ class PlantDistribution:
     """Factor on the rotor inertia of each motor."""
     arm_share: Distribution | None = None
     """Share of friction behind the elasticity, in place of the robot's own; the robots of a batch all have one."""
+    torque_lag: Distribution | None = None
+    """Factor on the time constant of the torque loop, for drives that have one."""
+    torque_rate: Distribution | None = None
+    """Factor on the fastest change of torque, for drives that limit it."""
     payload: Distribution | None = Uniform(0.0, 5.0)
     """Point mass at the TCP [kg], beside the tool."""
 
@@ -114,6 +118,10 @@ class PlantDistribution:
         del factor["arm_share"]
         # damping goes with the root of the stiffness, which keeps the damping ratio at equal inertia
         drive, bodies = robot.drive, robot.bodies
+        loops = {name: (getattr(drive, name), factor.pop(name)) for name in ("torque_lag", "torque_rate")}
+        for name, (values, _) in loops.items():
+            if values is None and getattr(self, name) is not None:
+                raise FFGymError(f"Robot {robot.name!r} has no drive.{name} to draw factors on; give it one, or None.")
         return replace(
             robot,
             friction=friction.scale(coulomb=level, static=level, **factor),
@@ -122,6 +130,7 @@ class PlantDistribution:
                 joint_stiffness=drive.joint_stiffness * stiffness,
                 joint_damping=drive.joint_damping * np.sqrt(stiffness),
                 rotor_inertia=drive.rotor_inertia * rotor,
+                **{name: values * factors for name, (values, factors) in loops.items() if values is not None},
             ),
             bodies=replace(bodies, mass=bodies.mass * links, inertia=bodies.inertia * links[:, None]),
             tool=tool,

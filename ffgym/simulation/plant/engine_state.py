@@ -10,12 +10,12 @@ from mujoco import batch
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.robot import RobotDescription
 from ffgym.robot.drive import Drive
+from ffgym.robot.model.servo import servo_actuator
 from ffgym.robot.model.spec import (
     arm_friction_actuator,
     deflection_joint,
     friction_actuator,
     motor_joint,
-    servo_actuator,
 )
 
 
@@ -33,6 +33,9 @@ class Addresses:
     """Elastic joints as indices of joints."""
     integral: IntArray
     has_integral: BoolArray
+    torque: IntArray
+    """Torques of torque loops."""
+    has_torque: BoolArray
     bristle: IntArray
     has_bristle: BoolArray
     arm_bristle: IntArray
@@ -44,7 +47,7 @@ class Addresses:
         """Look the names up once."""
         names = {model.joint(i).name for i in range(model.njnt)}
         deflections = [deflection_joint(j) for j in robot.joints]
-        integral = np.array([_activation(model, servo_actuator(j)) for j in robot.joints])
+        integral, torque = np.array([_servo_activations(model, servo_actuator(j)) for j in robot.joints]).T
         bristle = np.array([_activation(model, friction_actuator(j)) for j in robot.joints])
         arm_bristle = np.array([_activation(model, arm_friction_actuator(j)) for j in robot.joints])
         own = {*deflections, *(motor_joint(j) for j in robot.joints)}
@@ -57,6 +60,8 @@ class Addresses:
             is_elastic=np.array([name in names for name in deflections]),
             integral=integral,
             has_integral=integral >= 0,
+            torque=torque,
+            has_torque=torque >= 0,
             bristle=bristle,
             has_bristle=bristle >= 0,
             arm_bristle=arm_bristle,
@@ -68,6 +73,17 @@ def _activation(model: mujoco.MjModel, actuator: str) -> int:
     """Address of an actuator's activation, -1 if it has none or does not exist."""
     names = {model.actuator(i).name for i in range(model.nactuator)}
     return int(model.actuator(actuator).actadr[0]) if actuator in names else -1
+
+
+def _servo_activations(model: mujoco.MjModel, actuator: str) -> tuple[int, int]:
+    """Addresses of a servo's integral and of the torque of its torque loop, the last of both; -1 if it has none."""
+    first = _activation(model, actuator)
+    if first < 0:
+        return -1, -1
+    servo = model.actuator(actuator)
+    loop = int(servo.dyntype[0]) == int(mujoco.mjtDyn.mjDYN_DCMOTOR)
+    last = first + int(servo.actnum[0]) - 1
+    return (first if last > first or not loop else -1), (last if loop else -1)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

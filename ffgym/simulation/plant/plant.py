@@ -117,8 +117,8 @@ class Plant:
             models.append(machine.spec(self._options).compile())
             if _make(models[-1]) != _make(self.model):
                 raise FFGymError(
-                    f"Robot {machine.robot.name!r} has other elastic joints, joints of effects or actuators than the "
-                    f"other simulations of the same batch; simulate it in a batch of its own."
+                    f"Robot {machine.robot.name!r} has other elastic joints, joints of effects, actuators or torque "
+                    f"loops than the other simulations of the same batch; simulate it in a batch of its own."
                 )
         # give each simulation the fields in which its model differs
         for (i, machine), model in zip(changed, models, strict=True):
@@ -176,6 +176,10 @@ class Plant:
         gain = np.stack([robot.servo.integral_gain for robot in robots])
         integral = np.divide(held, gain, out=np.zeros_like(held), where=gain > 0)
         self._act[np.ix_(rows, at.integral[at.has_integral])] = integral[:, at.has_integral]
+        if at.has_torque.any():  # and torque loops give what integrators command
+            peak = np.stack([robot.drive.peak_torque for robot in robots])
+            given = np.clip(gain * integral, -peak, peak)
+            self._act[np.ix_(rows, at.torque[at.has_torque])] = given[:, at.has_torque]
         if settling is not None:
             settling.begin()
 
@@ -274,7 +278,8 @@ class Plant:
 def _make(model: mujoco.MjModel) -> tuple[Any, ...]:
     """Return the structure that all models of a batch must share; they differ in numbers alone."""
     parts = ((model.joint, model.njnt), (model.actuator, model.nactuator))
-    return model.nu, model.na, [part(i).name for part, count in parts for i in range(count)]
+    names = [part(i).name for part, count in parts for i in range(count)]
+    return model.nu, model.na, names, model.actuator_dyntype.tolist()
 
 
 @contextmanager

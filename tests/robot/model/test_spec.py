@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from ffgym.robot import ModelOptions, build_spec, compile_model, load_robot, physics_fingerprint
-from ffgym.robot.model.spec import deflection_joint, friction_actuator, motor_joint, servo_actuator
+from ffgym.robot.model.servo import servo_actuator
+from ffgym.robot.model.spec import deflection_joint, friction_actuator, motor_joint
 
 BARE = ModelOptions(looks=False)
 

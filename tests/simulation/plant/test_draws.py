@@ -95,11 +95,13 @@ def test_draws_stay_within_their_distributions_and_follow_the_seed(irb4600):
 def test_each_group_changes_its_own_parameters_only(irb4600, group):
     nothing = {f.name: None for f in fields(PlantDistribution)}
     value = 0.7 if group == "arm_share" else 1.3  # a share, not a factor
-    robot = PlantDistribution(**(nothing | {group: Uniform(value, value)})).draw(irb4600, np.random.default_rng(0))
+    loop = dict.fromkeys(("torque_lag", "torque_rate"), np.full(6, 1e-3))
+    nominal = replace(irb4600, drive=replace(irb4600.drive, **loop))
+    robot = PlantDistribution(**(nothing | {group: Uniform(value, value)})).draw(nominal, np.random.default_rng(0))
     changed = set()
     for part in ("friction", "drive", "bodies", "tool"):
         for f in fields(getattr(robot, part)):
-            if not np.array_equal(getattr(getattr(robot, part), f.name), getattr(getattr(irb4600, part), f.name)):
+            if not np.array_equal(getattr(getattr(robot, part), f.name), getattr(getattr(nominal, part), f.name)):
                 changed.add(f.name)
     wanted = {
         "friction_level": {"coulomb", "static"},
@@ -108,6 +110,11 @@ def test_each_group_changes_its_own_parameters_only(irb4600, group):
         "payload": {"mass", "com", "inertia"},
     }
     assert changed == wanted.get(group, {group})
+
+
+def test_factors_of_a_torque_loop_need_one(irb4600):
+    with pytest.raises(FFGymError, match=r"no drive\.torque_lag"):
+        PlantDistribution(torque_lag=Uniform(0.5, 2.0)).draw(irb4600, np.random.default_rng(0))
 
 
 def test_a_payload_is_a_point_mass_at_the_tcp(irb4600, arm, corners):
