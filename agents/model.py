@@ -72,7 +72,7 @@ def model_law(
     if servo is not believed.robot.servo:
         known = RigidArm(replace(known.robot, servo=servo))
     elastic = elastic_law(RigidArm(believed.physical), known, name)
-    if not believed.torque_effects and not believed.resolver_effects:
+    if not believed.torque_effects_without_engine and not believed.resolver_effects:
         return elastic
     return ModelLaw(machine=believed, elastic=elastic)
 

@@ -36,7 +36,8 @@ class MotorEffects:
     @cached_property
     def effects(self) -> tuple[TorqueEffect, ...]:
         """Effects on the motors of the machine, in a fixed order."""
-        return tuple(sort_effects(effect for effect in self.machine.torque_effects if effect.side != "link"))
+        known = self.machine.torque_effects_without_engine
+        return tuple(sort_effects(effect for effect in known if effect.side != "link"))
 
     def rest(self, state: State) -> tuple[Array, list[Array]]:
         """Find the torque of effects on motors that rest [N m], (..., N), and their memories there."""

@@ -159,6 +159,11 @@ class State:
         """Torque that the servo commands, feed-forward included and limited, motor side [N m]."""
         return np.minimum(np.maximum(self.command, -self.peak_torque), self.peak_torque)
 
+    @cached_property
+    def loop_torque(self) -> Array:
+        """Torque that the torque loop gives, motor side [N m]; as commanded, where the source knows no loop."""
+        return self.motor_torque
+
     deflection: Array = given()
     """Angle of the link behind the gearbox output, link side [rad]; 0 for a rigid joint."""
     deflection_rate: Array = given()

@@ -36,6 +36,8 @@ class Drive:
     torque_lag: Array | None = None
     """Time constant T_c of the torque loop, a first-order lag from command to torque [s], shape (N,); None is 0, no
     lag."""
+    torque_delay: Array | None = None
+    """Time from a commanded torque to its effect, beside the lag [s], shape (N,); None is 0."""
     torque_rate: Array | None = None
     """Fastest change of the torque that the drive gives, motor side [N m/s], shape (N,); None is inf, no limit."""
     coupling: Array | None = None
@@ -50,7 +52,7 @@ class Drive:
                 f"drive.gear_ratio = {self.gear_ratio.tolist()} gives rotors of {reflected.tolist()} kg m^2 behind the "
                 f"gearbox. Ratios are motor turns per joint turn, some hundred at most."
             )
-        self._set_torque_loop()
+        self._check_torque_path()
         if self.coupling is None:
             return
         coupling = check_shape("drive.coupling", self.coupling, (len(self.gear_ratio), len(self.gear_ratio)))
@@ -63,8 +65,8 @@ class Drive:
         elif np.linalg.cond(self.matrix) > 1 / np.finfo(np.float64).eps:
             raise FFGymError(f"drive.coupling = {coupling.tolist()} leaves joint motions that turn no motor.")
 
-    def _set_torque_loop(self) -> None:
-        """Check the numbers of the torque loop; those that change nothing become None: one description of one robot."""
+    def _check_torque_path(self) -> None:
+        """Check the numbers between command and torque; without effect they become None, so that equals are equal."""
         for name, ideal in _IDEAL.items():
             if (given := getattr(self, name)) is None:
                 continue
@@ -78,20 +80,29 @@ class Drive:
             object.__setattr__(self, name, None if np.all(values == ideal) else values)
 
     @property
-    def has_torque_loop(self) -> BoolArray:
-        """Tell which drives do not give the commanded torque at once, shape (N,)."""
-        lag, rate = self.torque_loop
-        loop: BoolArray = (lag > 0) | np.isfinite(rate)
-        return loop
+    def loop_lag(self) -> Array:
+        """Time constant of the torque loop [s], shape (N,); 0 where there is none."""
+        return self._filled("torque_lag")
 
     @property
-    def torque_loop(self) -> tuple[Array, Array]:
-        """Return lag [s] and fastest change of torque, motor side [N m/s], (N,) each; 0 and inf where there is none."""
-        n = len(self.gear_ratio)
-        lag, rate = (
-            np.full(n, ideal) if (values := getattr(self, name)) is None else values for name, ideal in _IDEAL.items()
-        )
-        return lag, rate
+    def loop_rate(self) -> Array:
+        """Fastest change of torque, motor side [N m/s], shape (N,); inf where there is no limit."""
+        return self._filled("torque_rate")
+
+    @property
+    def delay(self) -> Array:
+        """Time from command to torque, beside the lag [s], shape (N,); 0 where there is none."""
+        return self._filled("torque_delay")
+
+    @property
+    def has_torque_loop(self) -> BoolArray:
+        """True for drives whose torque lags its command, or whose rate is limited, shape (N,)."""
+        loop: BoolArray = (self.loop_lag > 0) | np.isfinite(self.loop_rate)
+        return loop
+
+    def _filled(self, name: str) -> Array:
+        values = getattr(self, name)
+        return np.full(len(self.gear_ratio), _IDEAL[name]) if values is None else np.asarray(values)
 
     @property
     def reflected_inertia(self) -> Array:
@@ -139,8 +150,8 @@ class Drive:
         return torque if self.coupling is None else _with_others(torque, self.matrix.T, motor_torque)
 
 
-_IDEAL = {"torque_lag": 0.0, "torque_rate": np.inf}
-"""Numbers of the torque loop, and their values in an ideal drive."""
+_IDEAL = {"torque_lag": 0.0, "torque_delay": 0.0, "torque_rate": np.inf}
+"""Numbers between command and torque, and their values in an ideal drive."""
 
 
 def next_torque(torque: Array, command: Array, dt: float, lag: Array, rate: Array | None = None) -> Array:

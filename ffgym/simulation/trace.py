@@ -150,7 +150,7 @@ def _signals(state: PlantState, rows: ReferenceRows, u_lff: Array, plant: Plant,
     command = feedback.u_fb + rows.feedforward + compensation
     # friction of the bristles, where it is all friction there is
     peak, friction = robot.drive.peak_torque, {}
-    if not machine.torque_effects:  # with effects that add to it, a part would be taken for all of it
+    if not machine.added_torques:  # with effects that add to it, a part would be taken for all of it
         at, lugre = plant.addresses, robot.friction
         bristles = (1 - robot.arm_share) * lugre.torque(state.bristle, state.motor_velocity)
         friction["friction.effort"] = np.where(at.has_bristle, bristles, 0.0)

@@ -289,7 +289,7 @@ class TorqueRipple(TorqueEffect):
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
         """Return the ripple of the motor torque at the motor angle."""
         angle = self.cycles * state.motor_angle + self.phase
-        return Torques(motor=self.share * state.motor_torque * (np.sin(angle) + np.sin(2 * angle) / 2)), memory
+        return Torques(motor=self.share * state.loop_torque * (np.sin(angle) + np.sin(2 * angle) / 2)), memory
 
 
 @final

@@ -206,7 +206,7 @@ def replay(
     torque = drive.rotor_inertia * drive.motor_angle(log.ddq) + bristles.torque + drive.motor_torque(needed)
     # motor-side torque effects, those that act on what the drive commands last: they see all that it must give
     motor = added.motor
-    of_motors = [effect for effect in machine.torque_effects if effect.side == "motor"]
+    of_motors = [effect for effect in machine.torque_effects_without_engine if effect.side == "motor"]
     for effect in sorted(of_motors, key=lambda effect: (effect.code.startswith("M"), effect.name)):
         state.set_values(motor_torque=torque if motor is None else torque - motor)
         motor = add(motor, torques_along(effect, state, log.dt).motor)

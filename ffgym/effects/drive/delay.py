@@ -1,4 +1,4 @@
-"""M5: a motor torque that comes later than commanded."""
+"""M5: a motor torque that comes later than commanded, by an effect or by numbers of the description."""
 
 from dataclasses import dataclass
 from typing import final
@@ -11,6 +11,8 @@ from ffgym.core.types import Array
 from ffgym.effects.effect import TorqueEffect
 from ffgym.effects.parameters import parameter
 from ffgym.effects.state import State, Torques
+from ffgym.robot.description import RobotDescription
+from ffgym.robot.drive import next_torque
 
 LENGTH = 40
 """Commands that are remembered: 9.5 ms at a physics step of 0.25 ms, far more than a servo bears."""
@@ -54,7 +56,7 @@ class TorqueDelay(TorqueEffect):
 
     def initial_memory(self, state: State) -> Array:
         """Return commands, the latest first, then the torque of the current loop; at rest all are one torque."""
-        return np.repeat(state.motor_torque[..., None], LENGTH + 1, axis=-1)
+        return np.repeat(state.loop_torque[..., None], LENGTH + 1, axis=-1)
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
         """Return the torque of the delayed current loop beyond the command."""
@@ -62,16 +64,14 @@ class TorqueDelay(TorqueEffect):
         # dead time: commands move up by one, the one that is due is interpolated
         later = np.empty_like(memory)
         commands = later[..., :-1]
-        commands[..., 0], commands[..., 1:] = state.motor_torque, memory[..., :-2]
+        commands[..., 0], commands[..., 1:] = state.loop_torque, memory[..., :-2]
         due = _interpolate(commands, self.delay / dt)
-        # lag: exact step of first order towards the command that is due
-        keep = np.exp(-np.divide(dt, self.lag, out=np.full_like(self.lag, np.inf), where=self.lag > 0))
-        later[..., -1] = given = due + (given - due) * keep
-        return Torques(motor=given - state.motor_torque), later
+        later[..., -1] = given = next_torque(given, due, dt, self.lag)
+        return Torques(motor=given - state.loop_torque), later
 
     def torques_over(self, states: State, dt: float) -> Torques:
         """Filter all commands at once; they run straight between samples, which may be longer than the lag."""
-        commands = np.broadcast_to(states.motor_torque, states.motor_angle.shape)
+        commands = np.broadcast_to(states.loop_torque, states.motor_angle.shape)
         given = np.empty_like(commands)
         for j in range(commands.shape[-1]):
             delay, lag = float(self.delay[j]), float(self.lag[j])
@@ -83,6 +83,18 @@ class TorqueDelay(TorqueEffect):
                 [now, 1 - keep - now], [1, -keep], due, axis=0, zi=(1 - now) * due[:1]
             )[0]
         return Torques(motor=given - commands)
+
+
+def delay_of_drives(robot: RobotDescription, *, with_lag: bool = False) -> tuple[TorqueDelay, ...]:
+    """Return `drive.torque_delay` of a robot as an effect, as MuJoCo delays no torques; empty if there is no delay.
+
+    Args:
+        robot: the description.
+        with_lag: add `drive.torque_lag`, which a plant has in MuJoCo, where torques are computed without one.
+    """
+    drive = robot.drive
+    lag = drive.loop_lag if with_lag else np.zeros(robot.n_joints)
+    return (TorqueDelay(delay=drive.delay, lag=lag),) if np.any(drive.delay) or np.any(lag) else ()
 
 
 def _shift(commands: Array, steps: float) -> Array:

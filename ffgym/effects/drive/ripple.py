@@ -34,4 +34,4 @@ class TorqueRipple(Wave, TorqueEffect):
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
         """Return the ripple of the torque that the servo commands."""
-        return Torques(motor=self.share * state.motor_torque * self.wave(state.motor_angle)), memory
+        return Torques(motor=self.share * state.loop_torque * self.wave(state.motor_angle)), memory

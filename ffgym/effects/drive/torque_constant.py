@@ -57,6 +57,6 @@ class TorqueConstant(TorqueEffect):
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
         """Return the error of the torque that the servo commands."""
-        u = state.motor_torque
+        u = state.loop_torque
         warm = self.magnets * (state.temperature - self.reference)
         return Torques(motor=u * (self.error + warm - self.saturation * (u / state.peak_torque) ** 2)), memory

@@ -42,7 +42,7 @@ def add_servo(spec: mujoco.MjSpec, robot: RobotDescription, i: int, motor: dict[
         actuator.forcelimited, actuator.forcerange = True, [-peak, peak]
         actuator.set_to_pid(kp=servo.position_gain[i], kv=servo.velocity_gain[i], ki=ki, imax=most, ctrlspec=_INPUTS)
         return
-    lag, rate = (values[i] for values in drive.torque_loop)
+    lag, rate = drive.loop_lag[i], drive.loop_rate[i]
     dt = spec.option.timestep
     lag = max(lag, SHORTEST_LAG * dt)
     # MuJoCo limits the rate at the start of a step and lets it decay: a step adds limit T_c (1 - exp(-dt / T_c))

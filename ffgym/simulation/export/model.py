@@ -97,9 +97,12 @@ def reference_table(reference: Reference, u_ff: Array, u_lff: Array, form: Refer
 
 
 def in_engine(machine: Machine) -> Machine:
-    """Return the machine with those effects alone that MuJoCo has itself."""
+    """Return the machine with those effects alone that MuJoCo has itself, and without delays of its drives."""
     inside = [effect for effect in machine.effects if isinstance(effect, NativeEffect | ModelEffect)]
-    return replace(machine, effects=tuple(inside))
+    robot = machine.robot
+    if robot.drive.torque_delay is not None:
+        robot = replace(robot, drive=replace(robot.drive, torque_delay=None))
+    return replace(machine, robot=robot, effects=tuple(inside))
 
 
 def plant_of(machine: Machine, options: ModelOptions | None) -> Plant:
@@ -130,6 +133,8 @@ def missing_text(machine: Machine) -> str:
         for effect in machine.effects
         if not effect.is_null and effect not in inside
     ]
+    if machine.robot.drive.torque_delay is not None:
+        effects.append(f"drive.torque_delay = {machine.robot.drive.torque_delay.tolist()} s")
     return f"Not in it, as MuJoCo has no such effects: {'; '.join(effects)}." if effects else ""
 
 

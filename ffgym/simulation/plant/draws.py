@@ -55,6 +55,10 @@ class LogUniform(Distribution):
         return np.exp(rng.uniform(np.log(self.low), np.log(self.high), size=n))
 
 
+_TORQUE_PATH = ("torque_lag", "torque_delay", "torque_rate")
+"""Groups of the drive that a robot need not have."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class PlantDistribution:
     """Distribution of robots of one kind: factors on the parameters, and a payload. None leaves a group alone.
@@ -83,6 +87,8 @@ class PlantDistribution:
     """Share of friction behind the elasticity, in place of the robot's own; the robots of a batch all have one."""
     torque_lag: Distribution | None = None
     """Factor on the time constant of the torque loop, for drives that have one."""
+    torque_delay: Distribution | None = None
+    """Factor on the delay of torque, for drives that have one."""
     torque_rate: Distribution | None = None
     """Factor on the fastest change of torque, for drives that limit it."""
     payload: Distribution | None = Uniform(0.0, 5.0)
@@ -118,7 +124,7 @@ class PlantDistribution:
         del factor["arm_share"]
         # damping goes with the root of the stiffness, which keeps the damping ratio at equal inertia
         drive, bodies = robot.drive, robot.bodies
-        loops = {name: (getattr(drive, name), factor.pop(name)) for name in ("torque_lag", "torque_rate")}
+        loops = {name: (getattr(drive, name), factor.pop(name)) for name in _TORQUE_PATH}
         for name, (values, _) in loops.items():
             if values is None and getattr(self, name) is not None:
                 raise FFGymError(f"Robot {robot.name!r} has no drive.{name} to draw factors on; give it one, or None.")

@@ -1,6 +1,7 @@
 """State of simulations that effects are asked at: numbers of the machines, and what the engine has."""
 
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 
 import numpy as np
 from mujoco import batch
@@ -8,7 +9,7 @@ from mujoco import batch
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.effects import State
 from ffgym.effects.state import number
-from ffgym.robot.drive import Drive
+from ffgym.robot.drive import Drive, next_torque
 from ffgym.simulation.plant.engine_state import Addresses
 from ffgym.simulation.plant.machine import Machine
 
@@ -19,7 +20,7 @@ class EngineState:
     def __init__(self, engine: batch.Batch, at: Addresses, drive: Drive) -> None:
         self.at, self.drive = at, drive
         self.joints = tuple(engine.bind(name) for name in ("qpos", "qvel", "act", "ctrl"))
-        self.time = engine.bind("time")
+        self.time, self.dt = engine.bind("time"), float(engine.get_model(0).opt.timestep)
         self.outputs = None if at.is_elastic.all() else (engine.bind("qfrc_actuator"), engine.bind("qacc"))
 
     def motor(self, rows: IntArray | slice) -> tuple[Array, Array]:
@@ -46,10 +47,15 @@ class Reading(State):
     """Gain of its speed error [N m s/rad]."""
     integral_gain: Array = number("servo.integral_gain")
     """Gain of the integral of its position error [N m/(rad s)]."""
+    loop_lag: Array = number("drive.loop_lag")
+    """Time constant of the torque loop [s]."""
+    loop_rate: Array = number("drive.loop_rate")
+    """Fastest change of torque [N m/s]."""
 
     def __init__(self, engine: EngineState, rows: IntArray | slice, own: Mapping[str, Array], motor: Array) -> None:
         self.__dict__.update(own, _given={*own, "time", "rigid_load"}, drive=engine.drive)
-        self._at = at = engine.at
+        self._at, self._dt = engine.at, engine.dt
+        at = engine.at
         self._qpos, self._qvel, self._act, self._controls = (values[rows].copy() for values in engine.joints)
         self.time = engine.time[rows].reshape(-1, 1).copy()
         if engine.outputs is not None:  # gearboxes of rigid joints pass on all but what their rotors take
@@ -92,6 +98,16 @@ class Reading(State):
     def read_command(self) -> Array:
         """Add the feed-forward torque of the controls, motor side [N m]."""
         return self.feedback_torque + self._controls[:, 2 : 3 * self.peak_torque.shape[1] : 3]
+
+    @cached_property
+    def loop_torque(self) -> Array:
+        """Torque that MuJoCo's torque loop gives in the coming step, motor side [N m]."""
+        at = self._at
+        if not at.has_torque.any():
+            return self.motor_torque
+        given = _spread(self._act, at.torque[at.has_torque], at.has_torque)
+        later = next_torque(given, self.motor_torque, self._dt, self.loop_lag, self.loop_rate)
+        return np.where(at.has_torque, later, self.motor_torque)
 
 
 def stack_numbers(machines: Sequence[Machine]) -> dict[str, Array]:

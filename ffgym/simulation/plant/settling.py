@@ -32,7 +32,7 @@ class Settling:
 
     def set_servo(self, torque: Array) -> None:
         """Let servos hold `torque`, motor side [N m], (B, N)."""
-        self._state.set_values(feedback_torque=torque, motor_torque=torque)
+        self._state.set_values(feedback_torque=torque, motor_torque=torque, loop_torque=torque)
 
     def deflection(self, load: Array) -> Array:
         """Deflections [rad] at which springs and effects carry `load`, link side [N m], (B, N); 0 for rigid joints.

@@ -95,7 +95,7 @@ def test_draws_stay_within_their_distributions_and_follow_the_seed(irb4600):
 def test_each_group_changes_its_own_parameters_only(irb4600, group):
     nothing = {f.name: None for f in fields(PlantDistribution)}
     value = 0.7 if group == "arm_share" else 1.3  # a share, not a factor
-    loop = dict.fromkeys(("torque_lag", "torque_rate"), np.full(6, 1e-3))
+    loop = dict.fromkeys(("torque_lag", "torque_delay", "torque_rate"), np.full(6, 1e-3))
     nominal = replace(irb4600, drive=replace(irb4600.drive, **loop))
     robot = PlantDistribution(**(nothing | {group: Uniform(value, value)})).draw(nominal, np.random.default_rng(0))
     changed = set()
