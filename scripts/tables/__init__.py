@@ -15,7 +15,7 @@ from ffgym.core.provenance import versions
 from ffgym.effects import EFFECTS
 from ffgym.report import save_figure
 from ffgym.robot import builtin_robots
-from scripts.tables import definitions, friction, laws, package_pages, physics, recorded
+from scripts.tables import definitions, friction, laws, package_pages, physics, recorded, recorded_friction
 from scripts.tables.page import DOCS, DPI, Contents
 
 DEFINED: Mapping[str, Callable[[], Contents]] = {
@@ -38,7 +38,7 @@ COMPUTED: Mapping[str, Callable[[], Contents]] = {
     "agents/model.md": laws.model,
     "diagnosis.md": recorded.diagnosis,
     "identification.md": friction.coverage,
-    "narx.md": friction.networks,
+    "narx.md": recorded_friction.narx,
     "physics.md": physics.convergence,
     "rigid_body_identification.md": recorded.rigid_bodies,
     "torque_prediction.md": recorded.torques,

@@ -8,10 +8,15 @@ import numpy as np
 import pytest
 
 from ffgym.agents.model import left_alone
+from ffgym.control import NoCompensation
 from ffgym.core.errors import FFGymError
+from ffgym.diagnosis import friction_torque
 from ffgym.effects import EFFECTS
+from ffgym.paths import joint_reference, joint_sine
+from ffgym.robot import RigidArm
+from ffgym.simulation import Run, simulate
 from ffgym.simulation.plant import Machine
-from scripts.tables import COMPUTED, DEFINED, PAGES, Config, friction, laws, main, recorded
+from scripts.tables import COMPUTED, DEFINED, PAGES, Config, friction, laws, main, recorded, recorded_friction
 from scripts.tables.page import DOCS, Contents, renew
 from tests.diagnosis.residual_samples import made_up
 
@@ -186,6 +191,53 @@ def test_the_page_about_predicted_torque_is_current():
     joints = [error["joint"] for error in made.numbers["A"]["errors_nm"]["description"]]
     assert joints == ["a1", "a2", "a3", "a4", "a5", "a6"]
     assert set(made.pictures) == {"torque_A", "torque_C"}
+
+
+@needs_data
+def test_linear_models_of_measured_friction_are_those_of_the_page():
+    linear = [each for each in recorded_friction.CANDIDATES if each.kind == "linear"]
+    made = recorded_friction.measured(linear)
+    for name, table in made.parts.items():
+        assert set(table.splitlines()) < set(part_of("narx.md", name).splitlines())
+
+
+@needs_data
+def test_a_network_that_was_fitted_to_one_run_predicts_the_friction_of_another():
+    """No linear model does, and the wrist's friction is known better than by the description."""
+    names = ("static", "speeds", "oe_both")
+    made = recorded_friction.measured([each for each in recorded_friction.CANDIDATES if each.name in names], n_starts=2)
+    curve, network, linear = (np.array(each["C"]["simulation"]) for each in made.numbers["rms_nm"].values())
+    table = {row.split(" | ")[0]: re.findall(r"[\d.]+(?= \()", row) for row in made.parts["measured"].splitlines()[2:]}
+    size, described = (np.array(table[f"| {name}"], float) for name in ("RMS friction", "description, static LuGre"))
+    assert np.all(network < 0.2 * size)
+    assert np.all(linear > 1.3 * network)
+    assert np.all(network[3:] < 0.8 * described[3:])
+    assert np.all(curve < linear)
+
+
+@pytest.mark.slow
+@needs_data
+def test_the_tables_of_measured_friction_are_current():
+    parts = recorded_friction.measured().parts
+    assert dict(parts) == {name: part_of("narx.md", name) for name in ("measured", "measured, one step")}
+
+
+def test_samples_of_measured_friction_are_friction_where_the_joint_moves(one_axis):
+    path = joint_sine(np.full(1, 0.2), 0.5, 4.0, centre=np.zeros(1), dt=one_axis.servo.control_dt)
+    (recording,) = simulate([Run(reference=joint_reference(one_axis, path), law=NoCompensation())])
+    [samples] = recorded_friction.samples_of(friction_torque(RigidArm(one_axis), recording))
+    true = recording.joint_array("friction.effort")
+    assert 0.5 < samples.scored.mean() < 1.0
+    assert np.abs(samples.motor_dq[samples.scored]).min() > 0.02 * np.abs(one_axis.drive.gear_ratio[0]) * 0.99
+    error = (samples.torque - true)[samples.scored]
+    assert np.sqrt(np.mean(error**2)) < 0.05 * np.sqrt(np.mean(true**2))
+
+
+def test_without_the_recordings_the_tables_of_the_measured_robot_stay(monkeypatch, capsys):
+    monkeypatch.delenv(recorded.DATA_VARIABLE, raising=False)
+    monkeypatch.setattr(recorded_friction, "networks", lambda: Contents(parts={"fits": "new"}))
+    assert recorded_friction.narx().parts == {"fits": "new"}
+    assert "FFGYM_DATA is not set" in capsys.readouterr().out
 
 
 @pytest.mark.slow
