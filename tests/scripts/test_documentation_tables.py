@@ -223,7 +223,7 @@ def test_the_tables_of_measured_friction_are_current():
 
 
 def test_samples_of_measured_friction_are_friction_where_the_joint_moves(one_axis):
-    path = joint_sine(np.full(1, 0.2), 0.5, 4.0, centre=np.zeros(1), dt=one_axis.servo.control_dt)
+    path = joint_sine(np.full(1, 0.2), 2.0, 4.0, centre=np.zeros(1), dt=one_axis.servo.control_dt)
     (recording,) = simulate([Run(reference=joint_reference(one_axis, path), law=NoCompensation())])
     [samples] = recorded_friction.samples_of(friction_torque(RigidArm(one_axis), recording))
     true = recording.joint_array("friction.effort")
