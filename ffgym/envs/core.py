@@ -201,7 +201,7 @@ class TrackingCore:
             self.plant.drive(controls, ids)
         else:
             moved = np.arange(self.n) if ids is None else ids
-            recorder.add(self, moved, *self.plant.advance(controls, ids), action[moved])
+            recorder.add(self, moved, self.plant.advance_with_readings(controls, ids), action[moved])
         if self.columns.has_tcp:
             self.plant.batch.forward(ids, stage=_POSITIONS)
 

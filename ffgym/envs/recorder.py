@@ -46,7 +46,7 @@ class EpisodeRecorder:
         self._sensors, self._on_episode = tuple(sensors), on_episode
         self._rng = np.random.default_rng(check_whole("seed", seed, low=0))
         self._owner: TrackingCore | None = None
-        self._parts: dict[int, list[tuple[Array, Array, Array]]] = {}
+        self._parts: dict[int, list[tuple[Array | None, ...]]] = {}
         self._actions: dict[int, list[Array]] = {}
         self.recordings: list[Recording] = []
         """Finished episodes, oldest first."""
@@ -65,16 +65,19 @@ class EpisodeRecorder:
     def begin(self, core: "TrackingCore", ids: IntArray) -> None:
         """Begin the episodes of sub-environments `ids`; unfinished ones of theirs are dropped."""
         engine = core.plant.batch
+        state = (engine.qpos, engine.qvel, engine.act, core.plant.reading())
         for i in ids.tolist():
-            rows = slice(i, i + 1)
-            self._parts[i] = [(engine.qpos[rows].copy(), engine.qvel[rows].copy(), engine.act[rows].copy())]
+            self._parts[i] = [tuple(None if part is None else part[i : i + 1].copy() for part in state)]
             self._actions[i] = [np.zeros(core.robot.n_joints)]
 
-    def add(self, core: "TrackingCore", ids: IntArray, qpos: Array, qvel: Array, act: Array, action: Array) -> None:
-        """Keep the states (B', S, ...) of one control step of sub-environments `ids` and their actions (B', N)."""
+    def add(self, core: "TrackingCore", ids: IntArray, states: Sequence[Array | None], action: Array) -> None:
+        """Keep states of one control step of sub-environments `ids`, and their actions (B', N).
+
+        `states` are qpos, qvel, act (B', S, ...), and what servos read, None if they read nothing.
+        """
         rows = slice(self._stride - 1, None, self._stride)
         for k, i in enumerate(ids.tolist()):
-            self._parts[i].append((qpos[k, rows].copy(), qvel[k, rows].copy(), act[k, rows].copy()))
+            self._parts[i].append(tuple(None if part is None else part[k, rows].copy() for part in states))
             self._actions[i].append(action[k] * core.action_torque)
 
     def end(self, core: "TrackingCore", ids: IntArray) -> None:
@@ -92,8 +95,12 @@ class EpisodeRecorder:
         motion = core.motions[i]
         assert motion is not None  # an episode has begun
         plant = core.plant
-        qpos, qvel, act = (np.concatenate(parts) for parts in zip(*self._parts[i], strict=True))
-        trace = Trace(dt=self._stride * plant.physics_dt, qpos=qpos, qvel=qvel, act=act)
+        qpos, qvel, act = (
+            np.concatenate([parts[k] for parts in self._parts[i] if parts[k] is not None]) for k in range(3)
+        )
+        readings = [part for *_, part in self._parts[i] if part is not None]
+        reading = np.concatenate(readings) if len(readings) == len(self._parts[i]) else None
+        trace = Trace(dt=self._stride * plant.physics_dt, qpos=qpos, qvel=qvel, act=act, reading=reading)
         rows = ReferenceRows.of(motion.arm, motion.reference, plant.n_substeps // self._stride)
         exact = to_recording(
             trace,

@@ -79,6 +79,12 @@ class RobotDescription:
                 f"servo.control_dt = {self.servo.control_dt} s must be a whole multiple of "
                 f"simulation.physics_dt = {self.physics_dt} s."
             )
+        steps = self.drive.resolver_period / self.physics_dt
+        if abs(steps - round(steps)) > 1e-6:
+            raise FFGymError(
+                f"drive.resolver_period = {self.drive.resolver_period} s must be a whole multiple of "
+                f"simulation.physics_dt = {self.physics_dt} s, or 0 for a servo that knows its exact speed."
+            )
 
     def _check_home(self) -> None:
         """Check that home is a pose within the limits."""

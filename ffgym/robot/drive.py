@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ffgym.core.errors import FFGymError, check_shape
+from ffgym.core.errors import FFGymError, check_number, check_shape
 from ffgym.core.types import Array, BoolArray
 
 
@@ -40,6 +40,9 @@ class Drive:
     """Time from a commanded torque to its effect, beside the lag [s], shape (N,); None is 0."""
     torque_rate: Array | None = None
     """Fastest change of the torque that the drive gives, motor side [N m/s], shape (N,); None is inf, no limit."""
+    resolver_period: float = 0.0
+    """Period at which the drive reads its resolver [s]; the servo's speed is the difference of two readings. 0: the
+    servo knows the exact angle and speed."""
     coupling: Array | None = None
     """C_ij, how far motor i turns with joint j when its own joint stands still, shape (N, N), 0 on the diagonal; None
     is no coupling."""
@@ -53,6 +56,9 @@ class Drive:
                 f"gearbox. Ratios are motor turns per joint turn, some hundred at most."
             )
         self._check_torque_path()
+        object.__setattr__(
+            self, "resolver_period", check_number("drive.resolver_period", self.resolver_period, unit="s", low=0.0)
+        )
         if self.coupling is None:
             return
         coupling = check_shape("drive.coupling", self.coupling, (len(self.gear_ratio), len(self.gear_ratio)))

@@ -164,6 +164,11 @@ class Sensors:
     tracker_period: float
     """Sample time of the tracker [s]; 0 if there is no tracker."""
 
+    @property
+    def resolver_step(self) -> float:
+        """Smallest change of a motor angle that is measured [rad]."""
+        return resolver_step(self.encoder_bits)
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class WorkArea:
@@ -216,6 +221,11 @@ class Logs:
     def __post_init__(self) -> None:
         check_choice("logs.torque", self.torque, get_args(TorqueSemantics))
         check_choice("logs.position", self.position, get_args(PositionSide))
+
+
+def resolver_step(bits: int) -> float:
+    """Compute the smallest change of angle [rad] that a resolver of so many bits a turn tells."""
+    return float(2 * np.pi / 2**bits)
 
 
 def point_mass_inertia(mass: float) -> Array:

@@ -173,7 +173,8 @@ def _run(
     start_dq = np.stack([run.reference.dq[0] for run in runs])
     plant.rest(start_q, start_dq)
     for i, trace in enumerate(traces):
-        trace.write(0, plant.batch.qpos[i : i + 1], plant.batch.qvel[i : i + 1], plant.batch.act[i : i + 1])
+        first = (plant.batch.qpos, plant.batch.qvel, plant.batch.act, plant.reading())
+        trace.write(0, (None if part is None else part[i : i + 1] for part in first))
     fractions = np.arange(plant.n_substeps) / plant.n_substeps
     done, total, step = 0, sum(steps), 0
     if progress is not None:
@@ -185,9 +186,10 @@ def _run(
         controls = np.empty((len(active), stop - step, plant.n_substeps, plant.model.nu))
         setpoints.between(active, step, stop, fractions, out=plant.split_controls(controls))
         # keep the states of rows that are recorded
-        history = plant.advance(controls.reshape(len(active), -1, plant.model.nu), ids=active)
+        history = plant.advance_with_readings(controls.reshape(len(active), -1, plant.model.nu), ids=active)
         for row, trace in enumerate(traces[i] for i in active):
-            trace.write(step * per_step + 1, *(part[row, stride - 1 :: stride] for part in history))
+            kept = (None if part is None else part[row, stride - 1 :: stride] for part in history)
+            trace.write(step * per_step + 1, kept)
         done += len(active) * (stop - step)
         step = stop
         if progress is not None:

@@ -11,6 +11,7 @@ from ffgym.core.errors import FFGymError, check_number, check_shape, check_whole
 from ffgym.core.types import Array
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
+from ffgym.robot.parts import resolver_step
 
 TRUTH = ("friction.effort", "link.position", "link.velocity", "tcp.position", "temperature")
 """Families of the hidden truth: a measured recording has one only if a sensor measures it."""
@@ -43,7 +44,7 @@ class Resolver(Sensor):
 
     def apply(self, recording: Recording, rng: np.random.Generator) -> Recording:
         """Round angles and difference them; without noise it draws no numbers from `rng`."""
-        step = 2 * np.pi / 2**self.bits
+        step = resolver_step(self.bits)
         columns = {}
         for joint in recording.header.joints:
             seen = _add_noise(recording[f"motor.position.{joint}"], self.noise, rng)

@@ -1,6 +1,6 @@
 """Raw states of one simulation, and the recording made of them."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any
@@ -27,6 +27,9 @@ class Trace:
     qpos: Array
     qvel: Array
     act: Array
+    reading: Array | None = None
+    """Motor angles [rad], then speeds [rad/s], as servos read them from resolvers, motor side, (T, 2 N); None if no
+    servo of the batch does."""
 
     @classmethod
     def empty(cls, plant: Plant, length: int, dt: float) -> "Trace":
@@ -37,12 +40,14 @@ class Trace:
             qpos=np.empty((length, model.nq)),
             qvel=np.empty((length, model.nv)),
             act=np.empty((length, model.na)),
+            reading=None if plant.reading() is None else np.empty((length, 2 * plant.robot.n_joints)),
         )
 
-    def write(self, row: int, qpos: Array, qvel: Array, act: Array) -> None:
-        """Store states from `row` on."""
-        rows = slice(row, row + len(qpos))
-        self.qpos[rows], self.qvel[rows], self.act[rows] = qpos, qvel, act
+    def write(self, row: int, states: Iterable[Array | None]) -> None:
+        """Store qpos, qvel, act and reading, None if there is none, from `row` on."""
+        for kept, values in zip((self.qpos, self.qvel, self.act, self.reading), states, strict=True):
+            if kept is not None and values is not None:
+                kept[row : row + len(values)] = values
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -123,7 +128,7 @@ def to_recording(
     """
     state = plant.unpack(trace.qpos, trace.qvel, trace.act)
     columns: dict[str, Array] = {"timestamp": np.arange(len(trace.qpos), dtype=np.float64) * trace.dt}
-    for family, values in _signals(state, rows, u_lff, plant, index).items():
+    for family, values in _signals(state, trace.reading, rows, u_lff, plant, index).items():
         columns |= {f"{family}.{joint}": values[:, j] for j, joint in enumerate(plant.robot.joints)}
     if (climate := plant.machines[index].climate) is not None:
         warm = climate.temperature(columns["timestamp"], plant.robot.n_joints)
@@ -139,12 +144,16 @@ def to_recording(
     return Recording(columns=columns, header=header)
 
 
-def _signals(state: PlantState, rows: ReferenceRows, u_lff: Array, plant: Plant, index: int) -> dict[str, Array]:
+def _signals(
+    state: PlantState, reading: Array | None, rows: ReferenceRows, u_lff: Array, plant: Plant, index: int
+) -> dict[str, Array]:
     """Compute per-joint signals, motor side, (T, N) each; parts of the servo as MuJoCo's `pid` adds them up."""
     machine = plant.machines[index]
     robot = machine.physical
     # servo torque from the motor angle as the resolver reads it
     position, velocity = machine.read_by_resolver(state.motor_position, state.motor_velocity)
+    if reading is not None and robot.drive.resolver_period > 0:
+        position, velocity = np.split(reading, 2, axis=1)
     compensation = torque_at_rows(u_lff, rows.rows_per_step)
     feedback = servo_torque(robot.servo, rows.position - position, rows.velocity - velocity, state.integral)
     command = feedback.u_fb + rows.feedforward + compensation

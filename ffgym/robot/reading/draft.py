@@ -35,7 +35,7 @@ def assemble(get: Mapping[str, Any], types: tuple[str, ...]) -> dict[str, Any]:
         "base_com": get["base.com"],
         "bodies": _group(Links, "links", get),
         "tool": _tool(get),
-        "drive": _group(Drive, "drive", get),
+        "drive": _group(Drive, "drive", get, resolver_period=float(get.get("drive.resolver_period", 0.0))),
         "friction": _group(LuGreParameters, "friction", get),
         "servo": _group(Servo, "servo", get, control_dt=float(get["servo.control_dt"])),
         "sensors": Sensors(

@@ -15,7 +15,7 @@ from ffgym.core.types import Array
 from ffgym.core.version import __version__
 from ffgym.effects import ModelEffect, NativeEffect
 from ffgym.paths import Reference
-from ffgym.robot import ModelOptions, mjcf_text, model_bytes
+from ffgym.robot import ModelOptions, RobotDescription, mjcf_text, model_bytes
 from ffgym.simulation.plant import Machine, Plant
 from ffgym.simulation.run import Progress
 
@@ -97,11 +97,11 @@ def reference_table(reference: Reference, u_ff: Array, u_lff: Array, form: Refer
 
 
 def in_engine(machine: Machine) -> Machine:
-    """Return the machine with those effects alone that MuJoCo has itself, and without delays of its drives."""
+    """Return the machine with what MuJoCo has itself: some effects, no delays of drives, no reading of resolvers."""
     inside = [effect for effect in machine.effects if isinstance(effect, NativeEffect | ModelEffect)]
     robot = machine.robot
-    if robot.drive.torque_delay is not None:
-        robot = replace(robot, drive=replace(robot.drive, torque_delay=None))
+    if _beside_engine(robot):
+        robot = replace(robot, drive=replace(robot.drive, torque_delay=None, resolver_period=0.0))
     return replace(machine, robot=robot, effects=tuple(inside))
 
 
@@ -133,9 +133,15 @@ def missing_text(machine: Machine) -> str:
         for effect in machine.effects
         if not effect.is_null and effect not in inside
     ]
-    if machine.robot.drive.torque_delay is not None:
-        effects.append(f"drive.torque_delay = {machine.robot.drive.torque_delay.tolist()} s")
-    return f"Not in it, as MuJoCo has no such effects: {'; '.join(effects)}." if effects else ""
+    lacking = [*effects, *_beside_engine(machine.robot)]
+    return f"Not in it, as MuJoCo has no such effects: {'; '.join(lacking)}." if lacking else ""
+
+
+def _beside_engine(robot: RobotDescription) -> list[str]:
+    """Numbers of the drives that MuJoCo lacks."""
+    delay, period = robot.drive.torque_delay, robot.drive.resolver_period
+    found = [] if delay is None else [f"drive.torque_delay = {delay.tolist()} s"]
+    return found if period == 0 else [*found, f"drive.resolver_period = {period} s"]
 
 
 def add_rest(spec: mujoco.MjSpec, plant: Plant, name: str, q: Array, dq: Array | None, controls: Array) -> None:

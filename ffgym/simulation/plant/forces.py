@@ -17,6 +17,10 @@ from ffgym.effects.together import add, relax, step
 from ffgym.simulation.plant.engine_state import Addresses
 from ffgym.simulation.plant.machine import Machine
 from ffgym.simulation.plant.reading import EngineState, Reading, stack_numbers
+from ffgym.simulation.plant.resolvers import Resolvers
+
+READING = "reading"
+"""Name of the motor angles and speeds that servos know, beside the names of MuJoCo's arrays."""
 
 _ROUNDS = 20
 """Rounds of the search for the angle that a resolver reads as a given one; errors change by less than 0.1 of the
@@ -58,6 +62,9 @@ class Forces:
             stack_effects(kind, members, n)
             for kind, members in by_kind([machine.resolver_effects for machine in machines])
         ]
+        robots = [machine.physical for machine in machines]
+        reads = any(robot.drive.resolver_period > 0 for robot in robots)
+        self._readings = Resolvers(robots, self._dt) if reads else None
         self._keys: list[tuple[type[TorqueEffect], int]] = []  # each kind, and how many of it came before
         for effect, _ in self._torque:
             kind = type(effect)
@@ -70,8 +77,11 @@ class Forces:
 
     @staticmethod
     def needed(machines: Sequence[Machine]) -> bool:
-        """True if any machine has a torque or resolver effect."""
-        return any(machine.torque_effects or machine.resolver_effects for machine in machines)
+        """True if any machine has a torque or resolver effect, or a servo that reads resolvers."""
+        return any(
+            machine.torque_effects or machine.resolver_effects or machine.physical.drive.resolver_period > 0
+            for machine in machines
+        )
 
     def choose(self, rows: IntArray | slice) -> Chosen:
         """Simulations `rows` with their effects."""
@@ -103,21 +113,30 @@ class Forces:
     def begin(self, chosen: Chosen, state: State) -> None:
         """Reset memories: simulations are at rest in `state`."""
         self._motor[chosen.rows] = 0.0
+        if self._readings is not None:
+            self._readings.begin(chosen.rows, *self._sensed(chosen))
         for memory, now in zip(self._memory, relax(chosen.torque, state), strict=True):
             memory[chosen.rows] = now
 
     def copy_memories(self) -> list[Array]:
-        """Copies of the memories of effects, and of the torques that they added to motors last."""
-        return [memory.copy() for memory in (*self._memory, self._motor)]
+        """Copies of the memories of effects, of the torques that they added to motors last, and of readings."""
+        return [memory.copy() for memory in self._memories]
 
     def remember(self, memories: list[Array]) -> None:
         """Restore `remembered` memories and torques."""
-        for memory, kept in zip((*self._memory, self._motor), memories, strict=True):
+        for memory, kept in zip(self._memories, memories, strict=True):
             memory[:] = kept
+
+    @property
+    def _memories(self) -> tuple[Array, ...]:
+        return (*self._memory, self._motor, *(() if self._readings is None else self._readings.memory))
 
     def go_on_from(self, before: "Forces", rows: IntArray) -> None:
         """Take over memories of `before` in simulations `rows`, whose machines are unchanged."""
         self._motor[rows] = before._motor[rows]
+        if self._readings is not None and before._readings is not None:
+            for memory, kept in zip(self._readings.memory, before._readings.memory, strict=True):
+                memory[rows] = kept[rows]
         known = dict(zip(before._keys, before._memory, strict=True))
         for key, memory in zip(self._keys, self._memory, strict=True):
             if key in known:
@@ -128,8 +147,37 @@ class Forces:
         return step(chosen.torque, state, relax(chosen.torque, state), self._dt, chosen.present)[0]
 
     def resolver_error(self, motor_angle: Array, motor_speed: Array) -> ResolverError:
-        """Compute errors of resolvers in angle [rad] and speed [rad/s], motor side, (B, N) each."""
-        return _resolver_error(self._resolver, motor_angle, motor_speed)
+        """Compute errors of what servos know, in angle [rad] and speed [rad/s], motor side, (B, N) each."""
+        return self._error(self.choose(slice(None)), motor_angle, motor_speed)
+
+    def reads(self, index: int) -> bool:
+        """Tell if the servos of a simulation read resolvers."""
+        return self._readings is not None and bool(self._readings.present[index, 0])
+
+    def reading(self, chosen: Chosen) -> Array:
+        """Motor angles [rad], then speeds [rad/s], as servos know them now, motor side, (B', 2 N)."""
+        angle, speed = self._engine_state.motor(chosen.rows)
+        error = self._error(chosen, angle, speed)
+        return np.concatenate([angle + error.angle, speed + error.speed], axis=1)
+
+    def _sensed(self, chosen: Chosen) -> tuple[Array, Array]:
+        """Motor angles [rad] and speeds [rad/s] that resolvers see, with their errors, (B', N) each."""
+        angle, speed = self._engine_state.motor(chosen.rows)
+        if chosen.resolver:
+            error = _resolver_error(chosen.resolver, angle, speed)
+            angle, speed = angle + error.angle, speed + error.speed
+        return angle, speed
+
+    def _error(self, chosen: Chosen, angle: Array, speed: Array) -> ResolverError:
+        """Compute what servos know beyond true motor angles [rad] and speeds [rad/s], (B', N) each."""
+        error = _resolver_error(chosen.resolver, angle, speed)
+        if self._readings is None:
+            return error
+        read = self._readings.read(chosen.rows, angle + error.angle, speed + error.speed)
+        there = self._readings.present[chosen.rows]  # others keep their bits
+        return ResolverError(
+            angle=np.where(there, read[0] - angle, error.angle), speed=np.where(there, read[1] - speed, error.speed)
+        )
 
     def state(self, chosen: Chosen) -> State:
         """State of simulations now, (B', N) each."""
@@ -141,21 +189,27 @@ class Forces:
         """Roll out `controls` (B, S, 3 N) as the engine does, with torques of effects in each physics step."""
         rows = slice(None) if ids is None or len(ids) == engine.nsim else ids
         ids = None if isinstance(rows, slice) else ids
-        bound = {name: engine.bind(name) for name in record}
+        bound = {name: engine.bind(name) for name in record if name != READING}
         out = {name: np.empty((*controls.shape[:2], *field.shape[1:])) for name, field in bound.items()}
+        if READING in record:
+            out[READING] = np.empty((*controls.shape[:2], 2 * self._n))
         chosen = self.choose(rows)
         for k in range(controls.shape[1]):
             self._controls[rows] = controls[:, k]
             self.apply(chosen, self._dt)
             engine.step(ids)
+            if self._readings is not None:
+                self._readings.look(rows, self._sensed(chosen)[0])
+            if READING in record:
+                out[READING][:, k] = self.reading(chosen)
             for name, field in bound.items():
                 out[name][:, k] = field[rows]
         return out
 
     def apply(self, chosen: Chosen, dt: float) -> None:
         """Set the engine's applied torques and resolver readings for the physics step of `dt` [s] that comes next."""
-        if chosen.resolver:
-            error = _resolver_error(chosen.resolver, *self._engine_state.motor(chosen.rows))
+        if chosen.resolver or self._readings is not None:
+            error = self._error(chosen, *self._engine_state.motor(chosen.rows))
             self._controls[chosen.rows, 0 : 3 * self._n : 3] -= error.angle
             self._controls[chosen.rows, 1 : 3 * self._n : 3] -= error.speed
         if chosen.torque:

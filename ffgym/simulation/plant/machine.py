@@ -155,9 +155,12 @@ class Machine:
         """Fingerprint of the physics: `model`, that of the engine's model, if there is nothing beside it."""
         listed = (effect for effect in self.effects if not isinstance(effect, NativeEffect | ModelEffect))
         beside = [*listed, *delay_of_drives(self.physical)]
-        if not beside:
+        period = self.physical.drive.resolver_period
+        if not beside and period == 0:
             return model
         digest = hashlib.sha256(model.encode())
+        if period > 0:
+            digest.update(f"resolver {period!r} {self.physical.sensors.encoder_bits}".encode())
         for effect in sorted(beside, key=lambda effect: effect.name):
             digest.update(type(effect).__qualname__.encode())
             for name, value in effect.values().items():

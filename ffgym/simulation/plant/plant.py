@@ -12,7 +12,7 @@ from ffgym.core.errors import FFGymError, check_shape, check_whole
 from ffgym.core.types import Array, IntArray
 from ffgym.robot import ModelOptions, RobotDescription, model_field, physics_fingerprint
 from ffgym.simulation.plant.engine_state import Addresses, PlantState, servo_reader
-from ffgym.simulation.plant.forces import Forces
+from ffgym.simulation.plant.forces import READING, Forces
 from ffgym.simulation.plant.machine import Machine, check_same_controller
 from ffgym.simulation.plant.settling import Settling, bent_by_load
 
@@ -249,6 +249,23 @@ class Plant:
         """
         out = self._roll(controls, ("qpos", "qvel", "act"), ids)
         return out["qpos"], out["qvel"], out["act"]
+
+    def advance_with_readings(
+        self, controls: Array, ids: IntArray | None = None
+    ) -> tuple[Array, Array, Array, Array | None]:
+        """Run physics steps as `advance` does; returns qpos, qvel, act, and what servos read, see `reading`."""
+        names = ("qpos", "qvel", "act", READING) if self.reading() is not None else ("qpos", "qvel", "act")
+        out = self._roll(controls, names, ids)
+        return out["qpos"], out["qvel"], out["act"], out.get(READING)
+
+    def reading(self) -> Array | None:
+        """Motor angles [rad], then speeds [rad/s], as servos know them now, motor side, (B, 2 N).
+
+        None if no drive of the batch reads its resolver, see `drive.resolver_period`: servos know the true ones.
+        """
+        if self._forces is None or not any(self._forces.reads(i) for i in range(self.n_robots)):
+            return None
+        return self._forces.reading(self._forces.choose(slice(None)))
 
     def drive(self, controls: Array, ids: IntArray | None = None) -> None:
         """Advance as `advance` does, and keep the state at the end alone."""

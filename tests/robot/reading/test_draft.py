@@ -162,7 +162,7 @@ def test_every_entry_of_a_description_serves_some_function():
     assert used >= set(REQUIRED)
     assert optional - used == {
         "flange.position", "tool.mass", "tool.com", "tool.inertia", "drive.coupling",
-        "drive.torque_lag", "drive.torque_delay", "drive.torque_rate",
+        "drive.torque_lag", "drive.torque_delay", "drive.torque_rate", "drive.resolver_period",
         "friction.arm_share", "drive.torque_per_current", "drive.rated_torque",  # for logs
         "sensors.tracker_noise", "sensors.tracker_period", "work_area.tool_rotation", "work_area.normal",
     }  # fmt: skip
