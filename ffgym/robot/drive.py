@@ -88,17 +88,17 @@ class Drive:
     @property
     def loop_lag(self) -> Array:
         """Time constant of the torque loop [s], shape (N,); 0 where there is none."""
-        return self._filled("torque_lag")
+        return self._fill("torque_lag")
 
     @property
     def loop_rate(self) -> Array:
         """Fastest change of torque, motor side [N m/s], shape (N,); inf where there is no limit."""
-        return self._filled("torque_rate")
+        return self._fill("torque_rate")
 
     @property
     def delay(self) -> Array:
         """Time from command to torque, beside the lag [s], shape (N,); 0 where there is none."""
-        return self._filled("torque_delay")
+        return self._fill("torque_delay")
 
     @property
     def has_torque_loop(self) -> BoolArray:
@@ -106,7 +106,7 @@ class Drive:
         loop: BoolArray = (self.loop_lag > 0) | np.isfinite(self.loop_rate)
         return loop
 
-    def _filled(self, name: str) -> Array:
+    def _fill(self, name: str) -> Array:
         values = getattr(self, name)
         return np.full(len(self.gear_ratio), _IDEAL[name]) if values is None else np.asarray(values)
 

@@ -130,9 +130,14 @@ def _joints(check: RobotCheck) -> Table:
         ("drive.gear_ratio", "gear ratio", 5),
         ("drive.rotor_inertia", "rotor [kg m^2]", 3),
         ("drive.joint_stiffness", "stiffness", 3),
+        ("drive.torque_lag", "torque lag [s]", 3),
+        ("drive.torque_delay", "torque delay [s]", 3),
+        ("drive.torque_rate", "torque rate [N m/s]", 3),
     ):
         if path in values:
             columns[heading] = [f"{v:.{digits}g}" for v in values[path]]
+    if (period := values.get("drive.resolver_period")) is not None:
+        columns["resolver period [s]"] = [f"{float(period):.3g}"] * len(draft.joints)
     note = "Stiffness: link side, N m/rad, or N/m for a sliding joint." if "stiffness" in columns else ""
     return _table("joints", "Joints", columns, note)
 

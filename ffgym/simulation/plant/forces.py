@@ -114,7 +114,7 @@ class Forces:
         """Reset memories: simulations are at rest in `state`."""
         self._motor[chosen.rows] = 0.0
         if self._readings is not None:
-            self._readings.begin(chosen.rows, *self._sensed(chosen))
+            self._readings.begin(chosen.rows, *self._sense(chosen))
         for memory, now in zip(self._memory, relax(chosen.torque, state), strict=True):
             memory[chosen.rows] = now
 
@@ -160,7 +160,7 @@ class Forces:
         error = self._error(chosen, angle, speed)
         return np.concatenate([angle + error.angle, speed + error.speed], axis=1)
 
-    def _sensed(self, chosen: Chosen) -> tuple[Array, Array]:
+    def _sense(self, chosen: Chosen) -> tuple[Array, Array]:
         """Motor angles [rad] and speeds [rad/s] that resolvers see, with their errors, (B', N) each."""
         angle, speed = self._engine_state.motor(chosen.rows)
         if chosen.resolver:
@@ -199,7 +199,7 @@ class Forces:
             self.apply(chosen, self._dt)
             engine.step(ids)
             if self._readings is not None:
-                self._readings.look(rows, self._sensed(chosen)[0])
+                self._readings.look(rows, self._sense(chosen)[0])
             if READING in record:
                 out[READING][:, k] = self.reading(chosen)
             for name, field in bound.items():

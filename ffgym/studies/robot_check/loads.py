@@ -2,21 +2,14 @@
 
 from dataclasses import dataclass, replace
 
-import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
-from ffgym.robot import ModelOptions, RigidArm, RobotDescription
-from ffgym.simulation.plant import Plant
+from ffgym.robot import RigidArm, RobotDescription
+from ffgym.studies.robot_check.poles import servo_poles
 from ffgym.studies.robot_check.shape import poses_in_range
 
-_OPTIONS = ModelOptions(friction=False, looks=False)
-"""Options of the model without friction. Friction only damps small motions, so that a loop that is stable without it is
-stable with it, unless the step is too long for that damping, which `doubts` checks."""
-_NUDGE = 1e-6
-"""Step of the finite differences [rad, m]: the cube root of the rounding error, to an order of magnitude."""
 _STABLE = 1 + 1e-7
 """Growth in a step that counts as none: finite differences are no better; at 0.25 ms it doubles in half an hour."""
 _HIGHEST_MARGIN = 100.0
@@ -125,7 +118,7 @@ class ServoLoop:
 def servo_loop(robot: RobotDescription, place: str, q: Array) -> ServoLoop:
     """Analyse the servo loop of the robot at rest at joint positions `q` (N,), link side."""
     try:
-        poles = _poles(robot, q)
+        poles = servo_poles(robot, q)
     except FFGymError as error:
         return ServoLoop(place=place, stable=False, problem=str(error))
     stable = bool(np.abs(poles).max() < _STABLE)
@@ -147,7 +140,7 @@ def _gain_margin(robot: RobotDescription, q: Array) -> float | None:
 
     def is_stable(factor: float) -> bool:
         gains = {name: factor * getattr(servo, name) for name in ("position_gain", "velocity_gain", "integral_gain")}
-        return bool(np.abs(_poles(replace(robot, servo=replace(servo, **gains)), q)).max() < _STABLE)
+        return bool(np.abs(servo_poles(replace(robot, servo=replace(servo, **gains)), q)).max() < _STABLE)
 
     if is_stable(_HIGHEST_MARGIN):
         return None
@@ -156,16 +149,3 @@ def _gain_margin(robot: RobotDescription, q: Array) -> float | None:
         middle = (low + high) / 2
         low, high = (middle, high) if is_stable(np.exp(middle)) else (low, middle)
     return float(np.exp(low))
-
-
-def _poles(robot: RobotDescription, q: Array) -> NDArray[np.complex128]:
-    """Compute the poles of one physics step of the robot at rest."""
-    plant = Plant(robot, 1, options=_OPTIONS, n_threads=1)
-    plant.rest(q[None])
-    model, data = plant.model, mujoco.MjData(plant.model)
-    data.qpos[:], data.act[:] = plant.batch.qpos[0], plant.batch.act[0]
-    plant.split_controls(data.ctrl)[0][:] = robot.drive.motor_angle(q)
-    size = 2 * model.nv + model.na
-    transition = np.zeros((size, size))
-    mujoco.mjd_transitionFD(model, data, _NUDGE, True, transition, None, None, None)
-    return np.linalg.eigvals(transition).astype(np.complex128)
