@@ -13,7 +13,8 @@ from ffgym.cli.outputs import check_outputs, given_options, hash_inputs, print_p
 from ffgym.cli.progress import progress_bar
 from ffgym.core.errors import FFGymError, check_number, check_whole
 from ffgym.core.files import write_text
-from ffgym.diagnosis.identification import friction_torque, identify_friction, validate
+from ffgym.diagnosis.identification import Estimate, friction_torque, identify_friction, validate
+from ffgym.diagnosis.identification.arm_share import ArmShare
 from ffgym.diagnosis.identification.friction import friction_quantities
 from ffgym.diagnosis.identification.parameter_file import parameter_text
 from ffgym.diagnosis.identification.rigid_body import Filtering, RigidBodyOptions, identify_rigid_body, starting_robot
@@ -35,7 +36,7 @@ from ffgym.report.identification import (
 from ffgym.robot import RigidArm, RobotDescription, RobotDraft, load_draft, with_parameters
 from ffgym.robot.reading.quantity import Quantity
 
-_ONLY = {"friction": ("joints", "stribeck_velocity"), "rigid_body": ("terms", "spread")}
+_ONLY = {"friction": ("joints", "stribeck_velocity", "stiffness_spread"), "rigid_body": ("terms", "spread")}
 """Options that only one kind of identification has."""
 
 _NEEDS = ("position", "torque")
@@ -176,6 +177,7 @@ def identify_friction_of(config: Identify, robot: RobotDescription, logs: LogSet
             used,
             joints=config.joints or None,
             stribeck_velocity=None if velocity is None else dict.fromkeys(robot.joints, velocity),
+            stiffness_spread=config.stiffness_spread,
             seed=config.seed,
             n_resamples=config.resamples,
             level=config.level,
@@ -201,10 +203,7 @@ def _numbers(report: FrictionReport) -> Mapping[str, Any]:
     joints = []
     # parameters of each joint; an interval without an upper end is none
     for joint in found.joints:
-        parameters = [asdict(estimate) for estimate in joint.estimates]
-        for entry in parameters:
-            low, high = entry.pop("low"), entry.pop("high")
-            entry["interval"] = [low, high] if np.isfinite(high) else None
+        parameters = [_estimate_numbers(estimate) for estimate in joint.estimates]
         joints.append(
             {
                 "joint": joint.joint,
@@ -215,6 +214,7 @@ def _numbers(report: FrictionReport) -> Mapping[str, Any]:
                 "lag_s": joint.lag,
                 "delay_s": joint.delay,
                 "offset": joint.offset,
+                "arm_share": _arm_share_numbers(joint.arm),
                 "notes": list(joint.notes),
             }
         )
@@ -239,6 +239,33 @@ def _numbers(report: FrictionReport) -> Mapping[str, Any]:
         "validation": validation,
         "doubts": list(report.doubts),
     }
+
+
+def _estimate_numbers(estimate: Estimate) -> dict[str, Any]:
+    """One parameter as JSON has it."""
+    entry = asdict(estimate)
+    low, high = entry.pop("low"), entry.pop("high")
+    return entry | {"interval": [low, high] if np.isfinite(high) else None}
+
+
+def _arm_share_numbers(arm: ArmShare | None) -> dict[str, Any] | None:
+    """The share of friction behind the elasticity, and the fit behind it; None for a rigid joint."""
+    if arm is None:
+        return None
+    fit = arm.fit
+    if fit is None:
+        return _estimate_numbers(arm.estimate) | {"fit": None}
+    shown = {
+        "share": fit.share,
+        "stiffness_nm_per_rad": fit.stiffness[0],
+        "stiffness_interval": fit.stiffness[1:].tolist(),
+        "lost_motion_rad": fit.lost_motion,
+        "spring_unloads": fit.unloads,
+        "delay_s": fit.delay,
+        "rms_error_rad": fit.rms_error,
+        "sensor": fit.data.sensor,
+    }
+    return _estimate_numbers(arm.estimate) | {"fit": shown}
 
 
 def identify_rigid_body_of(config: Identify, draft: RobotDraft, logs: LogSet) -> IdentifyOutcome:

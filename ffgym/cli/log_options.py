@@ -126,6 +126,9 @@ class Identify:
     """Joints to identify; none given is all."""
     stribeck_velocity: float | None = None
     """Stribeck velocity to keep on all joints, motor side [rad/s]; none given estimates it."""
+    stiffness_spread: float | None = None
+    """Relative standard deviation of the joint stiffness, e.g. 0.1, on which the share of friction on the arm rests;
+    none given is that of the description's interval, or 0.3."""
     terms: tuple[str, ...] = ()
     """Parts of the torque that a rigid body is fitted with; none given is bodies, rotor_inertia, coulomb, viscous,
     offset. There are springs and viscous_asymmetry too."""

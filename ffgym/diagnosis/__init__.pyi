@@ -1,4 +1,6 @@
 from .diagnosis_file import read_diagnosis as read_diagnosis
+from .identification import ArmShare as ArmShare
+from .identification import ArmShareFit as ArmShareFit
 from .identification import Estimate as Estimate
 from .identification import FrictionIdentification as FrictionIdentification
 from .identification import FrictionTorque as FrictionTorque

@@ -121,6 +121,7 @@ def quality() -> Contents:
     needs = []
     for name, need in NEEDS.items():
         columns, sound = (", ".join(f"`{each}`" for each in names) for names in (need.columns, need.sound))
+        columns += "".join([", ", " or ".join(f"`{each}`" for each in need.any_of)] if need.any_of else [])
         least = ", ".join(f"{figure} {value:g}" for figure, value in need.least.items())
         needs.append((f"`{name}`", columns, least, sound, need.why))
     return Contents(

@@ -1,3 +1,5 @@
+from .arm_share import ArmShare as ArmShare
+from .arm_share import ArmShareFit as ArmShareFit
 from .estimate import Estimate as Estimate
 from .friction import FrictionIdentification as FrictionIdentification
 from .friction import Validation as Validation

@@ -8,9 +8,9 @@ import numpy as np
 from ffgym.core.errors import FFGymError
 from ffgym.diagnosis.settings import settings
 
-Status = Literal["identified", "given", "wide", "at bound", "not excited"]
+Status = Literal["identified", "given", "wide", "at bound", "not excited", "not measured"]
 """identified: the value is the data's; given: by the caller; of the others the data do not tell the value: its interval
-is wide, it lies at a bound, or no motion excites it. For them the value before stays."""
+is wide, it lies at a bound, no motion excites it, or no sensor shows it. For them the value before stays."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,13 +6,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ffgym.control import DynamicLuGreExact
-from ffgym.core.errors import FFGymError, check_choice
+from ffgym.core.errors import FFGymError, check_choice, check_number
 from ffgym.core.measures import rms
 from ffgym.core.types import Array
+from ffgym.diagnosis.identification.arm_share import NAME as ARM_SHARE
+from ffgym.diagnosis.identification.arm_share import describe_arm_share
 from ffgym.diagnosis.identification.bristle_fit import NAMES
 from ffgym.diagnosis.identification.friction_data import FrictionTorque, ModelError
 from ffgym.diagnosis.identification.joint_friction import JointFriction, identify_joint
-from ffgym.diagnosis.identification.parameter_file import make_fitted_quantity
+from ffgym.diagnosis.identification.parameter_file import entry_of, make_fitted_quantity
 from ffgym.diagnosis.resampling import LEVEL, RESAMPLES
 from ffgym.diagnosis.settings import settings
 from ffgym.robot import RobotDescription
@@ -36,7 +38,15 @@ class FrictionIdentification:
     def friction(self) -> LuGreParameters:
         """Friction from now on: what was identified, and what was known before for the rest."""
         values = np.array([[estimate.value for estimate in joint.estimates] for joint in self.joints])
-        return LuGreParameters(**{name: values[:, i] for i, name in enumerate(NAMES)})
+        lugre = {name: values[:, i] for i, name in enumerate(NAMES)}
+        return LuGreParameters(**lugre, arm_share=self.arm_share)
+
+    @property
+    def arm_share(self) -> Array:
+        """Share of friction behind the elasticity from now on [1], shape (N,)."""
+        described = entry_of(self.prior, ARM_SHARE)
+        found = [joint.arm for joint in self.joints]
+        return np.array([old if arm is None else arm.estimate.value for old, arm in zip(described, found, strict=True)])
 
     @property
     def robot(self) -> RobotDescription:
@@ -59,6 +69,7 @@ def identify_friction(
     *,
     joints: Sequence[str] | None = None,
     stribeck_velocity: Mapping[str, float] | None = None,
+    stiffness_spread: float | None = None,
     seed: int = 0,
     n_resamples: int = RESAMPLES,
     level: float = LEVEL,
@@ -73,6 +84,8 @@ def identify_friction(
         torques: friction along recordings of one robot.
         joints: names of the joints to identify; None is all.
         stribeck_velocity: v_s [rad/s] of joints where it is to be kept as given; the others' is estimated.
+        stiffness_spread: relative standard deviation of the joint stiffness that the description has, which is in the
+            interval of the share of friction behind it; None is that of its interval there, or 30 %.
         seed: of random starts and resamples.
         n_resamples: resamples behind the intervals.
         level: probability of the intervals.
@@ -86,6 +99,8 @@ def identify_friction(
     robot = torques[0].signals.robot
     wanted = [check_choice("joint", joint, robot.joints) for joint in (joints or robot.joints)]
     given = stribeck_velocity or {}
+    if stiffness_spread is not None:
+        check_number("stiffness_spread", stiffness_spread, low=0.0, high=1.0)
     for joint in given:
         check_choice("joint", joint, robot.joints)
     # a generator for each joint, so that one does not depend on which others are asked for
@@ -97,7 +112,16 @@ def identify_friction(
         own = torques if name in wanted else []
         velocity = given.get(name)
         found.append(
-            identify_joint(own, robot, j, rng, stribeck_velocity=velocity, n_resamples=n_resamples, level=level)
+            identify_joint(
+                own,
+                robot,
+                j,
+                rng,
+                stribeck_velocity=velocity,
+                stiffness_spread=stiffness_spread,
+                n_resamples=n_resamples,
+                level=level,
+            )
         )
     segments = tuple(torque.signals.segment for torque in torques)
     return FrictionIdentification(prior=robot, joints=tuple(found), segments=segments, level=level)
@@ -173,7 +197,13 @@ def friction_quantities(identification: FrictionIdentification) -> Mapping[str, 
     more = f" and {len(segments) - _NAMED} more logs" if len(segments) > _NAMED else ""
     source = f"ffgym identify from {', '.join(segments[:_NAMED])}{more}; {identification.level:.0%} intervals"
     entries = {}
-    for column in zip(*(joint.estimates for joint in identification.joints), strict=True):
+    # LuGre parameters, and the share of them behind the elasticity
+    unasked = [describe_arm_share(robot, j, "not excited", "rigid or not asked for") for j in range(robot.n_joints)]
+    shares = [
+        other if joint.arm is None else joint.arm.estimate
+        for joint, other in zip(identification.joints, unasked, strict=True)
+    ]
+    for column in [*zip(*(joint.estimates for joint in identification.joints), strict=True), shares]:
         # new numbers were found, given by the caller, or moved to fit what was found
         is_new = [own.is_identified or own.value != own.prior for own in column]
         if not any(is_new):

@@ -39,6 +39,13 @@ class FrictionTorque:
     """Torque against gravity and springs [N m], shape (T, N)."""
     valid: BoolArray
     """Rows that count: the filter knows them, and the arm does not swing from an unknown beginning, shape (T,)."""
+    arm: RigidArm
+    """Model of the arm."""
+    links: Array | None = None
+    """Joint positions that encoders behind the elasticity measure, link side [rad or m], shape (T, N), NaN for joints
+    without one; None if no joint has one."""
+    tool: Array | None = None
+    """Tool position that a tracker measures [m], shape (T, 3), NaN between its samples; None without a tracker."""
 
     @property
     def friction(self) -> Array:
@@ -138,6 +145,9 @@ def friction_torque(arm: RigidArm, recording: Recording, low_pass: LowPass | Non
         by_springs=drive.motor_torque(by_springs),
         holding=drive.motor_torque(holding),
         valid=signals.valid & (signals.t - signals.t[0] >= swinging),
+        arm=arm,
+        links=recording.joint_array("link.position") if recording.has("link.position") else None,
+        tool=recording.vector("tcp.position") if recording.has("tcp.position") else None,
     )
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ffgym.core.types import Array
+from ffgym.diagnosis.identification.arm_share import ArmShare, identify_arm_share
 from ffgym.diagnosis.identification.bristle_fit import NAMES, BristleFit, fit_bristles, reverses, sliding_data
 from ffgym.diagnosis.identification.estimate import Estimate, Status, judge_estimate
 from ffgym.diagnosis.identification.friction_data import FrictionTorque
@@ -29,6 +30,8 @@ class JointFriction:
     """Fit to constant speeds; None if there were too few."""
     bristles: BristleFit | None
     """Fit to reversals; None if there were none."""
+    arm: ArmShare | None = None
+    """Share of friction behind the elasticity; None for a rigid joint, which has one side, or one not asked for."""
 
     @property
     def inertia_error(self) -> float:
@@ -79,7 +82,7 @@ class JointFriction:
                 f"the corrections of {' and of '.join(self.bristles.held)} lie at their bounds: the model of the arm "
                 "or its records are wrong in another way, which intervals of sigma_0 and sigma_1 do not count"
             )
-        return tuple(notes)
+        return (*notes, *(() if self.arm is None else self.arm.notes))
 
 
 def _wrong_inertia() -> str:
@@ -93,13 +96,15 @@ def identify_joint(
     rng: np.random.Generator,
     *,
     stribeck_velocity: float | None,
+    stiffness_spread: float | None,
     n_resamples: int,
     level: float,
 ) -> JointFriction:
     """Identify the friction of one `joint` along recordings, twice; no recordings leave it as it is described.
 
     How far bristles bend decides which rows are steady sliding. The first time that is what the description says; the
-    second time what was found, if that is further. A `stribeck_velocity` [rad/s], motor side, is kept as given.
+    second time what was found, if that is further. A `stribeck_velocity` [rad/s], motor side, is kept as given;
+    `stiffness_spread` is the relative standard deviation of the joint stiffness, see `identify_arm_share`.
     """
     limits = settings().friction
     name, prior = robot.joints[joint], np.array([getattr(robot.friction, parameter)[joint] for parameter in NAMES])
@@ -132,7 +137,19 @@ def identify_joint(
     described = float(prior[1] / prior[4])
     first = fit_once(described, limits.first_resamples, None)
     start = None if first.bristles is None else first.bristles.values
-    return fit_once(max(described, first.estimates[1].value / first.estimates[4].value), n_resamples, start)
+    presliding = max(described, first.estimates[1].value / first.estimates[4].value)
+    found = fit_once(presliding, n_resamples, start)
+    arm = identify_arm_share(
+        torques,
+        robot,
+        joint,
+        presliding,
+        rng,
+        stiffness_spread=stiffness_spread,
+        n_resamples=n_resamples,
+        level=level,
+    )
+    return replace(found, arm=arm)
 
 
 def _static_estimates(

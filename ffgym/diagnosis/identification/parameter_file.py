@@ -46,7 +46,9 @@ def make_fitted_quantity(
 def entry_of(robot: RobotDescription, path: str) -> Array:
     """Numbers of one entry of a description, e.g. 'friction.coulomb'."""
     group, name = path.split(".")
-    return np.asarray(getattr(getattr(robot, GROUPS[group]), name), dtype=np.float64)
+    value = getattr(getattr(robot, GROUPS[group]), name)
+    # what a description does without is 0
+    return np.zeros(robot.n_joints) if value is None else np.asarray(value, dtype=np.float64)
 
 
 def parameter_text(

@@ -42,18 +42,29 @@ def steady_friction(torques: Sequence[FrictionTorque], joint: int, presliding: f
 
     Bristles bend by `presliding`, f_s / sigma_0 [rad], motor side.
     """
-    limits = settings().friction
     tables: list[Array] = []
     for torque in torques:
         means = _means(torque, joint)
-        for run in stretches(_is_constant(means[:, 0])):
-            # from where bristles have settled; the first and the last window have a ramp in them
-            travel = limits.speed_window * np.cumsum(np.abs(means[run.start : run.stop - 1, 0]))
-            rows = run.start + 1 + np.flatnonzero(travel[:-1] >= limits.settling_travel * presliding)
-            if len(rows):
-                tables.append(np.column_stack([means[rows], np.full(len(rows), len(tables))]))
+        for rows in find_steady_windows(torque, joint, settings().friction.settling_travel * presliding):
+            tables.append(np.column_stack([means[rows], np.full(len(rows), len(tables))]))
     speed, friction, run = (np.concatenate(tables) if tables else np.zeros((0, 3))).T
     return SteadyFriction(speed=speed, friction=friction, run=run.astype(np.intp))
+
+
+def find_steady_windows(torque: FrictionTorque, joint: int, settling: float) -> list[IntArray]:
+    """Find windows of constant speed of one joint, run by run, once its motor has gone `settling` [rad].
+
+    Returns:
+        Numbers of the windows of each run with any, counted as `average_windows` counts them.
+    """
+    speed, found = _means(torque, joint)[:, 0], []
+    for run in stretches(_is_constant(speed)):
+        # the first and the last window have a ramp in them
+        travel = settings().friction.speed_window * np.cumsum(np.abs(speed[run.start : run.stop - 1]))
+        rows = run.start + 1 + np.flatnonzero(travel[:-1] >= settling)
+        if len(rows):
+            found.append(rows)
+    return found
 
 
 def constant_share(torque: FrictionTorque, joint: int) -> float:
@@ -63,12 +74,21 @@ def constant_share(torque: FrictionTorque, joint: int) -> float:
 
 def _means(torque: FrictionTorque, joint: int) -> Array:
     """Mean motor speed and friction in windows, shape (n_windows, 2); NaN at the ends of a record."""
+    columns = (torque.signals.motor_dq, torque.friction)
+    rows = np.stack([column[:, joint] for column in columns], axis=1)
+    return average_windows(torque, joint, rows)
+
+
+def average_windows(torque: FrictionTorque, joint: int, rows: Array) -> Array:
+    """Average `rows` (T, C) of a record over the windows in which speeds are compared, shape (n_windows, C).
+
+    NaN where rows do not count for the `joint`.
+    """
     length = max(1, round(settings().friction.speed_window / torque.signals.dt))
     count = len(torque.signals.t) // length
-    columns = (torque.signals.motor_dq, torque.friction)
-    rows = np.stack([column[: count * length, joint] for column in columns], axis=1)
-    rows[~torque.counts(joint)[: count * length]] = np.nan
-    means: Array = rows.reshape(count, length, 2).mean(axis=1)
+    kept = np.array(rows[: count * length], dtype=np.float64)
+    kept[~torque.counts(joint)[: count * length]] = np.nan
+    means: Array = kept.reshape(count, length, -1).mean(axis=1)
     return means
 
 

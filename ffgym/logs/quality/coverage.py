@@ -93,6 +93,8 @@ class Need:
 
     columns: Sequence[str] = ()
     """Families that it takes."""
+    any_of: Sequence[str] = ()
+    """Families of which it takes one at least."""
     torque: bool = False
     """True if the header must say what the torque is."""
     least: Mapping[str, float] = field(default_factory=dict)
@@ -126,6 +128,8 @@ def _columns(log: CheckedLog, name: str, need: Need) -> list[Finding]:
     absent = [family for family in need.columns if not log.recording.has(family)]
     if absent:
         return [_refuse(name, f"{', '.join(absent)} is missing, {name} needs it ({need.why}). Log it.", tuple(absent))]
+    if need.any_of and not any(log.recording.has(family) for family in need.any_of):
+        return [_refuse(name, f"{' or '.join(need.any_of)} is missing, {name} needs one ({need.why}). Log it.")]
     if need.torque and log.recording.header.torque_semantics == "unspecified":
         text = (
             f"header torque_semantics is 'unspecified', {name} needs to know it ({need.why}). Say what the torque is."

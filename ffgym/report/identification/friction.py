@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ffgym.diagnosis.identification import FrictionIdentification, FrictionTorque, Validation
+from ffgym.diagnosis.identification import Estimate, FrictionIdentification, FrictionTorque, Validation
 from ffgym.diagnosis.settings import settings
 from ffgym.report.figure import ReportFigure
 from ffgym.report.identification.plots import friction_loops_figure, stribeck_figure
@@ -20,8 +20,9 @@ LETTERS = {
     "friction.stribeck_velocity": "v_s",
     "friction.bristle_stiffness": "sigma_0",
     "friction.bristle_damping": "sigma_1",
+    "friction.arm_share": "s",
 }
-"""Letters of the parameters in the thesis."""
+"""Letters of the parameters in the thesis, and of the share behind the elasticity."""
 
 _MOST = 6
 """Largest number of records of a joint that are shown."""
@@ -51,10 +52,11 @@ def format_friction(report: FrictionReport) -> str:
     parts = [underline(title), _parameters(found, with_reasons=False).text()]
     # reasons why parameters are not identified, one line for each joint and reason
     reasons: dict[tuple[str, str], list[str]] = {}
-    for estimate in (estimate for joint in found.joints for estimate in joint.estimates if estimate.reason):
+    for estimate in (estimate for estimate in _rows(found) if estimate.reason):
         reasons.setdefault((estimate.joint, estimate.reason), []).append(LETTERS[estimate.name])
     notes = [f"{joint}: {', '.join(letters)}: {reason}" for (joint, reason), letters in reasons.items()]
     notes += [f"{joint.joint}: {note}" for joint in found.joints for note in joint.notes]
+    notes += _unseen_shares(found)
     parts += [wrap_text(f"note: {note}") for note in (*notes, *report.doubts)]
     if report.after:
         legend = (
@@ -78,6 +80,7 @@ def render_friction_page(report: FrictionReport, info: Mapping[str, Any]) -> str
                 f"{1e3 * joint.lag:.2f} ms after the motion, torque {1e3 * joint.delay:.2f} ms after its record; "
                 f"offset {joint.offset:.2g} N m; RMS of the fit {joint.bristles.rms_error:.4f} N m."
             )
+    notes += [f"{note}." for note in _unseen_shares(found)]
     parts: list[Part] = [*map(Note, report.doubts)]
     parts.append(Section("Parameters", [_parameters(found, with_reasons=True), *map(Note, notes)]))
     if report.after:
@@ -92,9 +95,30 @@ def render_friction_page(report: FrictionReport, info: Mapping[str, Any]) -> str
     ).html()
 
 
+def _rows(found: FrictionIdentification) -> list[Estimate]:
+    """List the estimates of all joints; that of the share behind the elasticity where a sensor shows it."""
+    return [
+        estimate
+        for joint in found.joints
+        for estimate in (
+            *joint.estimates,
+            *(() if joint.arm is None or joint.arm.fit is None else (joint.arm.estimate,)),
+        )
+    ]
+
+
+def _unseen_shares(found: FrictionIdentification) -> list[str]:
+    """Tell for which joints no sensor shows the share of friction behind the elasticity, and why, once each reason."""
+    reasons: dict[str, list[str]] = {}
+    for joint in found.joints:
+        if joint.arm is not None and joint.arm.fit is None:
+            reasons.setdefault(joint.arm.estimate.reason, []).append(joint.joint)
+    return [f"{', '.join(joints)}: share of friction on the arm: {reason}" for reason, joints in reasons.items()]
+
+
 def _parameters(found: FrictionIdentification, *, with_reasons: bool) -> Table:
     """Tabulate parameters of all joints; reasons stand beside the verdict or, on a terminal, in notes."""
-    rows = [estimate for joint in found.joints for estimate in joint.estimates]
+    rows = _rows(found)
     intervals = [f"{row.low:.4g} to {row.high:.4g}" if np.isfinite(row.high) else None for row in rows]
     verdicts = [f"{r.status}: {r.reason}" if with_reasons and r.reason else r.status for r in rows]
     names = [f"({row.name.removeprefix('friction.').replace('_', ' ')})" if with_reasons else "" for row in rows]

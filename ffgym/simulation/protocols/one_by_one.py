@@ -42,7 +42,10 @@ class SpeedLadder(JointProtocol):
     """Each joint alone at constant speeds, forwards and back over the same positions, thesis (6.2)-(6.3)."""
 
     name = "speed_ladder"
-    purpose = "static friction (f_c, f_s, f_v, v_s) of each joint, thesis 6.1.1; with poses, its load dependence"
+    purpose = (
+        "static friction (f_c, f_s, f_v, v_s) of each joint, thesis 6.1.1; with poses, its load dependence; with a "
+        "tracker or link encoders, the share of friction behind the elasticity"
+    )
 
     speeds: Sequence[float] = entry("of the motor; those that a joint cannot run are left out", "rad/s", default=SPEEDS)
     longest: float = entry("time after which a slow run turns back, if bristles have slipped by then", "s", default=6.0)
@@ -166,7 +169,10 @@ class SlowTriangles(JointProtocol):
     """Triangles of the motor angle, one joint at a time: what bristles do before they slip, and at reversals."""
 
     name = "slow_triangles"
-    purpose = "friction before sliding and at reversals: bristle stiffness, hysteresis"
+    purpose = (
+        "friction before sliding and at reversals: bristle stiffness, hysteresis; with a tracker or link encoders, the "
+        "share of friction behind the elasticity"
+    )
 
     sizes: Sequence[float] = entry("amplitudes, in units of f_s / sigma_0 of the description", default=(0.5, 2.0, 8.0))
     sliding: float = entry("amplitude of the last triangle, motor side", "rad", default=1.0)
