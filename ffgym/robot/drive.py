@@ -160,8 +160,14 @@ _IDEAL = {"torque_lag": 0.0, "torque_delay": 0.0, "torque_rate": np.inf}
 """Numbers between command and torque, and their values in an ideal drive."""
 
 
-def next_torque(torque: Array, command: Array, dt: float, lag: Array, rate: Array | None = None) -> Array:
-    r"""Compute what a torque loop gives after `dt` [s], of torques of any leading shape (..., N).
+def loop_decay(lag: Array, dt: float) -> Array:
+    """Compute the share of its distance to the command that a torque loop of this `lag` [s] leaves after `dt` [s]."""
+    decay: Array = np.exp(-np.divide(dt, lag, out=np.full_like(lag, np.inf), where=lag > 0))
+    return decay
+
+
+def next_torque(torque: Array, command: Array, decay: Array, most: Array | None = None) -> Array:
+    r"""Compute what torque loops give a step later, torques of any leading shape (..., N).
 
     .. math:: T_c \dot \tau = u - \tau, \quad |\dot \tau| \le R
 
@@ -170,13 +176,11 @@ def next_torque(torque: Array, command: Array, dt: float, lag: Array, rate: Arra
     Args:
         torque: torque before [N m].
         command: commanded torque u, within the limits of the drive [N m].
-        dt: time [s].
-        lag: time constant T_c [s], (N,) or (..., N); 0 follows at once.
-        rate: fastest change R [N m/s], likewise; None is no limit.
+        decay: `loop_decay` of the lag T_c over the step, (N,) or (..., N).
+        most: largest change in the step, R times its duration [N m], likewise; None is no limit.
     """
-    keep = np.exp(-np.divide(dt, lag, out=np.full_like(lag, np.inf), where=lag > 0))
-    later: Array = command + (torque - command) * keep
-    return later if rate is None else torque + np.clip(later - torque, -rate * dt, rate * dt)
+    later: Array = command + (torque - command) * decay
+    return later if most is None else torque + np.minimum(np.maximum(later - torque, -most), most)
 
 
 def _with_others(total: Array, matrix: Array, values: Array) -> Array:

@@ -1,6 +1,8 @@
 """M5: a motor torque that comes later than commanded, by an effect or by numbers of the description."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import final
 
 import numpy as np
@@ -12,7 +14,7 @@ from ffgym.effects.effect import TorqueEffect
 from ffgym.effects.parameters import parameter
 from ffgym.effects.state import State, Torques
 from ffgym.robot.description import RobotDescription
-from ffgym.robot.drive import next_torque
+from ffgym.robot.drive import loop_decay, next_torque
 
 LENGTH = 40
 """Commands that are remembered: 9.5 ms at a physics step of 0.25 ms, far more than a servo bears."""
@@ -54,6 +56,10 @@ class TorqueDelay(TorqueEffect):
         "T_c", unit="s", low=0.0, high=0.0005, minimum=0.0, source="current loops of 300 Hz and more bandwidth"
     )
 
+    @cached_property
+    def _has_lag(self) -> bool:
+        return bool(np.any(self.lag))
+
     def initial_memory(self, state: State) -> Array:
         """Return commands, the latest first, then the torque of the current loop; at rest all are one torque."""
         return np.repeat(state.loop_torque[..., None], LENGTH + 1, axis=-1)
@@ -66,7 +72,7 @@ class TorqueDelay(TorqueEffect):
         commands = later[..., :-1]
         commands[..., 0], commands[..., 1:] = state.loop_torque, memory[..., :-2]
         due = _interpolate(commands, self.delay / dt)
-        later[..., -1] = given = next_torque(given, due, dt, self.lag)
+        later[..., -1] = given = next_torque(given, due, loop_decay(self.lag, dt)) if self._has_lag else due
         return Torques(motor=given - state.loop_torque), later
 
     def torques_over(self, states: State, dt: float) -> Torques:
@@ -85,16 +91,23 @@ class TorqueDelay(TorqueEffect):
         return Torques(motor=given - commands)
 
 
-def delay_of_drives(robot: RobotDescription, *, with_lag: bool = False) -> tuple[TorqueDelay, ...]:
-    """Return `drive.torque_delay` of a robot as an effect, as MuJoCo delays no torques; empty if there is no delay.
+def with_delay_of_drives(
+    effects: Sequence[TorqueEffect], robot: RobotDescription, *, with_lag: bool = False
+) -> tuple[TorqueEffect, ...]:
+    """Return effects of a robot with its `drive.torque_delay`, as MuJoCo delays no torques, in one effect with theirs.
 
     Args:
+        effects: effects of the robot's machine.
         robot: the description.
         with_lag: add `drive.torque_lag`, which a plant has in MuJoCo, where torques are computed without one.
     """
-    drive = robot.drive
-    lag = drive.loop_lag if with_lag else np.zeros(robot.n_joints)
-    return (TorqueDelay(delay=drive.delay, lag=lag),) if np.any(drive.delay) or np.any(lag) else ()
+    delay, lag = robot.drive.delay, robot.drive.loop_lag if with_lag else np.zeros(robot.n_joints)
+    if not np.any(delay) and not np.any(lag):
+        return tuple(effects)
+    delays = [effect for effect in effects if isinstance(effect, TorqueDelay)]
+    others = [effect for effect in effects if not isinstance(effect, TorqueDelay)]
+    total = TorqueDelay(delay=sum((one.delay for one in delays), delay), lag=sum((one.lag for one in delays), lag))
+    return (*others, total)
 
 
 def _shift(commands: Array, steps: float) -> Array:
@@ -113,7 +126,8 @@ def _interpolate(commands: Array, steps: Array) -> Array:
             f"{LENGTH - 2}; give a shorter delay or a longer physics_dt."
         )
     flat = commands.reshape(-1, commands.shape[-1])
-    each, steps = np.arange(len(flat)), np.broadcast_to(steps, commands.shape[:-1]).ravel()
+    each = np.arange(len(flat))
+    steps = (steps if steps.shape == commands.shape[:-1] else np.broadcast_to(steps, commands.shape[:-1])).ravel()
     whole = steps.astype(np.intp)
     part = steps - whole
     found: Array = (1 - part) * flat[each, whole] + part * flat[each, whole + 1]

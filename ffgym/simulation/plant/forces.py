@@ -14,6 +14,7 @@ from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.effects import ResolverEffect, ResolverError, State, TorqueEffect, Torques
 from ffgym.effects.stack import by_kind, stack_effects
 from ffgym.effects.together import add, relax, step
+from ffgym.robot.drive import loop_decay
 from ffgym.simulation.plant.engine_state import Addresses
 from ffgym.simulation.plant.machine import Machine
 from ffgym.simulation.plant.reading import EngineState, Reading, stack_numbers
@@ -53,7 +54,9 @@ class Forces:
         self._engine_state = EngineState(engine, at, self._drive)
         self._controls, self._applied = engine.bind("ctrl"), engine.bind("qfrc_applied")
         # effects of all robots, one stack of each kind, for computing them together
-        self._numbers = stack_numbers(machines)
+        self._numbers = numbers = stack_numbers(machines)
+        numbers["loop_decay"] = loop_decay(numbers["loop_lag"], self._dt)
+        numbers["loop_most"] = numbers["loop_rate"] * self._dt
         self._torque = [
             (stack_effects(kind, members, n), np.array([m is not None for m in members]))
             for kind, members in by_kind([machine.torque_effects for machine in machines])
@@ -71,9 +74,9 @@ class Forces:
             self._keys.append((kind, sum(known is kind for known, _ in self._keys)))
         self._motor = np.zeros((self._n_robots, n))  # what effects added to motors last, link side
         # memory of the effects at rest
-        everyone = self.choose(slice(None))
-        state = self.state(everyone)
-        self._memory = relax(everyone.torque, state)
+        self._everyone = self.choose(slice(None))
+        state = self.state(self._everyone)
+        self._memory = relax(self._everyone.torque, state)
 
     @staticmethod
     def needed(machines: Sequence[Machine]) -> bool:
@@ -114,7 +117,7 @@ class Forces:
         """Reset memories: simulations are at rest in `state`."""
         self._motor[chosen.rows] = 0.0
         if self._readings is not None:
-            self._readings.begin(chosen.rows, *self._sense(chosen))
+            self._readings.begin(chosen.rows, *self._sense(chosen, *self._engine_state.motor(chosen.rows)))
         for memory, now in zip(self._memory, relax(chosen.torque, state), strict=True):
             memory[chosen.rows] = now
 
@@ -148,21 +151,22 @@ class Forces:
 
     def resolver_error(self, motor_angle: Array, motor_speed: Array) -> ResolverError:
         """Compute errors of what servos know, in angle [rad] and speed [rad/s], motor side, (B, N) each."""
-        return self._error(self.choose(slice(None)), motor_angle, motor_speed)
+        return self._error(self._everyone, motor_angle, motor_speed)
 
-    def reads(self, index: int) -> bool:
-        """Tell if the servos of a simulation read resolvers."""
-        return self._readings is not None and bool(self._readings.present[index, 0])
+    @property
+    def has_readings(self) -> bool:
+        """True if the servos of any simulation read resolvers."""
+        return self._readings is not None
 
-    def reading(self, chosen: Chosen) -> Array:
-        """Motor angles [rad], then speeds [rad/s], as servos know them now, motor side, (B', 2 N)."""
+    def reading(self, chosen: Chosen | None = None) -> Array:
+        """Motor angles [rad], then speeds [rad/s], as servos know them now, motor side, (B', 2 N); None is all."""
+        chosen = chosen or self._everyone
         angle, speed = self._engine_state.motor(chosen.rows)
         error = self._error(chosen, angle, speed)
         return np.concatenate([angle + error.angle, speed + error.speed], axis=1)
 
-    def _sense(self, chosen: Chosen) -> tuple[Array, Array]:
+    def _sense(self, chosen: Chosen, angle: Array, speed: Array) -> tuple[Array, Array]:
         """Motor angles [rad] and speeds [rad/s] that resolvers see, with their errors, (B', N) each."""
-        angle, speed = self._engine_state.motor(chosen.rows)
         if chosen.resolver:
             error = _resolver_error(chosen.resolver, angle, speed)
             angle, speed = angle + error.angle, speed + error.speed
@@ -170,13 +174,16 @@ class Forces:
 
     def _error(self, chosen: Chosen, angle: Array, speed: Array) -> ResolverError:
         """Compute what servos know beyond true motor angles [rad] and speeds [rad/s], (B', N) each."""
-        error = _resolver_error(chosen.resolver, angle, speed)
         if self._readings is None:
-            return error
-        read = self._readings.read(chosen.rows, angle + error.angle, speed + error.speed)
-        there = self._readings.present[chosen.rows]  # others keep their bits
+            return _resolver_error(chosen.resolver, angle, speed)
+        read = self._readings.read(chosen.rows)
+        off = ResolverError(angle=read[0] - angle, speed=read[1] - speed)
+        if self._readings.all_present:
+            return off
+        # those that read nothing keep their bits
+        error, there = _resolver_error(chosen.resolver, angle, speed), self._readings.present[chosen.rows]
         return ResolverError(
-            angle=np.where(there, read[0] - angle, error.angle), speed=np.where(there, read[1] - speed, error.speed)
+            angle=np.where(there, off.angle, error.angle), speed=np.where(there, off.speed, error.speed)
         )
 
     def state(self, chosen: Chosen) -> State:
@@ -194,27 +201,40 @@ class Forces:
         if READING in record:
             out[READING] = np.empty((*controls.shape[:2], 2 * self._n))
         chosen = self.choose(rows)
+        looks = bool(chosen.resolver) or self._readings is not None
+        motor = self._engine_state.motor(rows) if looks else None
         for k in range(controls.shape[1]):
             self._controls[rows] = controls[:, k]
-            self.apply(chosen, self._dt)
+            self._apply(chosen, motor)
             engine.step(ids)
-            if self._readings is not None:
-                self._readings.look(rows, self._sense(chosen)[0])
+            if looks:
+                motor = self._engine_state.motor(rows)
+                self._look(chosen, motor)
             if READING in record:
                 out[READING][:, k] = self.reading(chosen)
             for name, field in bound.items():
                 out[name][:, k] = field[rows]
         return out
 
-    def apply(self, chosen: Chosen, dt: float) -> None:
-        """Set the engine's applied torques and resolver readings for the physics step of `dt` [s] that comes next."""
-        if chosen.resolver or self._readings is not None:
-            error = self._error(chosen, *self._engine_state.motor(chosen.rows))
+    def _look(self, chosen: Chosen, motor: tuple[Array, Array]) -> None:
+        """Let resolvers be read after a physics step, at motor angles and speeds (B', N) each."""
+        if self._readings is not None and (due := self._readings.count(chosen.rows)) is not None:
+            self._readings.look(chosen.rows, due, self._sense(chosen, *motor)[0])
+
+    def _apply(self, chosen: Chosen, motor: tuple[Array, Array] | None) -> None:
+        """Set the engine's applied torques for the next physics step, and what servos know, None if that is exact.
+
+        Args:
+            chosen: simulations.
+            motor: their motor angles [rad] and speeds [rad/s], (B', N) each.
+        """
+        if motor is not None:
+            error = self._error(chosen, *motor)
             self._controls[chosen.rows, 0 : 3 * self._n : 3] -= error.angle
             self._controls[chosen.rows, 1 : 3 * self._n : 3] -= error.speed
         if chosen.torque:
             memories = [memory[chosen.rows] for memory in self._memory]
-            total, memories = step(chosen.torque, self.state(chosen), memories, dt, chosen.present)
+            total, memories = step(chosen.torque, self.state(chosen), memories, self._dt, chosen.present)
             for memory, later in zip(self._memory, memories, strict=True):
                 memory[chosen.rows] = later
             self._write(chosen, total)

@@ -13,7 +13,7 @@ from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
 from ffgym.effects import ClockEffect, Effect, ModelEffect, NativeEffect, ResolverEffect, TorqueEffect, TrackerEffect
 from ffgym.effects.climate import Climate as Climate
-from ffgym.effects.drive.delay import delay_of_drives
+from ffgym.effects.drive.delay import with_delay_of_drives
 from ffgym.recordings import Recording
 from ffgym.robot import ModelOptions, RobotDescription, build_spec, physics_fingerprint
 
@@ -101,12 +101,12 @@ class Machine:
     @cached_property
     def torque_effects(self) -> tuple[TorqueEffect, ...]:
         """Effects that add torques at every physics step, with the delay of the drives."""
-        return (*self.added_torques, *delay_of_drives(self.physical))
+        return with_delay_of_drives(self.added_torques, self.physical)
 
     @cached_property
     def torque_effects_without_engine(self) -> tuple[TorqueEffect, ...]:
         """The same with the lag of torque loops, for torques along a motion that MuJoCo does not simulate."""
-        return (*self.added_torques, *delay_of_drives(self.physical, with_lag=True))
+        return with_delay_of_drives(self.added_torques, self.physical, with_lag=True)
 
     @property
     def resolver_effects(self) -> tuple[ResolverEffect, ...]:
@@ -153,8 +153,8 @@ class Machine:
 
     def fingerprint(self, model: str) -> str:
         """Fingerprint of the physics: `model`, that of the engine's model, if there is nothing beside it."""
-        listed = (effect for effect in self.effects if not isinstance(effect, NativeEffect | ModelEffect))
-        beside = [*listed, *delay_of_drives(self.physical)]
+        engine = NativeEffect | ModelEffect | TorqueEffect
+        beside = [*(effect for effect in self.effects if not isinstance(effect, engine)), *self.torque_effects]
         period = self.physical.drive.resolver_period
         if not beside and period == 0:
             return model

@@ -254,7 +254,8 @@ class Plant:
         self, controls: Array, ids: IntArray | None = None
     ) -> tuple[Array, Array, Array, Array | None]:
         """Run physics steps as `advance` does; returns qpos, qvel, act, and what servos read, see `reading`."""
-        names = ("qpos", "qvel", "act", READING) if self.reading() is not None else ("qpos", "qvel", "act")
+        reads = self._forces is not None and self._forces.has_readings
+        names = ("qpos", "qvel", "act", *((READING,) if reads else ()))
         out = self._roll(controls, names, ids)
         return out["qpos"], out["qvel"], out["act"], out.get(READING)
 
@@ -263,9 +264,7 @@ class Plant:
 
         None if no drive of the batch reads its resolver, see `drive.resolver_period`: servos know the true ones.
         """
-        if self._forces is None or not any(self._forces.reads(i) for i in range(self.n_robots)):
-            return None
-        return self._forces.reading(self._forces.choose(slice(None)))
+        return self._forces.reading() if self._forces is not None and self._forces.has_readings else None
 
     def drive(self, controls: Array, ids: IntArray | None = None) -> None:
         """Advance as `advance` does, and keep the state at the end alone."""

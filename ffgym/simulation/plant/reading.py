@@ -8,7 +8,7 @@ from mujoco import batch
 
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.effects import State
-from ffgym.effects.state import number
+from ffgym.effects.state import given, number
 from ffgym.robot.drive import Drive, next_torque
 from ffgym.simulation.plant.engine_state import Addresses
 from ffgym.simulation.plant.machine import Machine
@@ -20,7 +20,7 @@ class EngineState:
     def __init__(self, engine: batch.Batch, at: Addresses, drive: Drive) -> None:
         self.at, self.drive = at, drive
         self.joints = tuple(engine.bind(name) for name in ("qpos", "qvel", "act", "ctrl"))
-        self.time, self.dt = engine.bind("time"), float(engine.get_model(0).opt.timestep)
+        self.time = engine.bind("time")
         self.outputs = None if at.is_elastic.all() else (engine.bind("qfrc_actuator"), engine.bind("qacc"))
 
     def motor(self, rows: IntArray | slice) -> tuple[Array, Array]:
@@ -51,11 +51,14 @@ class Reading(State):
     """Time constant of the torque loop [s]."""
     loop_rate: Array = number("drive.loop_rate")
     """Fastest change of torque [N m/s]."""
+    loop_decay: Array = given()
+    """Share of its distance to the command that the torque loop leaves after a physics step [1]."""
+    loop_most: Array = given()
+    """Largest change of its torque in a physics step [N m]."""
 
     def __init__(self, engine: EngineState, rows: IntArray | slice, own: Mapping[str, Array], motor: Array) -> None:
         self.__dict__.update(own, _given={*own, "time", "rigid_load"}, drive=engine.drive)
-        self._at, self._dt = engine.at, engine.dt
-        at = engine.at
+        self._at = at = engine.at
         self._qpos, self._qvel, self._act, self._controls = (values[rows].copy() for values in engine.joints)
         self.time = engine.time[rows].reshape(-1, 1).copy()
         if engine.outputs is not None:  # gearboxes of rigid joints pass on all but what their rotors take
@@ -105,8 +108,8 @@ class Reading(State):
         at = self._at
         if not at.has_torque.any():
             return self.motor_torque
-        given = _spread(self._act, at.torque[at.has_torque], at.has_torque)
-        later = next_torque(given, self.motor_torque, self._dt, self.loop_lag, self.loop_rate)
+        torque = _spread(self._act, at.torque[at.has_torque], at.has_torque)
+        later = next_torque(torque, self.motor_torque, self.loop_decay, self.loop_most)
         return np.where(at.has_torque, later, self.motor_torque)
 
 

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ffgym.core.errors import FFGymError
-from ffgym.core.types import Array, IntArray
+from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.robot import RobotDescription
 
 
@@ -24,6 +24,8 @@ class Resolvers:
         period = np.array([robot.drive.resolver_period for robot in robots])
         self.present = (period > 0)[:, None]
         """Mask of robots whose servos read resolvers, shape (B, 1)."""
+        self.all_present = bool(self.present.all())
+        """True if all do."""
         self._every = np.maximum(np.round(period / dt), 1.0)[:, None]
         wrong = self.present[:, 0] & (np.abs(self._every[:, 0] * dt - period) > 1e-9)
         if wrong.any():
@@ -49,19 +51,25 @@ class Resolvers:
         self._speed[rows] = (now - before) / self._period[rows]
         self._count[rows] = 0.0
 
-    def look(self, rows: IntArray | slice, angle: Array) -> None:
-        """Go one physics step on, to motor angles [rad] (B', N); robots whose time has come read their resolvers."""
+    def count(self, rows: IntArray | slice) -> BoolArray | None:
+        """Go one physics step on; returns the mask of robots whose time to read has come, (B', 1), None for none."""
         count = self._count[rows] + 1
         due = count >= self._every[rows]
+        if not due.any():
+            self._count[rows] = count
+            return None
+        self._count[rows] = np.where(due, 0.0, count)
+        return due
+
+    def look(self, rows: IntArray | slice, due: BoolArray, angle: Array) -> None:
+        """Read resolvers at motor angles [rad] (B', N) of the robots that are `due`, (B', 1)."""
         now, before = _round(angle, self._step[rows]), self._angle[rows]
         self._speed[rows] = np.where(due, (now - before) / self._period[rows], self._speed[rows])
         self._angle[rows] = np.where(due, now, before)
-        self._count[rows] = np.where(due, 0.0, count)
 
-    def read(self, rows: IntArray | slice, angle: Array, speed: Array) -> tuple[Array, Array]:
-        """Return what servos know, (B', N) each: readings, or the given motor angles [rad] and speeds [rad/s]."""
-        present = self.present[rows]
-        return np.where(present, self._angle[rows], angle), np.where(present, self._speed[rows], speed)
+    def read(self, rows: IntArray | slice) -> tuple[Array, Array]:
+        """Angles [rad] and speeds [rad/s] that were read last, (B', N) each."""
+        return self._angle[rows], self._speed[rows]
 
 
 def _round(angle: Array, step: Array) -> Array:

@@ -18,9 +18,9 @@ from tests.simulation.plant.driving import controls
 from tests.simulation.plant.test_torque_loop import DT, LAG, RATE, with_loop, without_servo
 
 
-def torques(robot, commands):
+def torques(machine, commands):
     """Torques on the motors for commanded torques (T, N), (T, N): each over its physics step."""
-    plant = Plant(robot, 1)
+    plant, robot = Plant(machine, 1), Machine.of(machine).robot
     plant.rest(np.zeros((1, robot.n_joints)))
     applied, force = plant.batch.bind("qfrc_applied"), plant.batch.bind("actuator_force")
     found = []
@@ -67,6 +67,13 @@ def test_the_number_and_the_effect_are_one_delay(irb4600, circle):
     np.testing.assert_array_equal(one, other)
     assert Machine.of(machines[0]).physics(ModelOptions()) == machines[1].physics(ModelOptions())
     assert Machine.of(machines[0]).physics(ModelOptions()) != Machine.of(irb4600).physics(ModelOptions())
+
+
+def test_delays_of_number_and_effect_add_up(joint):
+    robot = with_loop(joint, torque_delay=2 * DT)
+    more = EFFECTS["torque_delay"].on(robot, delay=3 * DT, lag=0.0)
+    given = torques(Machine(robot=robot, effects=(more,)), np.ones((20, 1)))[:, 0]
+    np.testing.assert_allclose(given, np.where(np.arange(20) < 5, 0.0, 1.0), atol=1e-12)
 
 
 def test_mujocos_lag_is_that_of_the_effect(irb4600, circle):

@@ -8,7 +8,7 @@ import pytest
 from ffgym.control import NoCompensation
 from ffgym.core.errors import FFGymError
 from ffgym.robot import RigidArm, build_spec, load_robot, mjcf_text
-from ffgym.robot.drive import next_torque
+from ffgym.robot.drive import loop_decay, next_torque
 from ffgym.robot.model.servo import servo_actuator
 from ffgym.simulation import Run, simulate
 from ffgym.simulation.export import export_run
@@ -80,7 +80,7 @@ def test_lag_and_rate_are_one_equation_for_engine_and_effects(joint):
     commands = np.cumsum(rng.normal(scale=0.3, size=(400, 1)), axis=0)
     peak, expected, torque = joint.drive.peak_torque, [], np.zeros(1)
     for command in np.clip(commands, -peak, peak):
-        torque = next_torque(torque, command, DT, np.array([LAG]), np.array([RATE]))
+        torque = next_torque(torque, command, loop_decay(np.array([LAG]), DT), np.array([RATE * DT]))
         expected.append(torque)
     given = torques(with_loop(joint, torque_lag=LAG, torque_rate=RATE), commands)
     np.testing.assert_allclose(given, expected, atol=1e-9)
