@@ -124,9 +124,12 @@ def identify_arm_share(
     data = measure_deflection(torques, joint, presliding)
     limits = settings().friction
     if data.n_runs < limits.fewest_runs or len(data.run) < 2 * data.n_runs:
-        reason = "no constant speeds in both directions, at which a tracker or link encoder sees the joint alone"
+        reason = (
+            "no constant speeds in both directions at which a link encoder sees the joint, or a tracker, with the tool "
+            "away from its axis and the other joints at rest"
+        )
         return ArmShare(estimate=describe_arm_share(robot, joint, "not excited", reason), fit=None)
-    spread = stiffness_spread if stiffness_spread is not None else _described_spread(robot, joint)
+    spread = stiffness_spread if stiffness_spread is not None else _spread_of_description(robot, joint)
     fit = fit_arm_share(data, float(robot.drive.joint_stiffness[joint]), spread, rng, n_resamples, level)
     # a share lies from 0 to 1
     low, high = float(fit.share_interval.low[0]), float(fit.share_interval.high[0])
@@ -158,7 +161,7 @@ def describe_arm_share(robot: RobotDescription, joint: int, status: Status, reas
     )
 
 
-def _described_spread(robot: RobotDescription, joint: int) -> float:
+def _spread_of_description(robot: RobotDescription, joint: int) -> float:
     """Relative standard deviation of the described stiffness: from its 90 % interval, or that of descriptions."""
     quantity = robot.quantities.get("drive.joint_stiffness")
     if quantity is not None and quantity.interval is not None and np.isfinite(quantity.interval[joint]).all():

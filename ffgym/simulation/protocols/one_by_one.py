@@ -178,20 +178,30 @@ class SlowTriangles(JointProtocol):
     sliding: float = entry("amplitude of the last triangle, motor side", "rad", default=1.0)
     period: float = entry("time of one to and fro; the last triangle takes twice as long", "s", default=4.0)
     periods: int = entry("how many of each", default=3)
+    speeds: Sequence[float] = entry(
+        "of the motor in more triangles of the last amplitude; two or more tell the delay of tracker or link encoder",
+        "rad/s",
+        default=(),
+    )
 
     def motions(self, stage: ProtocolStage) -> list[Scheduled]:
-        """Make one motion for each joint and amplitude."""
+        """Make one motion for each joint, amplitude and speed."""
         sizes = check_shape("sizes", self.sizes, (None,))
         if (sizes <= 0).any():
             raise FFGymError(f"sizes = {sizes.tolist()} must be > 0.")
         sliding = check_number("sliding", self.sliding, unit="rad", low=0.0, open_low=True)
+        speeds = check_shape("speeds", self.speeds, (None,))
+        if (speeds <= 0).any():
+            raise FFGymError(f"speeds = {speeds.tolist()} rad/s must be > 0.")
         slope = check_number("period", self.period, unit="s", low=0.0, open_low=True)
         references = []
         for joint in stage.select_joints(self.joints):
             label = stage.robot.joints[joint]
-            motor_angles = [*sizes * stage.presliding[joint], sliding]
+            motor_angles = [*sizes * stage.presliding[joint], sliding, *[sliding] * len(speeds)]
             names = [*(f"{label}.bristles_x{size:g}" for size in sizes), f"{label}.sliding"]
-            periods = [*[slope] * len(sizes), 2 * slope]
+            names += [f"{label}.sliding_at_{speed:g}" for speed in speeds]
+            # from one end to the other in half a period; reversals take a little more
+            periods = [*[slope] * len(sizes), 2 * slope, *4 * sliding / speeds]
             for angle, name, period in zip(motor_angles, names, periods, strict=True):
                 size = stage.only([joint], stage.joint_side(angle))
                 centre = stage.about(stage.rest, size)

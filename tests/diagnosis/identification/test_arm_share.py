@@ -122,6 +122,25 @@ def test_triangles_of_one_speed_leave_a_late_sensor_as_a_rival(arm):
     assert "late" in note
 
 
+def test_triangles_of_three_speeds_tell_the_delay(arm):
+    triangles = SlowTriangles(joints=["shoulder"], sizes=(2.0,), speeds=(0.2, 2.0))
+    found = identify(seen(arm, run(arm, triangles, 0.73), 0))
+    assert found.estimate.low <= 0.73 <= found.estimate.high
+    assert found.estimate.high - found.estimate.low < 0.05
+    assert not found.notes
+
+
+def test_a_joint_of_a_six_axis_robot_is_measured_beside_two_others_that_bend():
+    arm = RigidArm(load_robot("irb4600_60_205"))
+    friction = replace(arm.robot.friction, arm_share=np.array([0.73, 0.73, 0.73, 0.0, 0.0, 0.0]))
+    rig = SimulatedRig(arm=arm, machine=Machine(robot=replace(arm.robot, friction=friction)), sensors=())
+    ladder = SpeedLadder(joints=["j2"], speeds=SPEEDS, longest=2.0)
+    (exact,) = record(plan_session(arm, [ladder]), rig, record_dt=2e-3)
+    made = measure(exact, sensors_of(arm.robot), np.random.default_rng(0))
+    found = identify([friction_torque(arm, made)], joint=1)
+    assert found.fit.share == pytest.approx(0.73, abs=0.02)
+
+
 def test_the_other_joints_of_the_arm_do_not_pass_for_the_one_that_moves(arm):
     elbow = SpeedLadder(joints=["elbow"], speeds=SPEEDS, longest=2.0)
     found = identify(seen(arm, run(arm, elbow, 0.73), 0), joint=1)
