@@ -2,16 +2,18 @@
 
 import json
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from ffgym.cli.main import main
-from ffgym.recordings import read_recording, write_recording
+from ffgym.recordings import Recording, read_recording, write_recording
 from ffgym.robot import RigidArm, load_robot, with_parameters
-from ffgym.simulation import Resolver, SimulatedRig
+from ffgym.simulation import Machine, Resolver, SimulatedRig
 from ffgym.simulation.protocols import plan_session, record
 from ffgym.simulation.protocols.one_by_one import SpeedLadder, Table61
+from ffgym.simulation.sensors import sensors_of
 
 
 @pytest.fixture(scope="module")
@@ -174,3 +176,38 @@ def test_nothing_is_written_where_logs_tell_nothing(logs, tmp_path, capsys):
     assert main(arguments) == 1
     assert "no parameter can be identified from these logs" in capsys.readouterr().err
     assert not out.exists()
+
+
+@pytest.fixture(scope="module")
+def elastic_log(tmp_path_factory):
+    """A ladder of an elastic joint with a tracker, half of whose friction is on the arm, as a file."""
+    arm = RigidArm(load_robot("two_link"))
+    friction = replace(arm.robot.friction, arm_share=np.array([0.5, 0.0]))
+    machine = Machine(robot=replace(arm.robot, friction=friction))
+    ladder = SpeedLadder(joints=["shoulder"], speeds=(0.2, 1.0, 4.0), longest=2.0)
+    rig = SimulatedRig(arm=arm, machine=machine, sensors=sensors_of(arm.robot))
+    (recording,) = record(plan_session(arm, [ladder]), rig, record_dt=2e-3)
+    return recording
+
+
+def test_the_share_of_friction_on_the_arm_is_printed_written_and_in_the_numbers(elastic_log, tmp_path, capsys):
+    log, out, numbers = write(tmp_path, elastic_log), tmp_path / "parameters.toml", tmp_path / "numbers.json"
+    options = ["--joints", "shoulder", "--stiffness-spread", "0.05", "--resamples", "40"]
+    command = ["identify", log, "--robot", "two_link", *options, "--out", str(out), "--json", str(numbers)]
+    assert main(command) == 0
+    line = next(line for line in capsys.readouterr().out.splitlines() if re.match(r"shoulder +s +\|", line))
+    assert line.rstrip().endswith("identified")
+    shoulder, elbow = (joint["arm_share"] for joint in json.loads(numbers.read_text())["joints"])
+    assert elbow is None
+    assert shoulder["fit"]["sensor"] == "tracker"
+    assert shoulder["interval"][0] <= 0.5 <= shoulder["interval"][1]
+    np.testing.assert_array_equal(load_robot(out).arm_share, [shoulder["value"], 0.0])
+
+
+def test_a_log_without_tracker_says_that_the_share_cannot_be_told(elastic_log, tmp_path, capsys):
+    columns = {name: values for name, values in elastic_log.columns.items() if not name.startswith("tcp.")}
+    log = write(tmp_path, Recording(columns=columns, header=elastic_log.header))
+    assert main(["identify", log, "--robot", "two_link", "--joints", "shoulder", "--resamples", "10"]) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    assert "note: shoulder: share of friction on the arm: cannot be told without a tracker (tcp.position)" in text
+    assert "Record slow_triangles or speed_ladder with one" in text
