@@ -1,5 +1,7 @@
 """Model feed-forward: what a machine's effects take from the path, the law gives back, step by step as all at once."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -75,6 +77,15 @@ def test_it_gives_back_what_several_take_together(swing, arm):
     machine = machine_with(arm.robot, *WITH_MEMORY, *WITHOUT, "payload", "coulomb_level", "servo_gains", share=0.3)
     nominal, knowing = link_misses(swing, machine, [elastic_law(arm), model_law(machine, arm)])
     assert knowing < 0.05 * nominal
+
+
+def test_drives_with_a_delay_and_a_lag_are_given_their_torque_in_time(arm, circle):
+    lag, delay = np.full(6, 2e-4), np.full(6, 5e-4)
+    real = replace(arm.robot, drive=replace(arm.robot.drive, torque_lag=lag, torque_delay=delay))
+    nominal, knowing = link_misses(circle, real, [elastic_law(arm), model_law(Machine(robot=real), arm)])
+    (floor,) = link_misses(circle, arm.robot, [elastic_law(arm)])
+    assert nominal > 3 * floor
+    assert knowing < 1.1 * floor
 
 
 def test_a_gap_between_teeth_is_crossed_where_the_load_changes_its_sign(arm):

@@ -71,6 +71,20 @@ def test_noise_of_the_motion_shows_alike_where_links_are_taken_from_the_motion_w
     assert 0 < np.abs(alone.torque - helped.torque).max() < 0.01 * change
 
 
+def test_delay_and_lag_of_described_drives_are_replayed_as_those_of_the_effect():
+    robot = nominal().robot
+    path = {"torque_delay": np.full(2, 5e-4), "torque_lag": np.full(2, 2e-4)}
+    real = replace(nominal(), robot=replace(robot, drive=replace(robot.drive, **path)))
+    effect = with_effect(EFFECTS["torque_delay"].on(robot, delay=5e-4, lag=2e-4))
+    recording = recorded({"real": real})["real"]
+    sizes = {}
+    for name, machine in (("ideal", nominal()), ("real", real), ("effect", effect)):
+        log, rest = left([recording], machine)
+        sizes[name] = np.sqrt(np.mean(rest["torque"][find_valid_rows(log)] ** 2))
+    assert sizes["real"] == sizes["effect"]
+    assert sizes["real"] < 0.3 * sizes["ideal"]
+
+
 def test_an_effect_without_size_changes_nothing(log):
     exact = predict(replay(log, nominal()))
     for name in ("load_friction", "backlash", "torque_ripple", "tracker_clock", "payload"):
