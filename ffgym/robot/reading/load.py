@@ -42,9 +42,6 @@ def load_robot(robot: str | Path) -> RobotDescription:
     Raises:
         FFGymError: if there is no such robot or file, or the file does not describe a whole robot.
     """
-    if str(robot) in builtin_parameters():
-        text = _builtin("parameters")[str(robot)].read_text(encoding="utf-8")
-        return _draft_of(text, Path(f"{robot}.toml")).complete()
     return load_draft(robot).complete()
 
 
@@ -82,6 +79,9 @@ def load_draft(robot: str | Path) -> RobotDraft:
         raise FFGymError(
             f"{robot} is an arm file, which holds no drives. Make a description of it: ffgym robot new {robot}"
         )
+    if str(robot) in builtin_parameters():
+        text = _builtin("parameters")[str(robot)].read_text(encoding="utf-8")
+        return _draft_of(text, Path(f"{robot}.toml"))
     name = check_choice("robot", str(robot), builtin_robots())
     return parse_draft(_builtin("data")[name].read_text(encoding="utf-8"), where=f"{name}.toml")
 

@@ -132,6 +132,7 @@ def test_gains_of_the_servo_can_be_replaced_and_its_sample_time_stays(one_axis, 
 def test_built_in_parameters_are_a_robot_by_their_name(name):
     robot = load_robot(name)
     assert robot.name in builtin_robots()
+    assert not load_draft(name).missing
     nominal = load_robot(robot.name)
     assert physics_fingerprint(compile_model(robot)) != physics_fingerprint(compile_model(nominal))
     assert robot.servo is not None
