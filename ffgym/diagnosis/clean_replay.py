@@ -15,7 +15,7 @@ from ffgym.core.measures import interpolate
 from ffgym.core.types import Array
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.replay import Replay, predict_feedback, replay
-from ffgym.diagnosis.replay.states import Bristles, along_speed
+from ffgym.diagnosis.replay.states import Bristles, friction_on_motors
 from ffgym.diagnosis.sampling import without_trembling
 from ffgym.diagnosis.settings import settings
 from ffgym.logs.preparation import LowPass
@@ -46,9 +46,8 @@ def replay_finely(log: Log, run: Replay, *, smooth: bool = False) -> list[Record
     if few == parts or run.machine.resolver_effects:  # friction slips as motors truly move, which replays tell
         fine, few = replay(_refine(log, parts, smooth), run.machine, exact=True), parts
     else:
-        finest, drive = _refine(log, parts, smooth), run.robot.drive
-        slip, speed = drive.motor_angle(finest.slip_dq), drive.motor_angle(finest.dq)
-        friction, every = along_speed(run.robot.friction, slip, speed, finest.dt), parts // few
+        finest = _refine(log, parts, smooth)
+        friction, every = friction_on_motors(run.robot, finest.slip_dq, finest.dq, finest.dt), parts // few
         bristles = Bristles(torque=friction.torque[::every], sign=friction.sign[::every])
         fine = replay(_refine(log, few, smooth), run.machine, bristles=bristles, exact=True)
     return [_record(log, run, fine, few, i) for i in range(n_motions)]

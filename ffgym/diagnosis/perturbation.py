@@ -19,14 +19,13 @@ from ffgym.core.types import Array
 from ffgym.diagnosis.replay import Replay, predict, replay
 from ffgym.diagnosis.replay.channels import delay
 from ffgym.diagnosis.replay.rows import have_same_links, have_same_numbers
-from ffgym.diagnosis.replay.states import along_speed
+from ffgym.diagnosis.replay.states import friction_on_links, friction_on_motors
 from ffgym.diagnosis.residual import Channel
 from ffgym.effects import Effect, NativeEffect, TorqueEffect
 from ffgym.effects.along import torques_along
 from ffgym.effects.together import add
 from ffgym.logs.preparation import differentiate_motions
 from ffgym.robot import RobotDescription
-from ffgym.robot.friction import LuGreParameters
 from ffgym.simulation.plant import Machine
 
 
@@ -89,7 +88,7 @@ def perturb_numbers(run: Replay, other: RobotDescription) -> Perturbation:
 
     # motor side: friction along the same motion, and torque that accelerates rotors
     if not have_same_numbers(other.friction, robot.friction):
-        motor = _compute_friction(run, other.friction, 0.0) - run.bristles.torque
+        motor, links = _change_friction(run, other)
     if np.any(heavier := more("rotor_inertia")):
         motor = add(motor, heavier * drive.motor_angle(run.log.ddq))
     # springs: torque that other stiffness gives at the same deflection
@@ -98,15 +97,22 @@ def perturb_numbers(run: Replay, other: RobotDescription) -> Perturbation:
         spring = -(stiffer * run.deflection.angle + damped * run.deflection.rate)
     # links: torque of other masses along the same motion
     if not have_same_links(other, robot):
-        links = run.link_torque(other) - run.own_link_torque
+        links = add(links, run.link_torque(other) - run.own_link_torque)
     return Perturbation(motor=motor, links=links, spring=spring)
 
 
-def _compute_friction(run: Replay, friction: LuGreParameters, faster: Array | float) -> Array:
-    """Compute friction of another model, or at joint speeds that differ by `faster` [rad/s] wherever motors move."""
-    drive, log = run.robot.drive, run.log
+def _change_friction(run: Replay, robot: RobotDescription, faster: Array | float = 0.0) -> tuple[Array, Array | None]:
+    """Compute the torque that motors must give more, motor side, and that links ask for more, link side [N m].
+
+    By the friction of another robot, or at joint speeds that differ by `faster` [rad/s] wherever motors move;
+    (T, M, N) each.
+    """
+    log = run.log
     slip = log.slip_dq + np.where(log.slip_dq != 0, faster, 0.0)
-    return along_speed(friction, drive.motor_angle(slip), drive.motor_angle(log.dq + faster), log.dt).torque
+    motor = friction_on_motors(robot, slip, log.dq + faster, log.dt).torque - run.bristles.torque
+    speed = log.dq + run.deflection.rate
+    here, there = friction_on_links(run.robot, speed, log.dt), friction_on_links(robot, speed + faster, log.dt)
+    return motor, add(there, None if here is None else -here)
 
 
 def perturb_motion(run: Replay, further: Array) -> Perturbation:
@@ -114,10 +120,10 @@ def perturb_motion(run: Replay, further: Array) -> Perturbation:
     drive, log = run.robot.drive, run.log
     joint_q = log.sampling.motion_filter(further, log.dt)
     joint_dq, joint_ddq = differentiate_motions(joint_q, log.lengths, log.dt)
-    friction = _compute_friction(run, run.robot.friction, joint_dq)
+    friction, braked = _change_friction(run, run.robot, joint_dq)
     return Perturbation(
-        motor=drive.rotor_inertia * drive.motor_angle(joint_ddq) + friction - run.bristles.torque,
-        links=np.matmul(run.links.mass, joint_ddq[..., None])[..., 0],
+        motor=drive.rotor_inertia * drive.motor_angle(joint_ddq) + friction,
+        links=add(np.matmul(run.links.mass, joint_ddq[..., None])[..., 0], braked),
         joint_q=joint_q,
         joint_ddq=joint_ddq,
     )

@@ -32,7 +32,7 @@ from ffgym.diagnosis.noise import Noise, add_noise
 from ffgym.diagnosis.normal_equations import Values
 from ffgym.diagnosis.perturbation import Perturbation, propagate
 from ffgym.diagnosis.replay import Replay
-from ffgym.diagnosis.replay.states import along_speed
+from ffgym.diagnosis.replay.states import friction_on_motors
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.sampling import without_trembling
 from ffgym.diagnosis.settings import settings
@@ -73,9 +73,9 @@ def _compute_friction(run: Replay, angle: Array, band: Array, load: float = 0.0)
 
     Bristles begin with a `load`, as a share of what tears them off.
     """
-    log, drive = run.read, run.robot.drive
+    log = run.read
     slip = np.gradient(without_trembling(angle, band), log.dt, axis=0)
-    return along_speed(run.robot.friction, drive.motor_angle(slip), drive.motor_angle(run.log.dq), log.dt, load).torque
+    return friction_on_motors(run.robot, slip, run.log.dq, log.dt, load).torque
 
 
 def downweight(weights: Values, unknown: Mapping[Channel, Array]) -> Values:
@@ -109,7 +109,7 @@ def estimate_misread_friction(exact: Sequence[Recording], clean: Log, run: Repla
     for _ in range(limits.misread_draws):
         seen = [add_noise(recording, noise, i, rng) for i, recording in enumerate(exact)]
         one = assemble_log(clean.robot, seen, like=clean)
-        friction = along_speed(run.robot.friction, drive.motor_angle(one.slip_dq), drive.motor_angle(one.dq), one.dt)
+        friction = friction_on_motors(run.robot, one.slip_dq, one.dq, one.dt)
         total += friction.torque - run.bristles.torque
     rows: Array = clean.sampling(total / limits.misread_draws)
     return rows

@@ -12,7 +12,7 @@ One formula serves a physics step of many robots and a whole recording: states c
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import MISSING, fields, replace
+from dataclasses import MISSING, dataclass, fields, replace
 from typing import Any, ClassVar, Literal, Self
 
 import mujoco
@@ -197,6 +197,35 @@ class TorqueEffect(Effect):
         None if it must go from sample to sample.
         """
         return None
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class Braking:
+    """Torque of friction on links at a state, and its slopes, for steps that are implicit in the speed; (..., N)."""
+
+    torque: Array
+    """Torque on the link, link side [N m]."""
+    slope: Array
+    """Torque by which it brakes more per speed of the link [N m s/rad], >= 0."""
+    memory: Array
+    """Memory at the state, (..., N, M)."""
+    memory_slope: Array
+    """Change of that per speed of the link, (..., N, M)."""
+
+
+class LinkBrake(TorqueEffect):
+    """Friction on links, behind the elasticity: where links are light, too stiff for steps that are explicit in it."""
+
+    side = "link"
+
+    @abstractmethod
+    def brake(self, state: State, memory: Array, dt: float) -> Braking:
+        """Return the torque at `state`, with the memory `dt` [s] before, (..., N, M)."""
+
+    def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
+        """Return the torque on the link; the last step brought it to its present speed."""
+        braking = self.brake(state, memory, dt)
+        return Torques(link=braking.torque), braking.memory
 
 
 class FrictionEffect(TorqueEffect):

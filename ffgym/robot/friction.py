@@ -99,6 +99,35 @@ class LuGreParameters:
         """Friction torque [N m] at constant speed `dq` [rad/s], thesis (2.10)."""
         return self.stribeck_level(dq) * np.sign(dq) + self.viscous * dq
 
+    def bend_bristles(self, z: Array, mean_dq: Array, dq: Array, dt: float) -> "BentBristles":
+        r"""Bend bristles for `dt` [s] at `mean_dq`, exactly for that speed, to where the motor has the speed `dq`.
+
+        Slopes are those by `dq`, of which `mean_dq` is a half and the speed before the other, in presliding and in
+        sliding alike; that of the Stribeck curve is left out, which may make friction fall.
+
+        Args:
+            z: bristle deflection before [rad].
+            mean_dq: mean motor speed on the way [rad/s].
+            dq: motor speed at its end [rad/s].
+            dt: time of the way [s].
+        """
+        stiffness, damping = self.bristle_stiffness, self.bristle_damping
+        bent = self.stribeck_level(mean_dq) / stiffness  # deflection in steady sliding
+        sign, decay = np.sign(mean_dq), np.abs(mean_dq) * dt / bent
+        keep = np.exp(-decay)
+        bristle = keep * z - np.expm1(-decay) * sign * bent
+        slope = 0.5 * dt * keep * (1 - sign * z / bent)
+        # their damping sees the rate at the end of the way
+        slipping = np.abs(dq) / bent
+        torque = stiffness * bristle + damping * (dq - slipping * bristle) + self.viscous * dq
+        by_damping = damping * (1 - np.sign(dq) * bristle / bent - slipping * slope)
+        return BentBristles(
+            bristle=bristle,
+            torque=torque,
+            bristle_slope=slope,
+            torque_slope=np.maximum(stiffness * slope + by_damping + self.viscous, 0.0),
+        )
+
     def exact_bristle_factors(self, dq: Array, dt: float | Array) -> tuple[Array, Array]:
         r"""Exact solution of the bristle equation over `dt` [s] at frozen motor speed `dq` [rad/s].
 
@@ -115,6 +144,20 @@ class LuGreParameters:
         moving = decay > 0
         share = np.where(moving, -np.expm1(-decay) / np.where(moving, decay, 1.0), 1.0)
         return np.exp(-decay), share * dt * dq
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class BentBristles:
+    """Bristles after a way, motor side, and what a higher speed at its end would change."""
+
+    bristle: Array
+    """Deflection [rad]."""
+    torque: Array
+    """Friction torque, viscous part included; opposes the motion [N m]."""
+    bristle_slope: Array
+    """Change of the deflection by the speed [s]."""
+    torque_slope: Array
+    """Change of the torque by the speed [N m s/rad], >= 0."""
 
 
 def stribeck_level(dq: Array, coulomb: Array, static: Array, stribeck_velocity: Array) -> Array:

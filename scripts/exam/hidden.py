@@ -9,6 +9,7 @@ import numpy as np
 from ffgym.core.errors import check_choice
 from ffgym.effects import Effect
 from ffgym.effects.parameters import Parameter
+from ffgym.effects.transmission.arm_friction import ArmFriction
 from ffgym.paths.motions.part import resting_position
 from ffgym.robot import RobotDescription
 from scripts.exam.equations import Clue, Outsider, Variant
@@ -95,6 +96,8 @@ def drawn(kind: type[Effect], robot: RobotDescription, rng: np.random.Generator,
     # losses between joints of the library are those of wrists
     in_wrist = any(p.per == "pair" for p in known.values()) and not issubclass(kind, Outsider)
     places = tuple(robot.joints[-_WRIST:] if in_wrist else robot.joints)
+    if kind is ArmFriction:  # the last link is so light that damping of its bristles needs shorter steps of the engine
+        places = places[:-1] or places
     place = str(places[rng.integers(len(places))]) if joint is None else check_choice("joint", joint, robot.joints)
     values: dict[str, Any] = {}
     for name, p in known.items():

@@ -87,7 +87,7 @@ def test_a_machine_does_not_depend_on_its_neighbours(effect, motion, irb4600):
     strong = Machine(robot=irb4600, effects=(as_strong_as_plausible(effect, irb4600),), climate=STARTED)
     alone = recorded(motion, strong)
     plain = Machine(robot=irb4600)
-    if issubclass(effect, ModelEffect):  # more joints than the others have
+    if issubclass(effect, ModelEffect) or effect.name == "arm_friction":  # more in the engine than the others have
         with pytest.raises(FFGymError, match="in a batch of its own"):
             simulate([Run(reference=motion)] * 2, machine=[plain, strong], n_threads=1)
         return

@@ -196,3 +196,10 @@ def test_stiff_and_loose_transmissions_stay_stable_when_shaken(irb4600, corners)
 def irb4600_machine(robot, **effects):
     """The robot with effects by name."""
     return Machine(robot=robot, effects=tuple(EFFECTS[name].on(robot, **values) for name, values in effects.items()))
+
+
+def test_shares_of_friction_behind_the_elasticity_add_up_to_less_than_all(irb4600):
+    half, third = (EFFECTS["arm_friction"].on(irb4600, "j2", share=share) for share in (0.5, 1 / 3))
+    both = third.in_description(half.in_description(irb4600))
+    np.testing.assert_allclose(both.arm_share, [0, 1 - 0.5 * 2 / 3, 0, 0, 0, 0])
+    assert EFFECTS["arm_friction"].on(irb4600, share=0.0).in_description(irb4600).friction.arm_share is None

@@ -29,14 +29,15 @@ from ffgym.diagnosis.replay.links import (
 from ffgym.diagnosis.replay.springs import Deflection, Springs
 from ffgym.diagnosis.replay.states import (
     Bristles,
-    along_speed,
     arm_effects,
     deflect,
+    friction_on_motors,
     state_of,
 )
 from ffgym.diagnosis.settings import settings
 from ffgym.effects import State
 from ffgym.effects.along import torques_along
+from ffgym.effects.effect import LinkBrake
 from ffgym.effects.together import add, sum_along
 from ffgym.effects.transmission.base_flexibility import BaseFlexibility
 from ffgym.logs.preparation import differentiate_motions
@@ -175,7 +176,7 @@ def replay(
         links, rough = _links(log, robot)
     # motors with their friction
     if bristles is None:
-        bristles = along_speed(robot.friction, drive.motor_angle(log.slip_dq), drive.motor_angle(log.dq), log.dt)
+        bristles = friction_on_motors(robot, log.slip_dq, log.dq, log.dt)
     state, on_arm, tilt = state_of(log, machine, bristles), arm_effects(machine), None
     # springs under what links ask for, on a base that may give way
     if alike_driven is not None:
@@ -199,9 +200,10 @@ def replay(
     # load of the motors
     needed = rigid_torque + springs.bending_torque(deflection)
     state = state.with_values(deflection=deflection.angle, deflection_rate=deflection.rate, rigid_load=needed)
-    added = sum_along(on_arm, state, log.dt)
-    if added.link is not None:
-        needed = needed - added.link
+    added = sum_along([effect for effect in on_arm if not isinstance(effect, LinkBrake)], state, log.dt)
+    on_links = add(added.link, deflection.braking)
+    if on_links is not None:
+        needed = needed - on_links
     state.set_values(wound=added.spring, rigid_load=needed)
     torque = drive.rotor_inertia * drive.motor_angle(log.ddq) + bristles.torque + drive.motor_torque(needed)
     # motor-side torque effects, those that act on what the drive commands last: they see all that it must give

@@ -9,6 +9,7 @@ are off by 0.07 rad in steps of 2 ms. A mass that is less by x^2 / 6 / (1 + x^2 
 that phase of a mode: two terms of the method's own series, and one that keeps all masses positive.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -39,6 +40,18 @@ Push = Callable[[int, Array, Array], Array]
 """Torque that acts on the springs at sample k, at deflection and rate (M, N), link side [N m], (M, N)."""
 
 
+class Brake(ABC):
+    """Friction on links, whose torque changes too fast with the rate for steps that are explicit in it."""
+
+    @abstractmethod
+    def expect(self, k: int, angle: Array, rate: Array) -> tuple[Array, Array]:
+        """Return the torque at sample k at deflection and rate (M, N), and by how much it falls with the rate, >= 0."""
+
+    @abstractmethod
+    def conclude(self, k: int, faster: Array) -> None:
+        """Remember the step to sample k, at which the rate was higher than expected (M, N) [rad/s]."""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Deflection:
     """Motion of links behind their gearboxes, link side, (T, M, N) or (T, M, N, V) each; 0 for rigid joints."""
@@ -49,6 +62,8 @@ class Deflection:
     """[rad/s]."""
     acceleration: Array
     """[rad/s^2]."""
+    braking: Array | None = None
+    """Torque of friction on the links that was part of it, link side [N m], (T, M, N); None without any."""
 
     def at_every(self, n: int) -> "Deflection":
         """At every n-th sample."""
@@ -220,10 +235,11 @@ class Springs:
         inverse = np.linalg.inv(mass - self._late(places) + dt / 2 * rate + dt**2 / 4 * place)
         return cubics(places), np.stack([inverse, np.matmul(inverse, place), np.matmul(inverse, rate)], axis=2)
 
-    def integrate(self, torque: Array, push: Push, start: Array) -> Deflection:
+    def integrate(self, torque: Array, push: Push, start: Array, brake: Brake | None = None) -> Deflection:
         """Deflections under `torque` (T, M, N) and a `push` that depends on them, from rest at `start` (M, N).
 
-        The push is evaluated where the arm is expected after the step, so that it does not lag behind.
+        The push is evaluated where the arm is expected after the step, so that it does not lag behind. A `brake` is
+        linear about that in the rate (Rosenbrock 1963), so that bristles of light links may be stiff.
         """
         e, dt, shape, n = self.elastic, self.dt, torque.shape, len(self.elastic)
         found = Deflection(angle=np.zeros(shape), rate=np.zeros(shape), acceleration=np.zeros(shape))
@@ -236,6 +252,7 @@ class Springs:
         x[:], change = start[:, e], np.zeros((shape[1], n))
         found.angle[0][:, every] = x
         expected, expected_rate = start.copy(), np.zeros_like(start)
+        one, faster = np.eye(n), np.zeros_like(start)
         # predict place and rate, evaluate the push there, solve for the acceleration
         for k in range(1, shape[0]):
             rate += dt * change
@@ -244,7 +261,16 @@ class Springs:
                 raise FlownAwayError(f"An arm does not stay where its motors are: it bends by {bent:g} rad.")
             expected[:, every], expected_rate[:, every] = x + dt**2 / 4 * change, rate + dt / 2 * change
             load[:] = (torque[k] + push(k, expected, expected_rate))[:, every]
-            change = np.matmul(steps[k], moved)[..., 0]
+            if brake is None:
+                change = np.matmul(steps[k], moved)[..., 0]
+            else:
+                braked, slope = brake.expect(k, expected, expected_rate)
+                before, slope = change, dt / 2 * slope[:, every]
+                load += braked[:, every] + slope * before
+                both = np.matmul(steps[k], moved)[..., 0]
+                change = np.linalg.solve(one + steps[k][..., :n] * slope[:, None], both[..., None])[..., 0]
+                faster[:, every] = dt / 2 * (change - before)
+                brake.conclude(k, faster)
             found.angle[k][:, every], found.rate[k][:, every], found.acceleration[k][:, every] = x, rate, change
         # correct place and rate by the acceleration at the sample
         np.add(found.angle, dt**2 / 4 * found.acceleration, out=found.angle)

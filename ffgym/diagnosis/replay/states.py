@@ -1,16 +1,20 @@
 """States along measured motions as effects see them: friction of bristles, and joints that bend under effects."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ffgym.core.types import Array
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.replay.recursions import first_order
-from ffgym.diagnosis.replay.springs import Deflection, Springs, between, straight
+from ffgym.diagnosis.replay.springs import Brake, Deflection, Springs, between, straight
 from ffgym.effects import State, TorqueEffect, Torques
 from ffgym.effects.along import iterate_samples
+from ffgym.effects.effect import Braking, LinkBrake
 from ffgym.effects.together import add, find_rest, relax, sort_effects, step, sum_along
+from ffgym.effects.transmission.arm_friction import LinkFriction
+from ffgym.robot import RobotDescription
 from ffgym.robot.friction import LuGreParameters
 from ffgym.simulation.plant import Machine
 
@@ -46,6 +50,20 @@ def along_speed(friction: LuGreParameters, slip: Array, speed: Array, dt: float,
         torque=friction.torque(bristle, slip) + friction.viscous * (speed - slip),
         sign=friction.bristle_stiffness * bristle / friction.stribeck_level(slip),
     )
+
+
+def friction_on_motors(robot: RobotDescription, slip: Array, speed: Array, dt: float, load: float = 0.0) -> Bristles:
+    """Friction of a robot on its motors, along speeds `slip` and `speed` behind the gearbox, as `along_speed`."""
+    found = along_speed(robot.friction, robot.drive.motor_angle(slip), robot.drive.motor_angle(speed), dt, load)
+    return replace(found, torque=(1 - robot.arm_share) * found.torque)
+
+
+def friction_on_links(robot: RobotDescription, speed: Array, dt: float) -> Array | None:
+    """Friction of a robot on its links, along their speeds, link side [N m], (T, M, N); None if there is none."""
+    if not np.any(robot.arm_share):
+        return None
+    ratio = robot.drive.gear_ratio
+    return ratio * robot.arm_share * along_speed(robot.friction, ratio * speed, ratio * speed, dt).torque
 
 
 def _bristle_factors(friction: LuGreParameters, slip: Array, dt: float) -> tuple[Array, Array]:
@@ -85,8 +103,11 @@ def state_of(log: Log, machine: Machine, bristles: Bristles) -> State:
 
 
 def arm_effects(machine: Machine) -> list[TorqueEffect]:
-    """Effects that depend on how joints bend."""
-    return sort_effects(effect for effect in machine.torque_effects if effect.side == "link" and not effect.is_null)
+    """Effects that act on links, friction behind the elasticity among them."""
+    friction = LinkFriction.of(machine.physical)
+    beside = () if friction is None else (friction,)
+    every = (*machine.torque_effects, *beside)
+    return sort_effects(effect for effect in every if effect.side == "link" and not effect.is_null)
 
 
 def deflect(
@@ -105,6 +126,34 @@ def deflect(
     return Deflection(angle=bent.angle[..., 0], rate=bent.rate[..., 0], acceleration=bent.acceleration[..., 0])
 
 
+class _LinkBrakes(Brake):
+    """Friction on links along samples, with its memory and its torque."""
+
+    def __init__(self, effects: Sequence[LinkBrake], states: Sequence[State], rest: Array, dt: float) -> None:
+        self._effects, self._states, self._dt = effects, states, dt
+        first = states[0].with_values(deflection=rest, deflection_rate=np.zeros_like(rest))
+        self._memories, self._now = relax(effects, first), list[Braking]()
+        self.torque = np.zeros((len(states), *rest.shape))
+        """Torque at each sample, link side [N m], (T, M, N)."""
+
+    def expect(self, k: int, angle: Array, rate: Array) -> tuple[Array, Array]:
+        """Ask all effects for their torques and slopes; the state of the sample has angle and rate already."""
+        now = self._now = [
+            effect.brake(self._states[k], memory, self._dt)
+            for effect, memory in zip(self._effects, self._memories, strict=True)
+        ]
+        torque, slope = now[0].torque, now[0].slope
+        for one in now[1:]:
+            torque, slope = torque + one.torque, slope + one.slope
+        self.torque[k], self._slope = torque, slope
+        return torque, slope
+
+    def conclude(self, k: int, faster: Array) -> None:
+        """Take memories and the torque along to where the link was faster than expected."""
+        self._memories = [one.memory + one.memory_slope * faster[..., None] for one in self._now]
+        self.torque[k] -= self._slope * faster
+
+
 def flown(
     springs: Springs, state: State, effects: list[TorqueEffect], torque: Array, start: Array, dt: float
 ) -> Deflection:
@@ -114,25 +163,32 @@ def flown(
         n = len(state.motor_angle)
         state = state.each(lambda values: straight(values, every) if values.ndim > 1 and len(values) == n else values)
     each = list(iterate_samples(state))
+    brakes = [effect for effect in effects if isinstance(effect, LinkBrake)]
+    effects = [effect for effect in effects if not isinstance(effect, LinkBrake)]
 
     def pull(angle: Array) -> Array:
         """Compute the imbalance of torques at rest; it grows with the deflection."""
         now = each[0].with_values(deflection=angle, deflection_rate=np.zeros_like(angle))
         return springs.restoring(angle) - torque[0] - _behind(step(effects, now, relax(effects, now), dt)[0], angle)
 
-    # begin in equilibrium, with memories that rest there
+    # begin in equilibrium, with memories that rest there and relaxed bristles
     rest = find_rest(pull, start)
     memories = relax(effects, each[0].with_values(deflection=rest, deflection_rate=np.zeros_like(rest)))
+    braking = _LinkBrakes(brakes, each, rest, dt / every) if brakes else None
 
     def push(k: int, angle: Array, rate: Array) -> Array:
         each[k].set_values(deflection=angle, deflection_rate=rate)
         added, memories[:] = step(effects, each[k], memories, dt / every)
+        if brakes and added.spring is not None:
+            each[k].set_values(wound=added.spring)
         return _behind(added, angle)
 
     # integrate, at several steps a sample where springs are stiff
     if every == 1:
-        return springs.integrate(torque, push, rest)
-    return springs.finer.integrate(between(torque, every), push, rest).at_every(every)
+        bent = springs.integrate(torque, push, rest, braking)
+    else:
+        bent = springs.finer.integrate(between(torque, every), push, rest, braking).at_every(every)
+    return bent if braking is None else replace(bent, braking=braking.torque[::every])
 
 
 def _behind(added: Torques, angle: Array) -> Array:

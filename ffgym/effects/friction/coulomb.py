@@ -21,7 +21,7 @@ class CoulombLevel(NativeEffect):
     side = "motor"
     signature = "torque: square wave locked to the sign of the speed, whatever speed, place and load"
     way_in = "native: coulomb and static of MuJoCo's LuGre friction"
-    confusable_with = ("F7", "F13", "T3", "T4", "T6")
+    confusable_with = ("F7", "F13", "T3", "T4", "T6", "T9")
     separating_motions = ("slow_triangles", "warm_up")
     needs_friction = True
     patterns = (("sign-locked function", "motor speed"),)

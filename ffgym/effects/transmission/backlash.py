@@ -23,7 +23,7 @@ class Backlash(TorqueEffect):
     side = "link"
     signature = "tool: a jump of 2 b where the load changes sign; torque: a dip, the motor runs free"
     way_in = "torque at every physics step on the spring"
-    confusable_with = ("F1", "T3", "X6")
+    confusable_with = ("F1", "T3", "T9", "X6")
     separating_motions = ("slow_triangles", "holds")
     needs_elasticity = True
 

@@ -34,7 +34,7 @@ class TorsionalHysteresis(TorqueEffect):
     side = "link"
     signature = "tool over load: a loop, the same at any speed, that turns where the load turns"
     way_in = "torque at every physics step on the spring, with memory"
-    confusable_with = ("F1", "T2", "T4")
+    confusable_with = ("F1", "T2", "T4", "T9")
     separating_motions = ("slow_triangles",)
     needs_elasticity = True
 

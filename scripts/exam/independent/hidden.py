@@ -272,6 +272,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType(
         "stiffness": _change_number("joint_stiffness", _either(0.3), _stiffness, _CHANGE, "elastic"),
         "growth": Kind("hardening", _up(1.0), _growth, needs=("elastic",)),
         "gap": Kind("backlash", _up(3e-4), _fault("gap"), {"half_gap": "size"}, needs=("elastic",)),
+        "behind": Kind("arm_friction", _up(0.9), _fault("behind"), needs=("elastic",)),
         "tooth": Kind("kinematic_error", _up(3e-4), _fault("tooth"), _ONCE, needs=("elastic",)),
         "payload": Kind("payload", _up(_payload), _heavier, _PAYLOAD, at_machine=True),
         "rotor": _change_number("rotor_inertia", _either(0.2), _larger("rotor"), _CHANGE),

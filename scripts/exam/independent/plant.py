@@ -4,7 +4,8 @@ r"""The independent plant: motors, gearboxes, springs and arm, integrated by the
     M \ddot q + b = \tau_s, \quad J \ddot \theta = u - \tau_f - \tau_s\, \partial q / \partial \theta, \quad
     \tau_s = -k\, (q - \theta / n) - d\, (\dot q - \dot \theta / n)
 
-Motors of rigid joints move with the arm, and their rotors add :math:`n^2 J` to its mass matrix.
+Motors of rigid joints move with the arm, and their rotors add :math:`n^2 J` to its mass matrix. Friction that is hidden
+behind springs rubs by blocks on the way of the link, and is :math:`g = g_c + (g_b - g_c) / (1 + |v| / v_s)` strong.
 """
 
 from dataclasses import dataclass
@@ -76,6 +77,8 @@ class Plant:
         self._rotors = rotors[..., None] * np.eye(numbers.shape[1])
         self._all_rigid, self._any_rigid = bool(numbers.rigid.all()), bool(numbers.rigid.any())
         self._lever = 1 / numbers.gear_ratio
+        everywhere = np.ones(numbers.shape, dtype=np.bool_)
+        self._behind = Contact(stiffness=contact.stiffness, has_blocks=everywhere)
 
     def run(self, q: Array, orders: Orders, every: int) -> Course:
         """Follow `orders` from rest at `q` (B, N), and record every so many steps.
@@ -88,7 +91,7 @@ class Plant:
         rows = []
         for k in range(steps + 1):
             self.servo.sample(k, orders, self._seen(state[2]))
-            self._start = state[2]
+            self._start, self._link_start = state[2], state[0]
             first = self.rates(state, 2 * k, orders)
             if k % every == 0:
                 error = self._faults.get("resolver")
@@ -112,7 +115,9 @@ class Plant:
         beside = holding / n.gear_ratio - orders.ahead[0]
         away = np.sign(orders.position - orders.position[0])
         first = np.take_along_axis(away, np.argmax(away != 0, axis=0)[None], axis=0)[0]
-        self._memory = self.contact.at_rest(np.where(first == 0, 1.0, first), n.breakaway)
+        heading = np.where(first == 0, 1.0, first)
+        self._memory = self.contact.at_rest(heading, n.breakaway)
+        self._link_memory = self._behind.at_rest(heading, n.breakaway)
         self.servo.begin(self._seen(angle), beside, self.dt)
         self._load = holding
         return np.stack([link, still, angle, still, beside, holding / n.gear_ratio])
@@ -125,6 +130,8 @@ class Plant:
         after: Array = state + h / 6 * (first + 2 * (second + third) + fourth)
         strength = self._strength(after[0], after[2], after[3], half + 2)
         _, self._memory = self.contact.move(self._memory, after[2] - self._start, strength)
+        if "behind" in self._faults:
+            self._link_memory = self._rub_link(after[0], after[1])[1]
         return after
 
     def rates(self, state: Array, half: int, orders: Orders) -> Stage:
@@ -148,6 +155,9 @@ class Plant:
         spring = np.zeros_like(q) if self._all_rigid else self._spring(q, dq, angle, speed, lever)
         matrix, bias = mass_and_bias(n.bodies, q, dq)
         driving = (np.where(n.rigid, n.gear_ratio * torque, spring) if self._any_rigid else spring) - bias
+        if "behind" in f:
+            drag = self._rub_link(q, dq)[0] + n.viscous * n.gear_ratio * dq
+            driving = driving - f["behind"] * n.gear_ratio * drag
         if "balance" in f:
             driving = driving - f["balance"] * np.cos(q)
         ddq = np.linalg.solve(matrix + self._rotors, driving[..., None])[..., 0]
@@ -206,7 +216,13 @@ class Plant:
             drag = drag + f["brake"] * np.sin(2 * np.pi * f["frequency"] * self._time(half)) * contact / strength
         if "neighbour" in f:
             drag = drag + f["neighbour"] * np.sin(3.0 * np.roll(q, -1, axis=1))
-        return drag
+        return drag * (1 - f["behind"]) if "behind" in f else drag
+
+    def _rub_link(self, q: Array, dq: Array) -> tuple[Array, Array]:
+        """Dry friction of links in units of their motors [N m], as if all of it were behind springs, and its memory."""
+        n = self.numbers
+        strength = n.coulomb + (n.breakaway - n.coulomb) / (1 + np.abs(n.gear_ratio * dq) / n.stribeck)
+        return self._behind.move(self._link_memory, n.gear_ratio * (q - self._link_start), strength)
 
     def _spring(self, q: Array, dq: Array, angle: Array, speed: Array, lever: Array) -> Array:
         """Torque of the springs on the links; 0 in rigid joints."""

@@ -79,6 +79,34 @@ def test_exact_step_solves_the_bristle_equation(friction, v, start, dt):
     assert keep[0] * z + gain[0] == pytest.approx(truth, abs=1e-7 * limit)
 
 
+@given(friction=parameters, v=speeds, start=st.floats(-1, 1), dt=steps)
+def test_bent_bristles_are_those_of_the_exact_step(friction, v, start, dt):
+    z = start * friction.coulomb / friction.bristle_stiffness
+    keep, gain = friction.exact_bristle_factors(one(v), dt)
+    bent = friction.bend_bristles(z, one(v), one(v), dt)
+    limit = float(friction.static[0] / friction.bristle_stiffness[0])
+    assert bent.bristle[0] == pytest.approx(keep[0] * z[0] + gain[0], abs=1e-12 * limit)
+    torque = friction.torque(bent.bristle, one(v))
+    assert bent.torque[0] == pytest.approx(torque[0], rel=1e-9, abs=1e-12)
+    assert bent.torque_slope[0] >= 0
+
+
+@pytest.mark.parametrize("v", [-0.4, 0.003, 2.0])
+def test_slopes_of_bent_bristles_are_those_of_differences(v):
+    friction = LuGreParameters(
+        coulomb=one(0.5), static=one(0.5), viscous=one(0.01), stribeck_velocity=one(0.3),
+        bristle_stiffness=one(60.0), bristle_damping=one(0.05),
+    )  # fmt: skip
+
+    def bent(more):
+        return friction.bend_bristles(one(0.002), one(v + more / 2), one(v + more), 0.002)
+
+    here, step = bent(0.0), 1e-6
+    for value, slope in (("bristle", "bristle_slope"), ("torque", "torque_slope")):
+        difference = (getattr(bent(step), value) - getattr(bent(-step), value)) / (2 * step)
+        np.testing.assert_allclose(getattr(here, slope), difference, rtol=1e-2, atol=1e-9)
+
+
 @given(friction=parameters, v=speeds, dt=steps)
 def test_two_exact_half_steps_are_one_whole_step(friction, v, dt):
     keep, gain = friction.exact_bristle_factors(one(v), dt)

@@ -1,0 +1,97 @@
+r"""T9: friction behind the elasticity of a joint, and the torque on the link by which models without an engine have it.
+
+The engine has it by the description's `friction.arm_share` alone. A replay, or feed-forward from a model, takes
+`LinkFriction.of(robot)` among the effects that act on the arm.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Self, final
+
+import numpy as np
+
+from ffgym.core.types import Array
+from ffgym.effects.effect import Braking, LinkBrake, NativeEffect
+from ffgym.effects.parameters import parameter
+from ffgym.effects.state import State
+from ffgym.robot import RobotDescription
+from ffgym.robot.friction import LuGreParameters
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ArmFriction(NativeEffect):
+    r"""A share of the motor's friction acts on the link, where the spring must carry it.
+
+    Each part has bristles of its own, on the motor's motion and on the link's in units of the motor. Of what a
+    description has on the motor's side, the share moves: :math:`1 - s \to (1 - a)(1 - s)`.
+    """
+
+    name = "arm_friction"
+    code = "T9"
+    title = "friction behind the elasticity"
+    equation = (
+        r"\tau_f \to (1 - a)\, \tau_f(v), \quad \tau_{link} \mathrel{+}= -a\, n\, \tau_f(n \dot q), \quad "
+        r"\tau_f(v) = \sigma_0 z + \sigma_1 \dot z + f_v v"
+    )
+    side = "link"
+    signature = "tool: a loop of the friction over the stiffness, turned by the link's motion; torque: hardly any"
+    way_in = "native: a second LuGre friction, on the angle of the link"
+    confusable_with = ("F1", "T3", "T4")
+    separating_motions = ("slow_triangles", "speed_ladder")
+    needs_elasticity = True
+    needs_friction = True
+    patterns = (("sign-locked function", "size of the motor speed"),)
+
+    share: Array = parameter(
+        "a, share of the motor's friction that moves behind the elasticity",
+        unit="1",
+        low=0.0,
+        high=0.9,
+        minimum=0.0,
+        maximum=1.0,
+        source="about 90 % of the friction is in the gearbox (thesis 4.1), on both sides of its spring",
+    )
+
+    def in_description(self, robot: RobotDescription) -> RobotDescription:
+        """Return the robot with more of its friction on the arm."""
+        share = 1 - (1 - self.share) * (1 - robot.arm_share)
+        return replace(robot, friction=replace(robot.friction, arm_share=np.minimum(share, 1.0)))
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LinkFriction(LinkBrake):
+    """Friction of a description behind its elasticity, as a torque on the link."""
+
+    name = "link_friction"
+    title = "friction behind the elasticity"
+    side = "link"
+
+    share: Array = parameter(
+        "share of the friction that acts on the link", unit="1", low=0.0, high=0.9, source="the description"
+    )
+    friction: LuGreParameters
+    """Friction of both parts together, motor side."""
+
+    @classmethod
+    def of(cls, robot: RobotDescription) -> Self | None:
+        """Friction of a robot on its links; None if all of it is on its motors."""
+        return cls(share=robot.arm_share, friction=robot.friction) if np.any(robot.arm_share) else None
+
+    def initial_memory(self, state: State) -> Array:
+        """Return relaxed bristles, and the speed that they see, in units of the motor."""
+        speed = state.drive.gear_ratio * state.link_speed
+        return np.stack([np.zeros_like(speed), speed], axis=-1)
+
+    def brake(self, state: State, memory: Array, dt: float) -> Braking:
+        """Bend bristles along the link's way since the last state, and let them pull at the link."""
+        ratio = state.drive.gear_ratio
+        speed = ratio * state.link_speed
+        bent = self.friction.bend_bristles(memory[..., 0], 0.5 * (memory[..., 1] + speed), speed, dt)
+        lever = self.share * ratio
+        return Braking(
+            torque=-lever * bent.torque,
+            slope=lever * ratio * bent.torque_slope,
+            memory=np.stack([bent.bristle, speed], axis=-1),
+            memory_slope=np.stack([ratio * bent.bristle_slope, np.broadcast_to(ratio, speed.shape)], axis=-1),
+        )

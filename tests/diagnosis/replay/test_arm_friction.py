@@ -1,0 +1,83 @@
+"""Friction behind the elasticity in a replay: the engine's log, small changes of it, and links too light for steps."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ffgym.diagnosis.log import assemble_log
+from ffgym.diagnosis.perturbation import perturb, propagate
+from ffgym.diagnosis.replay import predict, replay
+from ffgym.diagnosis.replay.springs import Springs
+from ffgym.diagnosis.replay.states import flown, friction_on_links
+from ffgym.diagnosis.residual_rows import find_valid_rows
+from ffgym.effects import EFFECTS, State
+from ffgym.effects.transmission.arm_friction import LinkFriction
+from tests.diagnosis.replay.replay_samples import left, nominal, recorded, with_effect
+
+SHARE = 0.73
+
+
+@pytest.fixture(scope="module")
+def behind():
+    return with_effect(EFFECTS["arm_friction"].on(nominal().robot, share=SHARE))
+
+
+@pytest.fixture(scope="module")
+def recording(behind):
+    return recorded({"behind": behind})["behind"]
+
+
+def rms_left(recording, machine):
+    log, rest = left([recording], machine)
+    inside = find_valid_rows(log)
+    return {channel: np.sqrt(np.mean(rest[channel][inside] ** 2)) for channel in ("torque", "tool", "link")}
+
+
+def test_a_replay_with_the_true_share_leaves_hardly_anything(recording, behind):
+    without, true = rms_left(recording, nominal()), rms_left(recording, behind)
+    assert true["tool"] < 0.03 * without["tool"]
+    assert true["link"] < 0.03 * without["link"]
+    assert true["torque"] < 0.02 * nominal().robot.friction.coulomb.max()
+
+
+def test_the_share_of_a_description_is_replayed_as_that_of_the_effect(recording, behind):
+    described = nominal().with_robot(behind.physical)
+    log = assemble_log(nominal().robot, [recording])
+    one, other = replay(log, behind), replay(log, described)
+    np.testing.assert_array_equal(one.torque, other.torque)
+    np.testing.assert_array_equal(one.link_q, other.link_q)
+
+
+def test_a_little_more_of_it_changes_a_replay_as_its_slope_says(recording):
+    log, robot = assemble_log(nominal().robot, [recording]), nominal().robot
+    run = replay(log, nominal())
+    effect = EFFECTS["arm_friction"].on(robot, share=0.01)
+    parts = propagate(run, [perturb(run, effect)])[0]
+    before, after = predict(run), predict(replay(log, with_effect(effect)))
+    inside = find_valid_rows(log)
+    for k in (0, 2):
+        change = (after["tool"] - before["tool"])[..., k][inside]
+        assert np.sqrt(np.mean((change - parts["tool", k][inside]) ** 2)) < 0.15 * np.sqrt(np.mean(change**2))
+
+
+@pytest.mark.parametrize("light", [1e-3, 3.0])
+def test_links_that_creep_behind_their_motors_stick_until_the_spring_tears_them_off(light):
+    """The motor turns slowly forth: the spring winds up by friction over stiffness, and the link follows."""
+    robot, dt = nominal().robot, 0.002
+    robot = replace(robot, friction=replace(robot.friction, arm_share=np.full(2, SHARE)))
+    t, stiffness = dt * np.arange(2000), robot.drive.joint_stiffness
+    speed = np.broadcast_to(0.02 * np.minimum(t / 0.2, 1.0)[:, None, None], (2000, 1, 2))
+    springs = Springs(mass=np.broadcast_to(light * np.eye(2), (2000, 1, 2, 2)), stiffness=stiffness,
+                      damping=robot.drive.joint_damping, dt=dt)  # fmt: skip
+    angle = np.cumsum(speed, axis=0) * dt
+    none = np.zeros_like(speed)
+    state = State.of(robot, time=t[:, None, None], joint_angle=angle, joint_speed=speed,
+                     deflection=none, deflection_rate=none)  # fmt: skip
+    bent = flown(springs, state, [LinkFriction.of(robot)], none, none[0], dt)
+    steady = SHARE * robot.drive.gear_ratio * robot.friction.steady_torque(robot.drive.gear_ratio * 0.02)
+    np.testing.assert_allclose(bent.angle[-1, 0], -steady / stiffness, rtol=0.02)
+    np.testing.assert_allclose(bent.braking[-1, 0], -steady, rtol=0.02)
+    # bristles along the motion that was found pull as they did in its steps
+    along = friction_on_links(robot, speed + bent.rate, dt)
+    assert np.sqrt(np.mean((along + bent.braking) ** 2)) < 0.05 * np.abs(steady).max()
