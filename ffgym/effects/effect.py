@@ -20,7 +20,7 @@ import numpy as np
 import scipy
 
 from ffgym.core.errors import FFGymError, check_choice
-from ffgym.core.types import Array
+from ffgym.core.types import Array, BoolArray
 from ffgym.effects.parameters import Parameter, declaration_in
 from ffgym.effects.state import ResolverError, State, Torques, no_memory
 from ffgym.recordings import FAMILIES, Recording
@@ -217,14 +217,28 @@ class LinkBrake(TorqueEffect):
     """Friction on links, behind the elasticity: where links are light, too stiff for steps that are explicit in it."""
 
     side = "link"
+    needs_load: ClassVar[bool] = False
+    """True if it depends on the torque that the gearbox passes on."""
+
+    @property
+    @abstractmethod
+    def brakes(self) -> BoolArray:
+        """Joints that have it, shape (N,)."""
 
     @abstractmethod
-    def brake(self, state: State, memory: Array, dt: float) -> Braking:
-        """Return the torque at `state`, with the memory `dt` [s] before, (..., N, M)."""
+    def brake(self, speed: Array, load: Array | None, memory: Array, dt: float) -> Braking:
+        """Return the torque on links at their present speed.
+
+        Args:
+            speed: of the links, link side [rad/s], (..., N).
+            load: torque that gearboxes pass on, link side [N m], (..., N); None where it is not needed.
+            memory: `dt` before, (..., N, M).
+            dt: time since then [s].
+        """
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
         """Return the torque on the link; the last step brought it to its present speed."""
-        braking = self.brake(state, memory, dt)
+        braking = self.brake(state.link_speed, state.load if self.needs_load else None, memory, dt)
         return Torques(link=braking.torque), braking.memory
 
 

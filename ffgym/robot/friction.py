@@ -112,15 +112,15 @@ class LuGreParameters:
             dt: time of the way [s].
         """
         stiffness, damping = self.bristle_stiffness, self.bristle_damping
-        bent = self.stribeck_level(mean_dq) / stiffness  # deflection in steady sliding
-        sign, decay = np.sign(mean_dq), np.abs(mean_dq) * dt / bent
-        keep = np.exp(-decay)
-        bristle = keep * z - np.expm1(-decay) * sign * bent
-        slope = 0.5 * dt * keep * (1 - sign * z / bent)
-        # their damping sees the rate at the end of the way
+        # deflection in steady sliding, and the way to it that is left
+        bent = self.stribeck_level(mean_dq) / stiffness
+        ahead, keep = np.copysign(bent, mean_dq), np.exp(-np.abs(mean_dq) * dt / bent)
+        left = keep * (z - ahead)
+        bristle, slope = ahead + left, -0.5 * dt * left / ahead
+        # damping sees the rate at the end of the way
         slipping = np.abs(dq) / bent
         torque = stiffness * bristle + damping * (dq - slipping * bristle) + self.viscous * dq
-        by_damping = damping * (1 - np.sign(dq) * bristle / bent - slipping * slope)
+        by_damping = damping * (1 - slipping * slope - np.copysign(bristle / bent, bristle * dq))
         return BentBristles(
             bristle=bristle,
             torque=torque,

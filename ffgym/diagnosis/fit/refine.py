@@ -115,7 +115,9 @@ def polish(problem: FitProblem, found: Fit) -> Fit:
 
 
 def _on_springs(hypothesis: Hypothesis) -> bool:
-    return hypothesis.kind.needs_elasticity and hypothesis.kind.side == "link"
+    """Tell whether an effect changes how springs swing; friction behind them does not, whatever its size."""
+    kind = hypothesis.kind
+    return kind.needs_elasticity and kind.side == "link" and not kind.needs_friction
 
 
 def _choose_start(problem: FitProblem, hypotheses: Sequence[Hypothesis]) -> list[Hypothesis]:

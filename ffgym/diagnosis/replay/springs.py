@@ -43,6 +43,9 @@ Push = Callable[[int, Array, Array], Array]
 class Brake(ABC):
     """Friction on links, whose torque changes too fast with the rate for steps that are explicit in it."""
 
+    joints: IntArray
+    """Joints that have it."""
+
     @abstractmethod
     def expect(self, k: int, angle: Array, rate: Array) -> tuple[Array, Array]:
         """Return the torque at sample k at deflection and rate (M, N), and by how much it falls with the rate, >= 0."""
@@ -235,7 +238,7 @@ class Springs:
         inverse = np.linalg.inv(mass - self._late(places) + dt / 2 * rate + dt**2 / 4 * place)
         return cubics(places), np.stack([inverse, np.matmul(inverse, place), np.matmul(inverse, rate)], axis=2)
 
-    def integrate(self, torque: Array, push: Push, start: Array, brake: Brake | None = None) -> Deflection:
+    def integrate(self, torque: Array, push: Push | None, start: Array, brake: Brake | None = None) -> Deflection:
         """Deflections under `torque` (T, M, N) and a `push` that depends on them, from rest at `start` (M, N).
 
         The push is evaluated where the arm is expected after the step, so that it does not lag behind. A `brake` is
@@ -246,13 +249,15 @@ class Springs:
         # matrices of all steps; rows of the state that they act on: load, place and rate
         steps, every = np.concatenate(self._step(slice(None)), axis=-1), slice(None) if n == shape[2] else e
         np.negative(steps[..., n:], out=steps[..., n:])  # place and rate pull back
-        push(0, start, np.zeros_like(start))
+        if push is not None:
+            push(0, start, np.zeros_like(start))
         moved = np.zeros((shape[1], 3 * n, 1))  # load, place and rate that the step before leads to
         load, x, rate = (moved[:, k * n : (k + 1) * n, 0] for k in range(3))
         x[:], change = start[:, e], np.zeros((shape[1], n))
         found.angle[0][:, every] = x
         expected, expected_rate = start.copy(), np.zeros_like(start)
-        one, faster = np.eye(n), np.zeros_like(start)
+        faster, held = np.zeros_like(start), np.searchsorted(e, [] if brake is None else brake.joints)
+        by_brake = steps[..., held]
         # predict place and rate, evaluate the push there, solve for the acceleration
         for k in range(1, shape[0]):
             rate += dt * change
@@ -260,15 +265,14 @@ class Springs:
             if not (bent := float(np.abs(x).max(initial=0.0))) < settings().replay.largest_deflection:
                 raise FlownAwayError(f"An arm does not stay where its motors are: it bends by {bent:g} rad.")
             expected[:, every], expected_rate[:, every] = x + dt**2 / 4 * change, rate + dt / 2 * change
-            load[:] = (torque[k] + push(k, expected, expected_rate))[:, every]
+            load[:] = (torque[k] if push is None else torque[k] + push(k, expected, expected_rate))[:, every]
             if brake is None:
                 change = np.matmul(steps[k], moved)[..., 0]
             else:
                 braked, slope = brake.expect(k, expected, expected_rate)
-                before, slope = change, dt / 2 * slope[:, every]
-                load += braked[:, every] + slope * before
-                both = np.matmul(steps[k], moved)[..., 0]
-                change = np.linalg.solve(one + steps[k][..., :n] * slope[:, None], both[..., None])[..., 0]
+                before, falls = change, dt / 2 * slope[:, every]
+                load += braked[:, every] + falls * before
+                change = _hold_back(np.matmul(steps[k], moved)[..., 0], by_brake[k], falls[:, held], held)
                 faster[:, every] = dt / 2 * (change - before)
                 brake.conclude(k, faster)
             found.angle[k][:, every], found.rate[k][:, every], found.acceleration[k][:, every] = x, rate, change
@@ -276,6 +280,24 @@ class Springs:
         np.add(found.angle, dt**2 / 4 * found.acceleration, out=found.angle)
         np.add(found.rate, dt / 2 * found.acceleration, out=found.rate)
         return found
+
+
+def _hold_back(free: Array, per_torque: Array, falls: Array, held: IntArray) -> Array:
+    """Solve for accelerations (M, E) of joints of which some are `held` by torques that fall with their acceleration.
+
+    Args:
+        free: accelerations without that, (M, E).
+        per_torque: acceleration of all joints per torque on each of those that are held, (M, E, H).
+        falls: torque by which they are held per acceleration [kg m^2], (M, H).
+        held: their places, (H,).
+    """
+    # one joint after the other (Sherman and Morrison 1950); accelerations per torque on the others change with each
+    columns = np.concatenate([per_torque, free[..., None]], axis=-1)
+    for i, joint in enumerate(held.tolist()):
+        share = falls[:, i] / (1 + falls[:, i] * columns[:, joint, i])
+        columns -= columns[:, :, i, None] * (share[:, None] * columns[:, joint])[:, None]
+    found: Array = columns[..., -1]
+    return found
 
 
 def between(values: Array, every: int) -> Array:

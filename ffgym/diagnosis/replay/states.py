@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 
 import numpy as np
 
@@ -129,23 +130,30 @@ def deflect(
 class _LinkBrakes(Brake):
     """Friction on links along samples, with its memory and its torque."""
 
-    def __init__(self, effects: Sequence[LinkBrake], states: Sequence[State], rest: Array, dt: float) -> None:
-        self._effects, self._states, self._dt = effects, states, dt
-        first = states[0].with_values(deflection=rest, deflection_rate=np.zeros_like(rest))
+    def __init__(self, effects: Sequence[LinkBrake], state: State, first: State, dt: float) -> None:
+        """Begin at rest at the `first` of all samples, of which `state` has the motion of the motors."""
+        shape = state.motor_angle.shape
+        self._effects, self._dt, self._speed = effects, dt, np.broadcast_to(state.joint_speed, shape)
+        self._needs_load = any(effect.needs_load for effect in effects)
+        self._stiffness, self._damping = state.joint_stiffness, state.joint_damping
         self._memories, self._now = relax(effects, first), list[Braking]()
-        self.torque = np.zeros((len(states), *rest.shape))
+        self.joints = np.flatnonzero(np.any([effect.brakes for effect in effects], axis=0))
+        self.wound: Array | None = None
+        """Torque by which effects wind the springs at the sample, link side [N m], (M, N)."""
+        self.torque = np.zeros(shape)
         """Torque at each sample, link side [N m], (T, M, N)."""
 
     def expect(self, k: int, angle: Array, rate: Array) -> tuple[Array, Array]:
-        """Ask all effects for their torques and slopes; the state of the sample has angle and rate already."""
-        now = self._now = [
-            effect.brake(self._states[k], memory, self._dt)
-            for effect, memory in zip(self._effects, self._memories, strict=True)
-        ]
+        """Ask all effects for their torques and slopes."""
+        load = None
+        if self._needs_load:
+            load = add(-(self._stiffness * angle + self._damping * rate), self.wound)
+        speed, memories = self._speed[k] + rate, self._memories
+        now = [effect.brake(speed, load, memories[i], self._dt) for i, effect in enumerate(self._effects)]
         torque, slope = now[0].torque, now[0].slope
         for one in now[1:]:
             torque, slope = torque + one.torque, slope + one.slope
-        self.torque[k], self._slope = torque, slope
+        self._now, self.torque[k], self._slope = now, torque, slope
         return torque, slope
 
     def conclude(self, k: int, faster: Array) -> None:
@@ -162,9 +170,9 @@ def flown(
     if every > 1:  # the state at so many steps in each sample, on straight lines
         n = len(state.motor_angle)
         state = state.each(lambda values: straight(values, every) if values.ndim > 1 and len(values) == n else values)
-    each = list(iterate_samples(state))
     brakes = [effect for effect in effects if isinstance(effect, LinkBrake)]
     effects = [effect for effect in effects if not isinstance(effect, LinkBrake)]
+    each = list(iterate_samples(state) if effects else islice(iterate_samples(state), 1))
 
     def pull(angle: Array) -> Array:
         """Compute the imbalance of torques at rest; it grows with the deflection."""
@@ -173,21 +181,22 @@ def flown(
 
     # begin in equilibrium, with memories that rest there and relaxed bristles
     rest = find_rest(pull, start)
-    memories = relax(effects, each[0].with_values(deflection=rest, deflection_rate=np.zeros_like(rest)))
-    braking = _LinkBrakes(brakes, each, rest, dt / every) if brakes else None
+    first = each[0].with_values(deflection=rest, deflection_rate=np.zeros_like(rest))
+    memories, braking = relax(effects, first), _LinkBrakes(brakes, state, first, dt / every) if brakes else None
 
     def push(k: int, angle: Array, rate: Array) -> Array:
         each[k].set_values(deflection=angle, deflection_rate=rate)
         added, memories[:] = step(effects, each[k], memories, dt / every)
-        if brakes and added.spring is not None:
-            each[k].set_values(wound=added.spring)
+        if braking is not None:
+            braking.wound = added.spring
         return _behind(added, angle)
 
     # integrate, at several steps a sample where springs are stiff
+    given = push if effects else None
     if every == 1:
-        bent = springs.integrate(torque, push, rest, braking)
+        bent = springs.integrate(torque, given, rest, braking)
     else:
-        bent = springs.finer.integrate(between(torque, every), push, rest, braking).at_every(every)
+        bent = springs.finer.integrate(between(torque, every), given, rest, braking).at_every(every)
     return bent if braking is None else replace(bent, braking=braking.torque[::every])
 
 

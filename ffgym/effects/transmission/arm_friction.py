@@ -9,7 +9,7 @@ from typing import Self, final
 
 import numpy as np
 
-from ffgym.core.types import Array
+from ffgym.core.types import Array, BoolArray
 from ffgym.effects.effect import Braking, LinkBrake, NativeEffect
 from ffgym.effects.parameters import parameter
 from ffgym.effects.state import State
@@ -72,26 +72,35 @@ class LinkFriction(LinkBrake):
     )
     friction: LuGreParameters
     """Friction of both parts together, motor side."""
+    gear_ratio: Array
+    """Motor turns per joint turn, (N,)."""
 
     @classmethod
     def of(cls, robot: RobotDescription) -> Self | None:
         """Friction of a robot on its links; None if all of it is on its motors."""
-        return cls(share=robot.arm_share, friction=robot.friction) if np.any(robot.arm_share) else None
+        if not np.any(robot.arm_share):
+            return None
+        return cls(share=robot.arm_share, friction=robot.friction, gear_ratio=robot.drive.gear_ratio)
+
+    @property
+    def brakes(self) -> BoolArray:
+        """Joints with friction behind their elasticity, shape (N,)."""
+        return self.share > 0
 
     def initial_memory(self, state: State) -> Array:
         """Return relaxed bristles, and the speed that they see, in units of the motor."""
-        speed = state.drive.gear_ratio * state.link_speed
+        speed = self.gear_ratio * state.link_speed
         return np.stack([np.zeros_like(speed), speed], axis=-1)
 
-    def brake(self, state: State, memory: Array, dt: float) -> Braking:
+    def brake(self, speed: Array, load: Array | None, memory: Array, dt: float) -> Braking:
         """Bend bristles along the link's way since the last state, and let them pull at the link."""
-        ratio = state.drive.gear_ratio
-        speed = ratio * state.link_speed
+        ratio = self.gear_ratio
+        speed = ratio * speed
         bent = self.friction.bend_bristles(memory[..., 0], 0.5 * (memory[..., 1] + speed), speed, dt)
         lever = self.share * ratio
+        later, slope = np.empty_like(memory), np.empty_like(memory)
+        later[..., 0], later[..., 1] = bent.bristle, speed
+        slope[..., 0], slope[..., 1] = ratio * bent.bristle_slope, ratio
         return Braking(
-            torque=-lever * bent.torque,
-            slope=lever * ratio * bent.torque_slope,
-            memory=np.stack([bent.bristle, speed], axis=-1),
-            memory_slope=np.stack([ratio * bent.bristle_slope, np.broadcast_to(ratio, speed.shape)], axis=-1),
+            torque=-lever * bent.torque, slope=lever * ratio * bent.torque_slope, memory=later, memory_slope=slope
         )

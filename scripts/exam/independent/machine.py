@@ -29,7 +29,7 @@ FAULTS: Mapping[str, str] = MappingProxyType(
         "gap": "half the play of the gearbox, link side [rad], with edges round over a tenth of it",
         "growth": "share by which the spring is stiffer at the deflection `growth_at`, by its magnitude",
         "growth_at": "deflection, link side [rad]",
-        "behind": "share of the friction that rubs behind the spring, by blocks on the way of the link",
+        "behind": "share of the friction that rubs behind the spring, along the way of the link",
         "tooth": "error of the gearbox, link side [rad], once in a turn of the motor",
         "cogging": "torque that comes and goes with the angle of the motor [N m]",
         "cogging_cycles": "of it, per motor turn",

@@ -5,7 +5,8 @@ r"""The independent plant: motors, gearboxes, springs and arm, integrated by the
     \tau_s = -k\, (q - \theta / n) - d\, (\dot q - \dot \theta / n)
 
 Motors of rigid joints move with the arm, and their rotors add :math:`n^2 J` to its mass matrix. Friction that is hidden
-behind springs rubs by blocks on the way of the link, and is :math:`g = g_c + (g_b - g_c) / (1 + |v| / v_s)` strong.
+behind springs yields along the way of the link (Dahl 1968), with the strength
+:math:`g = g_c + (g_b - g_c) / (1 + |v| / v_s)`.
 """
 
 from dataclasses import dataclass
@@ -77,8 +78,7 @@ class Plant:
         self._rotors = rotors[..., None] * np.eye(numbers.shape[1])
         self._all_rigid, self._any_rigid = bool(numbers.rigid.all()), bool(numbers.rigid.any())
         self._lever = 1 / numbers.gear_ratio
-        everywhere = np.ones(numbers.shape, dtype=np.bool_)
-        self._behind = Contact(stiffness=contact.stiffness, has_blocks=everywhere)
+        self._behind = Contact(stiffness=contact.stiffness, has_blocks=np.zeros(numbers.shape, dtype=np.bool_))
 
     def run(self, q: Array, orders: Orders, every: int) -> Course:
         """Follow `orders` from rest at `q` (B, N), and record every so many steps.
