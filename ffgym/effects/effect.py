@@ -226,6 +226,10 @@ class LinkBrake(TorqueEffect):
         """Joints that have it, shape (N,)."""
 
     @abstractmethod
+    def reach(self, dt: float) -> Array:
+        """Return the change of the links' speed for which slopes hold in a step of `dt` [s], [rad/s], (N,)."""
+
+    @abstractmethod
     def brake(self, speed: Array, load: Array | None, memory: Array, dt: float) -> Braking:
         """Return the torque on links at their present speed.
 

@@ -34,7 +34,7 @@ class HoldExam:
     equation, integrator, controller or motion with the simulation."""
     rows: tuple[str, ...] = ()
     """Kinds of questions; none given is all: clean, single, foreign, outside, periodic, pair, poor, poor_clean,
-    no_tracker, no_temperature; of the independent exam clean, single, outside."""
+    no_tracker, no_temperature; of the independent exam clean, single, outside, arm, arm_blind."""
     cases: int | None = None
     """Questions of each kind; none given is a whole exam, some hundred."""
     robot: str | None = None

@@ -21,10 +21,13 @@ Row = Literal[
     "no_tracker",
     "no_temperature",
     "size",
+    "arm",
+    "arm_blind",
 ]
 """Kinds of questions: nothing hidden; an effect of the library; one in another equation; one outside the library; one
 that repeats with the motor; two effects; small circles alone, with and without an effect; logs without a column; an
-effect at several sizes on a robot of the user."""
+effect at several sizes on a robot of the user; friction behind the elasticity in another equation, with and without
+a tracker."""
 
 ROWS: tuple[Row, ...] = get_args(Row)
 

@@ -90,7 +90,7 @@ def replay_hypotheses(
     # measured minus predicted, less the bias that replaying itself has
     try:
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            run = replay(problem.log, machine, problem.like, beside=beside)
+            run = _replay_or_recall(problem, machine, hypotheses, beside)
             rows = compute_residuals(problem.log, predict(run))
             residual = {channel: values - problem.bias[channel] for channel, values in rows.items()}
         if not all(np.isfinite(values).all() for values in residual.values()):
@@ -110,12 +110,40 @@ def replay_hypotheses(
     return Trial(numbers=numbers, hypotheses=tuple(hypotheses), run=run, residual=residual, left=left)
 
 
+_KEPT = 2
+"""Replays that are kept; chosen: each takes 100 MB for 84 s of six axes."""
+
+
+def _replay_or_recall(
+    problem: FitProblem, machine: Machine, hypotheses: Sequence[Hypothesis], beside: Replay | None
+) -> Replay:
+    """Replay a machine, or recall it if it is one of the last that a search asked for: it asks for many of them twice.
+
+    A machine with other numbers than the nominal one is not kept.
+    """
+    if beside is not None or machine.robot is not problem.nominal.robot:
+        return replay(problem.log, machine, problem.like, beside=beside)
+    key, known = tuple(one.values_key for one in hypotheses), problem.last_replays
+    if key in known:
+        return known[key]
+    while len(known) >= _KEPT:
+        del known[next(iter(known))]
+    known[key] = replay(problem.log, machine, problem.like)
+    return known[key]
+
+
 def evaluate(problem: FitProblem, hypotheses: Sequence[Hypothesis], like: Fit | None = None) -> Fit:
     """Evaluate hypotheses at the values that they have: replay, residual, tangents and normal equations."""
     tried = replay_hypotheses(problem, hypotheses)
     if tried is None:
         raise FFGymError(f"No machine can have {', '.join(h.label for h in hypotheses)} with these values.")
     return add_tangents(problem, tried, like)
+
+
+def renew_tangents(problem: FitProblem, fit: Fit) -> Fit:
+    """Compute the tangents of a fit anew, at the values that it has."""
+    tried = Trial(numbers=fit.numbers, hypotheses=fit.hypotheses, run=fit.run, residual=fit.residual, left=fit.left)
+    return add_tangents(problem, tried, None)
 
 
 def add_tangents(problem: FitProblem, tried: Trial, like: Fit | None) -> Fit:

@@ -86,6 +86,11 @@ class Hypothesis:
         """Key that tells it from other hypotheses, whatever its values: effect, joint, and joint that causes it."""
         return self.kind.name, self.joint, self.source
 
+    @property
+    def values_key(self) -> tuple[Any, ...]:
+        """Key that tells it from all others, those with other values included."""
+        return *self.key, self.null, *((name, value.tobytes()) for name, value in self.values.items())
+
     def repeats(self, known: "Hypothesis") -> bool:
         """Tell whether it is the same as `known`; a wave of another frequency is not."""
         if self.key != known.key:

@@ -7,7 +7,7 @@ Tangents are differences of replays to first order: only what an exchange of eff
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -106,14 +106,19 @@ class FitProblem:
         return tuple(found)
 
     @cached_property
+    def last_replays(self) -> dict[tuple[Any, ...], Replay]:
+        """Last replays of the nominal machine with hypotheses, by these."""
+        return {}
+
+    @cached_property
     def design(self) -> DesignMatrix:
         """Design matrix of the nuisance parameters, weighted."""
         return build_design_matrix(self.blocks, self.nuisance_columns, self.weights)
 
     def with_bias(self, bias: Mapping[Channel, Array]) -> Self:
-        """Exchange the bias and keep the design matrix, which does not depend on it and is large."""
+        """Exchange the bias, and keep the design matrix and replays, which do not depend on it and take long."""
         other = replace(self, bias=bias)
-        other.__dict__["design"] = self.design
+        other.__dict__.update(design=self.design, last_replays=self.last_replays)
         return other
 
 

@@ -32,6 +32,10 @@ _KEPT = 2**27
 """Most memory that is taken for steps which other loads take, too [bytes]."""
 
 
+_ITERATIONS, _WHOLE = 10, 4
+"""Newton steps of a brake at most, and those of them that are whole; chosen: hardly any sample takes a second one."""
+
+
 class FlownAwayError(FFGymError):
     """An arm whose springs do not hold it: something pushes it away from where its motors are."""
 
@@ -49,6 +53,10 @@ class Brake(ABC):
     @abstractmethod
     def expect(self, k: int, angle: Array, rate: Array) -> tuple[Array, Array]:
         """Return the torque at sample k at deflection and rate (M, N), and by how much it falls with the rate, >= 0."""
+
+    @abstractmethod
+    def is_near(self, faster: Array) -> bool:
+        """Tell whether slopes hold for rates that are higher than expected by `faster` (M, N) [rad/s]."""
 
     @abstractmethod
     def conclude(self, k: int, faster: Array) -> None:
@@ -269,11 +277,18 @@ class Springs:
             if brake is None:
                 change = np.matmul(steps[k], moved)[..., 0]
             else:
-                braked, slope = brake.expect(k, expected, expected_rate)
-                before, falls = change, dt / 2 * slope[:, every]
-                load += braked[:, every] + falls * before
-                change = _hold_back(np.matmul(steps[k], moved)[..., 0], by_brake[k], falls[:, held], held)
-                faster[:, every] = dt / 2 * (change - before)
+                # Newton's method about a rate that mostly is as good as the one after the step at once
+                given, before, about = load.copy(), change, expected_rate.copy()
+                for iteration in range(_ITERATIONS):
+                    braked, slope = brake.expect(k, expected, about)
+                    falls = slope[:, every]
+                    load[:] = given + braked[:, every] + falls * ((about - expected_rate)[:, every] + dt / 2 * before)
+                    free = np.matmul(steps[k], moved)[..., 0]
+                    change = _hold_back(free, by_brake[k], dt / 2 * falls[:, held], held)
+                    faster[:, every] = (expected_rate - about)[:, every] + dt / 2 * (change - before)
+                    if brake.is_near(faster):
+                        break
+                    about += faster if iteration < _WHOLE else 0.5 * faster
                 brake.conclude(k, faster)
             found.angle[k][:, every], found.rate[k][:, every], found.acceleration[k][:, every] = x, rate, change
         # correct place and rate by the acceleration at the sample

@@ -138,6 +138,7 @@ class _LinkBrakes(Brake):
         self._stiffness, self._damping = state.joint_stiffness, state.joint_damping
         self._memories, self._now = relax(effects, first), list[Braking]()
         self.joints = np.flatnonzero(np.any([effect.brakes for effect in effects], axis=0))
+        self._near = np.min([effect.reach(dt) for effect in effects], axis=0)
         self.wound: Array | None = None
         """Torque by which effects wind the springs at the sample, link side [N m], (M, N)."""
         self.torque = np.zeros(shape)
@@ -155,6 +156,10 @@ class _LinkBrakes(Brake):
             torque, slope = torque + one.torque, slope + one.slope
         self._now, self.torque[k], self._slope = now, torque, slope
         return torque, slope
+
+    def is_near(self, faster: Array) -> bool:
+        """Compare with the rates at which bristles move by a part of their length in a step."""
+        return bool((np.abs(faster) <= self._near).all())
 
     def conclude(self, k: int, faster: Array) -> None:
         """Take memories and the torque along to where the link was faster than expected."""

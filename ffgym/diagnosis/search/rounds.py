@@ -11,7 +11,7 @@ import numpy as np
 
 from ffgym.core.types import Array
 from ffgym.diagnosis.computing import FAILED
-from ffgym.diagnosis.fit.fit import Fit, evaluate
+from ffgym.diagnosis.fit.fit import Fit, evaluate, renew_tangents
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, build_machine
 from ffgym.diagnosis.fit.problem import FitProblem
 from ffgym.diagnosis.fit.refine import fit, polish, refine
@@ -160,7 +160,7 @@ def refit(problem: FitProblem, adopted: ScoredFit) -> ScoredFit:
     # tangents of earlier causes were those of an earlier fit
     if len(adopted.fit.hypotheses) > 1:
         try:
-            adopted = fit_and_score(problem, adopted.fit.hypotheses, begun=True)
+            adopted = score(problem, refine(problem, renew_tangents(problem, adopted.fit)))
         except FAILED:
             return adopted  # with the tangents that it has
     if adopted.fit.left < settings().search.finer_from * float(adopted.fit.equations.rows.sum()):

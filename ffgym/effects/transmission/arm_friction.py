@@ -58,6 +58,10 @@ class ArmFriction(NativeEffect):
         return replace(robot, friction=replace(robot.friction, arm_share=np.minimum(share, 1.0)))
 
 
+_PART = 0.2
+"""Part of the length of bristles within which their slopes hold; chosen: the torque is then known to some per cent."""
+
+
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LinkFriction(LinkBrake):
@@ -86,6 +90,10 @@ class LinkFriction(LinkBrake):
     def brakes(self) -> BoolArray:
         """Joints with friction behind their elasticity, shape (N,)."""
         return self.share > 0
+
+    def reach(self, dt: float) -> Array:
+        """Return the change of speed that bends bristles by a part of their length."""
+        return _PART * self.friction.coulomb / (self.friction.bristle_stiffness * np.abs(self.gear_ratio) * dt)
 
     def initial_memory(self, state: State) -> Array:
         """Return relaxed bristles, and the speed that they see, in units of the motor."""

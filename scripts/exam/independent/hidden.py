@@ -14,7 +14,7 @@ from scripts.exam.equations import Clue
 from scripts.exam.independent.arm import join
 from scripts.exam.independent.machine import Numbers, with_fault
 from scripts.exam.independent.sensors import Columns, View
-from scripts.exam.tasks import Truth
+from scripts.exam.tasks import Row, Truth
 
 _LIMIT_OF_OFFSET = 0.1
 """Largest offset of a torque [N m]: of an effect that the library finds plausible."""
@@ -42,6 +42,13 @@ class Kind:
     """True for a fault of the machine as a whole."""
     of_number: bool = False
     """True if its size is the relative error of a number that is described."""
+    rows: tuple[Row, ...] = ()
+    """Kinds of questions in which it is hidden alone; empty for those of all effects."""
+
+    @property
+    def asked_in(self) -> tuple[Row, ...]:
+        """Kinds of questions in which it is hidden."""
+        return self.rows or (("single",) if self.answer else ("outside",))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -272,7 +279,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType(
         "stiffness": _change_number("joint_stiffness", _either(0.3), _stiffness, _CHANGE, "elastic"),
         "growth": Kind("hardening", _up(1.0), _growth, needs=("elastic",)),
         "gap": Kind("backlash", _up(3e-4), _fault("gap"), {"half_gap": "size"}, needs=("elastic",)),
-        "behind": Kind("arm_friction", _up(0.9), _fault("behind"), needs=("elastic",)),
+        "behind": Kind("arm_friction", _up(0.9), _fault("behind"), needs=("elastic",), rows=("arm", "arm_blind")),
         "tooth": Kind("kinematic_error", _up(3e-4), _fault("tooth"), _ONCE, needs=("elastic",)),
         "payload": Kind("payload", _up(_payload), _heavier, _PAYLOAD, at_machine=True),
         "rotor": _change_number("rotor_inertia", _either(0.2), _larger("rotor"), _CHANGE),

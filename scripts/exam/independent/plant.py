@@ -156,8 +156,7 @@ class Plant:
         matrix, bias = mass_and_bias(n.bodies, q, dq)
         driving = (np.where(n.rigid, n.gear_ratio * torque, spring) if self._any_rigid else spring) - bias
         if "behind" in f:
-            drag = self._rub_link(q, dq)[0] + n.viscous * n.gear_ratio * dq
-            driving = driving - f["behind"] * n.gear_ratio * drag
+            driving = driving - f["behind"] * n.gear_ratio * self._rub_link(q, dq)[0]
         if "balance" in f:
             driving = driving - f["balance"] * np.cos(q)
         ddq = np.linalg.solve(matrix + self._rotors, driving[..., None])[..., 0]
@@ -219,10 +218,13 @@ class Plant:
         return drag * (1 - f["behind"]) if "behind" in f else drag
 
     def _rub_link(self, q: Array, dq: Array) -> tuple[Array, Array]:
-        """Dry friction of links in units of their motors [N m], as if all of it were behind springs, and its memory."""
+        """Friction of links in units of their motors [N m], as if all of it were behind springs, and its memory."""
         n = self.numbers
-        strength = n.coulomb + (n.breakaway - n.coulomb) / (1 + np.abs(n.gear_ratio * dq) / n.stribeck)
-        return self._behind.move(self._link_memory, n.gear_ratio * (q - self._link_start), strength)
+        speed, way = n.gear_ratio * dq, n.gear_ratio * (q - self._link_start)
+        strength = n.coulomb + (n.breakaway - n.coulomb) / (1 + np.abs(speed) / n.stribeck)
+        contact, memory = self._behind.move(self._link_memory, way, strength)
+        yielding = np.clip(1 - np.sign(speed) * contact / strength, 0.0, 2.0)
+        return contact + n.rubbing * speed * yielding + n.viscous * speed, memory
 
     def _spring(self, q: Array, dq: Array, angle: Array, speed: Array, lever: Array) -> Array:
         """Torque of the springs on the links; 0 in rigid joints."""

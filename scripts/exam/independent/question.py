@@ -16,8 +16,12 @@ from scripts.exam.independent.sensors import Exact, record_log
 from scripts.exam.independent.setup import Setup, draw_setup, simulate_machines
 from scripts.exam.tasks import Row, Task
 
-COUNTS: Mapping[Row, int] = MappingProxyType({"clean": 200, "single": 180, "outside": 30})
-"""Questions of a whole exam, by row: nothing hidden; an effect; one outside the library."""
+COUNTS: Mapping[Row, int] = MappingProxyType({"clean": 200, "single": 180, "outside": 30, "arm": 30, "arm_blind": 20})
+"""Questions of a whole exam, by row: nothing hidden; an effect; one outside the library; friction behind the
+elasticity, with a tracker and without."""
+
+_TRACKED: Mapping[Row, bool] = MappingProxyType({"arm": True, "arm_blind": False})
+"""Kinds of questions about elastic machines, whose logs have a tracker or have none."""
 
 ROWS: tuple[Row, ...] = tuple(COUNTS)
 """Kinds of questions that the second exam asks."""
@@ -49,7 +53,7 @@ def draw_task(row: Row, number: int, *, seed: int, **fixed: Any) -> IndependentT
     check_choice("row of the second exam", row, ROWS)
     key = (_KEY, check_whole("seed", seed, low=0), ROWS.index(row), check_whole("number", number, low=0))
     rng = np.random.default_rng(key)
-    setup = draw_setup(rng, **fixed)
+    setup = draw_setup(rng, **({"elastic": True} if row in _TRACKED else {}) | fixed)
     hidden, heard = None, 0.0
     if row == "clean":
         (exact,) = simulate_machines(setup, [(setup.numbers, setup.view)])
@@ -104,11 +108,13 @@ def _draw_stable(
 
 def _kind(row: Row, number: int, seed: int, setup: Setup, rng: np.random.Generator) -> tuple[str, Setup]:
     """Kinds in an order by chance, each once in as many questions; columns that it needs are logged."""
-    names = [name for name, kind in KINDS.items() if bool(kind.answer) == (row == "single")]
+    names = [name for name, kind in KINDS.items() if row in kind.asked_in]
     turn, place = divmod(number, len(names))
     order = np.random.default_rng((_KEY, seed, ROWS.index(row), turn)).permutation(len(names))
     name = names[order[place]]
     logged_too = {need: True for need in KINDS[name].needs if need in ("tracker", "temperature")}
+    if row in _TRACKED:
+        logged_too["tracker"] = _TRACKED[row]
     setup = replace(setup, columns=replace(setup.columns, **logged_too))
     shown = possible(setup.robot, setup.columns)
     if name not in shown:

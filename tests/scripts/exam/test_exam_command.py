@@ -120,14 +120,15 @@ def test_the_second_exam_has_rows_marks_and_demands_of_its_own(asked, tmp_path, 
     arguments = ["--exam", "independent"]
     assert main([*arguments, "--json", str(place)]) == 0
     rows = [row for row, _ in asked.questions]
-    assert {row: rows.count(row) for row in rows} == {"clean": 200, "single": 180, "outside": 30}
+    counts = {"clean": 200, "single": 180, "outside": 30, "arm": 30, "arm_blind": 20}
+    assert {row: rows.count(row) for row in rows} == counts
     assert "clean logs: none" in capsys.readouterr().out
     assert json.loads(place.read_text())["physics_fingerprint"] is None
     for _ in range(2):
         asked.questions.clear()
         assert main([*arguments, "--cases", "3", "--out", str(tmp_path)]) == 0
     assert asked.questions == []
-    assert len((tmp_path / "independent_seed_7.jsonl").read_text().splitlines()) == 10
+    assert len((tmp_path / "independent_seed_7.jsonl").read_text().splitlines()) == 16
     assert main([*arguments, "--rows", "poor"]) == 1
     assert "Unknown row of the exam" in capsys.readouterr().err
 
