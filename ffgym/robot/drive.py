@@ -7,6 +7,7 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError, check_number, check_shape
 from ffgym.core.types import Array, BoolArray
+from ffgym.robot.reading.rules import RULES
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -73,9 +74,10 @@ class Drive:
 
     def _check_torque_path(self) -> None:
         """Check the numbers between command and torque; without effect they become None, so that equals are equal."""
-        for name, ideal in _IDEAL.items():
+        for name in _TORQUE_PATH:
             if (given := getattr(self, name)) is None:
                 continue
+            ideal = _ideal(name)
             values = np.atleast_1d(np.asarray(given, dtype=np.float64))
             check_shape(f"drive.{name}", np.where(values == ideal, 1.0, values), (len(self.gear_ratio),))
             if np.any(values < 0) or (ideal > 0 and np.any(values == 0)):
@@ -108,7 +110,7 @@ class Drive:
 
     def _fill(self, name: str) -> Array:
         values = getattr(self, name)
-        return np.full(len(self.gear_ratio), _IDEAL[name]) if values is None else np.asarray(values)
+        return np.full(len(self.gear_ratio), _ideal(name)) if values is None else np.asarray(values)
 
     @property
     def reflected_inertia(self) -> Array:
@@ -156,8 +158,15 @@ class Drive:
         return torque if self.coupling is None else _with_others(torque, self.matrix.T, motor_torque)
 
 
-_IDEAL = {"torque_lag": 0.0, "torque_delay": 0.0, "torque_rate": np.inf}
-"""Numbers between command and torque, and their values in an ideal drive."""
+_TORQUE_PATH = ("torque_lag", "torque_delay", "torque_rate")
+"""Numbers between command and torque, which an ideal drive lacks."""
+
+
+def _ideal(name: str) -> float:
+    """Value of a number between command and torque in an ideal drive."""
+    neutral = RULES[f"drive.{name}"].neutral
+    assert neutral is not None
+    return neutral
 
 
 def loop_decay(lag: Array, dt: float) -> Array:

@@ -51,6 +51,8 @@ class Rule:
     """True if +inf is valid (a rigid joint)."""
     optional: bool = False
     """True if a description may do without."""
+    neutral: float | None = None
+    """Number that an optional entry has where it is left out; None if it then is not known, or absent."""
     where: str = ""
     """Documents in which its numbers are found."""
     typical: str = ""

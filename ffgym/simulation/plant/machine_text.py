@@ -108,6 +108,9 @@ def _numbers(robot: RobotDescription, known: RobotDescription, source: str) -> l
         if group not in GROUPS:
             continue
         mine, theirs = (getattr(getattr(r, GROUPS[group]), name, None) for r in (robot, known))
+        if rule.neutral is not None and (mine is None) != (theirs is None):  # what one of both leaves out
+            absent = np.full(robot.n_joints, rule.neutral)
+            mine, theirs = absent if mine is None else mine, absent if theirs is None else theirs
         lacking = not rule.optional and path not in known.quantities
         if mine is None or theirs is None or (np.array_equal(mine, theirs) and not lacking):
             continue

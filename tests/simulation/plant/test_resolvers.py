@@ -15,7 +15,7 @@ from ffgym.robot.model.servo import servo_actuator
 from ffgym.simulation import Run, simulate
 from ffgym.simulation.export import export_run
 from ffgym.simulation.export.play import main as play
-from ffgym.simulation.plant import Machine, Plant
+from ffgym.simulation.plant import Machine, Plant, load_machine, save_machine
 from ffgym.studies import circle_references
 from tests.simulation.plant.driving import controls
 
@@ -173,3 +173,23 @@ def test_a_period_that_is_no_multiple_of_the_physics_step_is_one_error(irb4600):
         Plant(reading(irb4600, DT), 1, options=ModelOptions(physics_dt=0.0005))
     with pytest.raises(FFGymError, match=r"drive\.resolver_period"):
         reading(irb4600, -0.1)
+
+
+def test_drives_of_a_batch_do_not_depend_on_each_other(irb4600, circle):
+    def drives(delay, period):
+        real = load_robot("irb4600_60_205_servo_drives")
+        return replace(real, drive=replace(real.drive, torque_delay=np.full(6, delay), resolver_period=period))
+
+    machines = [drives(5e-4, DT), drives(0.0, 0.0), drives(7.3e-4, 2 * DT), drives(0.0, 4 * DT)]
+    together = simulate([circle] * 4, machine=machines)
+    for machine, beside in zip(machines, together, strict=True):
+        alone = simulate([circle], machine=machine)[0]
+        for name in alone.columns:
+            np.testing.assert_array_equal(beside[name], alone[name], err_msg=name)
+
+
+def test_drives_are_written_into_machine_files_and_left_out_again(irb4600, tmp_path):
+    real = load_robot("irb4600_60_205_servo_drives")
+    for robot, named in ((real, "irb4600_60_205"), (irb4600, "irb4600_60_205_servo_drives")):
+        path = save_machine(Machine(robot=robot), tmp_path / "m.toml", title="t", source="s", robot=named)
+        assert load_machine(path).physics(ModelOptions()) == Machine(robot=robot).physics(ModelOptions())
