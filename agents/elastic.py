@@ -16,6 +16,9 @@ there, so that the change of gravity along the motion is compensated and the sag
 integral ends where it alone would give the peak torque, and so does the integral here: far from the pose of the start
 it gets there within seconds.
 
+Friction that acts on the arm (`friction.arm_share`) is part of tau_s, and what is left of it part of tau_f:
+`ffgym.agents.arm_friction`.
+
 Source: inverse dynamics of robots with flexible joints (De Luca and Book, Springer Handbook of Robotics, 2008, section
 13.1.2). Departures: only the torque is changed, the set-points stay those of the rigid robot; the springs are damped;
 torques run straight between samples, so that friction is averaged around them.
@@ -27,14 +30,18 @@ Run it:
 Logged: nothing, the law learns nothing; `ElasticLaw.motor_torque` is the torque that the drives must give.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import final
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
+from ffgym.agents.arm_friction import ArmFriction, ArmStep, Asked
 from ffgym.agents.declaration import AgentEntry, declare
+from ffgym.agents.elastic_memory import ArmPast, ElasticPast
 from ffgym.agents.flexible_joints import (
     Lead,
     friction_along,
@@ -85,7 +92,7 @@ class ElasticLaw(CausalLaw):
     controller: RigidArm | None = None
     """Model behind the existing controller, its servo and rigid feed-forward; defaults to `model`."""
     friction: DynamicLuGreExact | None
-    """Friction of the motors; None leaves it to the servo."""
+    """Friction of the joints, on motors and arm; None leaves it to the servo."""
     preview: int = 4
     """Samples P to see ahead; the lead at a sample comes from P - 2 samples on either side of it."""
     name: str = "elastic"
@@ -129,6 +136,20 @@ class ElasticLaw(CausalLaw):
         """Time constant of the springs d / K [s], shape (N,); 0 for rigid joints."""
         return self.model.robot.drive.joint_damping / self.model.robot.drive.joint_stiffness
 
+    @cached_property
+    def arm_friction(self) -> ArmFriction | None:
+        """Friction behind the elasticity; None where there is none, or friction is left to the servo."""
+        share = self._arm_share
+        if self.friction is None or not np.any(share):
+            return None
+        return ArmFriction(law=self.friction, drive=self.model.robot.drive, share=share)
+
+    @property
+    def _arm_share(self) -> Array:
+        """Share of friction behind the elasticity [1], shape (N,); a rigid joint has it all on one side."""
+        share = None if self.friction is None else self.friction.friction.arm_share
+        return np.zeros(self.n_joints) if share is None else np.where(self.model.robot.drive.is_rigid, 0.0, share)
+
     # Along a whole reference
 
     def torque(self, reference: Reference) -> Array:
@@ -161,14 +182,25 @@ class ElasticLaw(CausalLaw):
         ahead = self.lead(np.moveaxis(sliding_window_view(rows, 2 * reach + 1, axis=0), -1, -2), dt)
         speed = self.motor_speed(np.pad(reference.motor_dq, ((0, 1), (0, 0)), mode="edge"), ahead)
         lead = Lead(angle=ahead.angle[:-1], speed=ahead.speed[:-1], acceleration=ahead.acceleration[:-1])
-        integral = sum_limited(0.5 * dt * (lead.angle[:-1] + lead.angle[1:]), self.known, load[0])
-        friction = np.zeros_like(links) if self.friction is None else friction_along(self.friction, speed, dt)
+        increments = 0.5 * dt * (lead.angle[:-1] + lead.angle[1:])
+        # what friction behind the elasticity asks for beside it
+        added = None
+        if self.arm_friction is not None:
+            arm = self.arm_friction.along(np.pad(reference.motor_dq, ((0, 1), (0, 0)), mode="edge"), dt)
+            asked, added = arm.around(dt), self._added_speed(arm)
+            links, lead = links + asked.torque, lead + asked.lead
+            increments += dt * arm.mean_lead[:-1]
+        # friction of the motors, and all lead as the servo integrates it
+        friction = np.zeros_like(links)
+        if self.friction is not None:
+            friction = (1 - self._arm_share) * friction_along(self.friction, speed, dt, added)
+        integral = sum_limited(increments, self.known, load[0])
         return self._moving_torque(links, reference.motor_ddq, lead, friction), lead, integral
 
     # Sample by sample
 
     def initial_memory(self, window: Window) -> Array:
-        """Return the memory at rest before the motion, in the order of `_pack_memory`."""
+        """Return the memory (`ElasticPast`) at rest before the motion."""
         reach, dt = self.preview - 2, window.dt
         gravity = self.links(window.q[..., 0, :], *np.zeros((2, *window.q[..., 0, :].shape)))
         # torque of the links around samples 0 and 1
@@ -177,36 +209,70 @@ class ElasticLaw(CausalLaw):
         links = links - gravity[..., None, :]
         links = np.concatenate([np.repeat(links[..., :1, :], reach, axis=-2), links], axis=-2)  # it rested before
         first, second = self.lead(links[..., :-1, :], dt), self.lead(links[..., 1:, :], dt)
-        # friction of the first step
-        dq, next_dq = (self.motor_speed(window.motor_dq[..., k, :], lead) for k, lead in enumerate((first, second)))
-        _, friction, bristle = self._friction(np.zeros_like(gravity), dq, next_dq, dt)  # from relaxed bristles on
-        integral = 0.5 * dt * (first.angle + second.angle)
-        return _pack_memory(gravity, links[..., 2:, :], second, integral, bristle, friction)
+        # friction of the first step, from relaxed bristles on
+        ends = ((window.motor_dq[..., 0, :], first), (window.motor_dq[..., 1, :], second))
+        past = ElasticPast.at_rest(gravity, links[..., :-2, :], first, arm=self.arm_friction is not None)
+        return self._advance(past, links[..., 1:, :], ends, dt)[-1].pack()
 
     def step(self, memory: Array, window: Window) -> tuple[Array, Array]:
         """Return the torque at sample 1 (`here`) and the memory one sample on; `after` is sample 2."""
-        # memory, in the order of `_pack_memory`
-        dt, rows = window.dt, memory.reshape(*memory.shape[:-1], -1, self.n_joints)
-        gravity, links = rows[..., 0, :], rows[..., 1:-6, :]
-        angle, speed, acceleration, integral, bristle, friction = (rows[..., k, :] for k in range(-6, 0))
-        lead = Lead(angle=angle, speed=speed, acceleration=acceleration)
+        dt, past = window.dt, ElasticPast.unpack(memory, self.n_joints, arm=self.arm_friction is not None)
         # lead at the next sample, from the newest torque of the links
         here, after, newest = (motion_at(window, k) for k in (1, 2, self.preview))
-        links = np.concatenate([links, (self.links(*newest) - gravity)[..., None, :]], axis=-2)
+        links = np.concatenate([past.links, (self.links(*newest) - past.gravity)[..., None, :]], axis=-2)
         next_lead = self.lead(links, dt)
         # friction within the step, and the torque that moves arm and motors at sample 1
-        dq, next_dq = self.motor_speed(here[1], lead), self.motor_speed(after[1], next_lead)
-        more, next_friction, next_bristle = self._friction(bristle, dq, next_dq, dt)
-        needed = self._moving_torque(links[..., self.preview - 3, :], here[2], lead, friction + more)
-        next_integral = limit_integral(integral + 0.5 * dt * (angle + next_lead.angle), self.known, gravity)
-        memory = _pack_memory(gravity, links[..., 1:, :], next_lead, next_integral, next_bristle, next_friction)
-        return needed - given_torque(self.known, *here, lead, integral), memory
+        friction, asked, later = self._advance(past, links, ((here[1], past.lead), (after[1], next_lead)), dt)
+        carried, lead = links[..., self.preview - 3, :], past.lead
+        if asked is not None:
+            carried, lead = carried + asked.torque, lead + asked.lead
+        needed = self._moving_torque(carried, here[2], lead, past.friction + friction)
+        later = replace(later, integral=limit_integral(later.integral, self.known, past.gravity))
+        return needed - given_torque(self.known, *here, lead, past.integral), later.pack()
+
+    def _advance(
+        self, past: ElasticPast, links: Array, ends: Sequence[tuple[Array, Lead]], dt: float
+    ) -> tuple[Array, Asked | None, ElasticPast]:
+        """Advance by a step.
+
+        Args:
+            past: memory at its start.
+            links: torque of the links at the samples around its end, and one before [N m], (..., 2 w + 1, N).
+            ends: motor speed of the reference [rad/s], and lead for the links, at start and end.
+            dt: its length [s].
+
+        Returns:
+            Friction of the motors in the step as its part of the start [N m], all that friction on the arm asks for at
+            the start, and the memory at the end, with an integral that is not limited yet.
+        """
+        (dq, lead), (next_dq, next_lead) = ends
+        integral = past.integral + 0.5 * dt * (lead.angle + next_lead.angle)
+        asked, arm, added = None, None, None
+        if self.arm_friction is not None and past.arm is not None:
+            step = self.arm_friction.within(past.arm.state, dq, next_dq, dt)
+            (start, end), added = step.parts(dt), self._added_speed(step)
+            asked, arm = past.arm.asked + start, ArmPast(state=step.after, asked=end)
+            integral = integral + dt * step.mean_lead
+        speeds = self.motor_speed(dq, lead), self.motor_speed(next_dq, next_lead)
+        friction, next_friction, bristle = self._friction(past.bristle, *speeds, dt, added)
+        later = ElasticPast(
+            gravity=past.gravity,
+            links=links[..., 1:, :],
+            lead=next_lead,
+            integral=integral,
+            bristle=bristle,
+            friction=next_friction,
+            arm=arm,
+        )
+        return friction, asked, later
 
     def own_error(self, memory: Array) -> tuple[Array, Array]:
         """Return the motor error and its rate that the law causes: motors lead their reference."""
-        rows = memory.reshape(*memory.shape[:-1], -1, self.n_joints)
-        drive = self.model.robot.drive
-        return -drive.motor_angle(rows[..., -6, :]), -drive.motor_angle(rows[..., -5, :])  # as in `_pack_memory`
+        past = ElasticPast.unpack(memory, self.n_joints, arm=self.arm_friction is not None)
+        angle, speed, drive = past.lead.angle, past.lead.speed, self.model.robot.drive
+        if past.arm is not None:
+            angle, speed = angle + past.arm.state.lead, speed + past.arm.state.lead_speed
+        return -drive.motor_angle(angle), -drive.motor_angle(speed)
 
     # Parts of the equation in the head of this file, shape (..., N)
 
@@ -222,27 +288,24 @@ class ElasticLaw(CausalLaw):
         """Compute the motor speed [rad/s] that keeps the arm on the reference."""
         return motor_dq + self.model.robot.drive.motor_angle(lead.speed)
 
-    def _friction(self, z: Array, dq: Array, next_dq: Array, dt: float) -> tuple[Array, Array, Array]:
-        """Compute friction within a step as `step_friction` does; zero without a friction model."""
+    def _friction(
+        self, z: Array, dq: Array, next_dq: Array, dt: float, added: Array | None
+    ) -> tuple[Array, Array, Array]:
+        """Compute friction of the motors within a step as `step_friction` does; zero without a friction model."""
         if self.friction is None:
             return np.zeros_like(z), np.zeros_like(z), z
-        return step_friction(self.friction, z, dq, next_dq, dt)
+        start, end, z = step_friction(self.friction, z, dq, next_dq, dt, added)
+        return (1 - self._arm_share) * start, (1 - self._arm_share) * end, z
+
+    def _added_speed(self, arm: ArmStep) -> Array:
+        """Compute the speed of the motors that friction on the arm asks for within steps [rad/s], (S, ..., N)."""
+        return self.model.robot.drive.motor_angle(arm.lead_speed)
 
     def _moving_torque(self, links: Array, motor_ddq: Array, lead: Lead, friction: Array) -> Array:
         """Compute the torque that moves arm and motors [N m], beyond gravity at the start."""
         drive = self.model.robot.drive
         rotor = drive.rotor_inertia * (motor_ddq + drive.motor_angle(lead.acceleration))
         return drive.motor_torque(links) + rotor + friction
-
-
-def _pack_memory(gravity: Array, links: Array, lead: Lead, integral: Array, bristle: Array, friction: Array) -> Array:
-    """Pack memory (..., (2 w + 7) N): gravity at the start, torque of the links around sample 1, the lead at sample 1.
-
-    Integral and bristles at sample 1 follow, and the friction of the step before it.
-    """
-    last = (lead.angle, lead.speed, lead.acceleration, integral, bristle, friction)
-    rows = np.concatenate([gravity[..., None, :], links, np.stack(last, axis=-2)], axis=-2)
-    return rows.reshape(*rows.shape[:-2], -1)
 
 
 declare(

@@ -8,6 +8,7 @@ before and the step after, weighted by the share that the sample has in the stra
 from dataclasses import dataclass
 from functools import cache
 from math import factorial
+from typing import Self
 
 import numpy as np
 
@@ -26,6 +27,13 @@ class Lead:
     """[rad/s]."""
     acceleration: Array
     """[rad/s^2]."""
+
+    def __add__(self, other: Self) -> Self:
+        return type(self)(
+            angle=self.angle + other.angle,
+            speed=self.speed + other.speed,
+            acceleration=self.acceleration + other.acceleration,
+        )
 
 
 def motion_at(window: Window, k: int) -> tuple[Array, Array, Array]:
@@ -128,7 +136,9 @@ def links_torque(arm: RigidArm, q: Array, motor_dq: Array, motor_ddq: Array, *, 
     return torque.reshape(q.shape)
 
 
-def step_friction(law: DynamicLuGreExact, z: Array, dq: Array, next_dq: Array, dt: float) -> tuple[Array, Array, Array]:
+def step_friction(
+    law: DynamicLuGreExact, z: Array, dq: Array, next_dq: Array, dt: float, added: Array | None = None
+) -> tuple[Array, Array, Array]:
     """Compute friction within a control step, as parts of the torque at its two ends, and the bristles after it.
 
     Args:
@@ -137,17 +147,18 @@ def step_friction(law: DynamicLuGreExact, z: Array, dq: Array, next_dq: Array, d
         dq: motor speed at the start [rad/s], shape (..., N).
         next_dq: motor speed at the end [rad/s], shape (..., N).
         dt: length of the step [s].
+        added: speed beside the straight line from start to end, in the middle of each sub-step [rad/s], (S, ..., N).
 
     Returns:
         Parts that belong to the start and to the end [N m], and the bristle deflection at the end [rad], (..., N) each.
         The parts of a constant friction are half of it.
     """
-    middles, speeds, z = bristles_within(law, z, dq, next_dq, dt)
+    middles, speeds, z = bristles_within(law, z, dq, next_dq, dt, added)
     return *in_parts(law.friction.torque(middles, speeds)), z
 
 
 def bristles_within(
-    law: DynamicLuGreExact, z: Array, dq: Array, next_dq: Array, dt: float
+    law: DynamicLuGreExact, z: Array, dq: Array, next_dq: Array, dt: float, added: Array | None = None
 ) -> tuple[Array, Array, Array]:
     """Integrate the bristles within a control step; arguments as in `step_friction`.
 
@@ -156,6 +167,8 @@ def bristles_within(
         end, (..., N).
     """
     speeds = np.stack([dq + (next_dq - dq) * share for share in law.shares])
+    if added is not None:
+        speeds = speeds + added
     middles = np.empty_like(speeds)
     for k, (keep, gain) in enumerate(
         zip(*law.friction.exact_bristle_factors(speeds, dt / law.n_substeps), strict=True)
@@ -175,15 +188,31 @@ def in_parts(torques: Array) -> tuple[Array, Array]:
     return start, end
 
 
-def friction_along(law: DynamicLuGreExact, motor_dq: Array, dt: float) -> Array:
+def friction_along(law: DynamicLuGreExact, motor_dq: Array, dt: float, added: Array | None = None) -> Array:
     """Average friction around samples of the motor speed (T, N) [rad/s], from relaxed bristles on [N m], (T - 1, N).
 
-    The last sample has no step behind it, and is left out.
+    The last sample has no step behind it, and is left out. `added` is as in `step_friction`, (S, T - 1, N).
     """
-    keep, gain = law.advance(motor_dq[:-1], motor_dq[1:], dt)
-    z = np.zeros_like(motor_dq)
-    for k in range(len(keep)):
-        z[k + 1] = keep[k] * z[k] + gain[k]
-    start, end, _ = step_friction(law, z[:-1], motor_dq[:-1], motor_dq[1:], dt)
-    start[1:] += end[:-1]
-    return start
+    if added is None:
+        z = accumulate(*law.advance(motor_dq[:-1], motor_dq[1:], dt))
+    else:  # the deflection after a step is linear in the one before it
+        none, one = np.zeros_like(motor_dq[:-1]), np.ones_like(motor_dq[:-1])
+        from_none, from_one = (bristles_within(law, z, motor_dq[:-1], motor_dq[1:], dt, added)[2] for z in (none, one))
+        z = accumulate(from_one - from_none, from_none)
+    start, end, _ = step_friction(law, z, motor_dq[:-1], motor_dq[1:], dt, added)
+    return join_parts(start, end)
+
+
+def join_parts(start: Array, end: Array) -> Array:
+    """Add the parts of each step's start (T, N) and those of the end of the step before it [N m], shape (T, N)."""
+    joined = start.copy()
+    joined[1:] += end[:-1]
+    return joined
+
+
+def accumulate(keep: Array, gain: Array) -> Array:
+    """Solve x[k + 1] = keep[k] x[k] + gain[k] from 0 on, for all steps but the last, shape as both (T, N)."""
+    values = np.zeros_like(gain)
+    for k in range(len(gain) - 1):
+        values[k + 1] = keep[k] * values[k] + gain[k]
+    return values
