@@ -32,6 +32,7 @@ from .residual.training import train as train
 from .residual_torque import learn_residual_torque as learn_residual_torque
 from .stability import LearningStability as LearningStability
 from .supervised import MotorRecord as MotorRecord
+from .tensor_bspline import TensorBSN as TensorBSN
 from .trials import RigTrial as RigTrial
 from .trials import SimulatedTrial as SimulatedTrial
 from .trials import every_speed as every_speed

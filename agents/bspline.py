@@ -6,6 +6,9 @@ A spline is non-zero on a few knots only, so that training at some speeds leaves
     static (5.1)      u_lff = sum_s w_s mu_s(v),                      v: motor speed of the reference
     extended (5.2)    u_lff = H1(v) where its acceleration is >= 0, H2(v) where it is < 0; each is a static network
 
+`ffgym.agents.tensor_bspline` has networks over speed and position. An update is (5.5), which divides by the sum of each
+spline, or the plain gradient (3.16) where `normalised` is False.
+
 Run it:
 
     ffgym train bspline --network extended --out network.npz
@@ -61,14 +64,14 @@ class SplineBasis:
     """S B-splines of one order on one set of knots; S is the number of knots + order - 2."""
 
     knots: Array = field(default_factory=thesis_knots)
-    """Motor speeds [rad/s], ascending, shape (K,)."""
+    """Motor speeds [rad/s], or places on the axis of another input, ascending, shape (K,)."""
     order: int = 2
     """Order j; 1 gives steps, 2 hats (thesis 5.1.1), 3 parabolas."""
 
     def __post_init__(self) -> None:
         knots = check_shape("knots", self.knots, (None,))
         if len(knots) < 2 or np.any(np.diff(knots) <= 0):
-            raise FFGymError(f"knots = {knots.tolist()} must be two or more speeds in rad/s, each above the last.")
+            raise FFGymError(f"knots = {knots.tolist()} must be two or more numbers, each above the last.")
         object.__setattr__(self, "knots", knots)
         object.__setattr__(self, "order", check_whole("order", self.order, low=1))
 
@@ -106,13 +109,15 @@ class SplineBasis:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class BSplineNetwork(Network):
-    """One or more B-spline networks per motor; members select the one that answers."""
+    """One or more B-spline networks per motor; members say which weights answer."""
 
     coefficients: Array
     """Weights w [N m], motor side, shape (N, H, S): joints, networks of a joint, splines."""
     basis: SplineBasis = field(default_factory=SplineBasis)
-    n_networks: ClassVar[int]
-    """Networks per joint H."""
+    normalised: bool = True
+    """Division of each weight's update by the sum of its spline, thesis (3.17); without it, (3.16)."""
+    n_networks: ClassVar[int | None]
+    """Networks per joint H; None where an object sets them."""
 
     def __post_init__(self) -> None:
         shape = (None, self.n_networks, self.basis.n_splines)
@@ -124,11 +129,21 @@ class BSplineNetwork(Network):
     def zero(cls, n_joints: int, basis: SplineBasis | None = None, **fields: Any) -> Self:
         """Return a network with zero weights, which adds nothing."""
         basis = basis or SplineBasis()
-        return cls(coefficients=np.zeros((n_joints, cls.n_networks, basis.n_splines)), basis=basis, **fields)
+        return cls(coefficients=np.zeros((n_joints, cls.n_networks or 1, basis.n_splines)), basis=basis, **fields)
 
     @abstractmethod
-    def select_network(self, motor_ddq: Array) -> IntArray:
-        """Number of the network of a joint that answers at motor acceleration `motor_ddq` [rad/s^2]; same shape."""
+    def active(self, motor_dq: Array, motor_ddq: Array, place: Array | None = None) -> tuple[Array, IntArray]:
+        """Evaluate the splines that answer: values, and places of weights among a joint's H S; (..., A) each.
+
+        Args:
+            motor_dq: motor speed [rad/s].
+            motor_ddq: motor acceleration [rad/s^2].
+            place: joint position as `locate` gives it; only networks over position need it.
+        """
+
+    def locate(self, q: Array) -> Array:
+        """Return joint positions `q` (..., N) [rad], link side, on the axis of the position splines, if there are."""
+        return q
 
     @property
     def n_joints(self) -> int:
@@ -150,24 +165,29 @@ class BSplineNetwork(Network):
 
     def step(self, memory: Array, window: Window) -> tuple[Array, Array]:
         """Return the torque of the next sample; the network has no memory."""
-        return self.torque_at(window.motor_dq[..., 1, :], window.motor_ddq[..., 1, :]), memory
+        dq, ddq, q = window.motor_dq[..., 1, :], window.motor_ddq[..., 1, :], window.q[..., 1, :]
+        return self.torque_at(dq, ddq, q), memory
 
-    def torque_at(self, motor_dq: Array, motor_ddq: Array) -> Array:
-        """Compute the torque [N m] at motor speed [rad/s] and acceleration [rad/s^2], all of shape (..., N)."""
-        values, places = self.active(motor_dq, motor_ddq)
+    def torque_at(self, motor_dq: Array, motor_ddq: Array, q: Array | None = None) -> Array:
+        """Compute the torque [N m] at a motion of the motors, all of shape (..., N).
+
+        Args:
+            motor_dq: motor speed [rad/s].
+            motor_ddq: motor acceleration [rad/s^2].
+            q: joint position [rad], link side; only networks over position need it.
+
+        Raises:
+            FFGymError: if the network needs a position and there is none.
+        """
+        values, places = self.active(motor_dq, motor_ddq, None if q is None else self.locate(q))
         flat = self.coefficients.reshape(self.n_joints, -1)
         return np.asarray((values * flat[np.arange(self.n_joints)[:, None], places]).sum(axis=-1))
 
-    def active(self, motor_dq: Array, motor_ddq: Array) -> tuple[Array, IntArray]:
-        """Evaluate the splines that answer: values, and places of weights among a joint's H S; (..., order) each."""
-        values, splines = self.basis.active(motor_dq)
-        return values, splines + self.basis.n_splines * self.select_network(motor_ddq)[..., None]
-
-    def design_matrix(self, motor_dq: Array, motor_ddq: Array) -> "scipy.sparse.csr_array":
+    def design_matrix(self, motor_dq: Array, motor_ddq: Array, place: Array | None = None) -> "scipy.sparse.csr_array":
         """Return splines along a motion of one joint, (T, H S): torque = matrix @ weights of the joint in one row."""
-        values, places = self.active(motor_dq, motor_ddq)
-        ends = np.arange(len(motor_dq) + 1) * self.basis.order
-        shape = (len(motor_dq), self.n_networks * self.basis.n_splines)
+        values, places = self.active(motor_dq, motor_ddq, place)
+        ends = np.arange(len(motor_dq) + 1) * values.shape[-1]
+        shape = (len(motor_dq), self.coefficients[0].size)
         return scipy.sparse.csr_array((values.ravel(), places.ravel(), ends), shape=shape)
 
     def adapt(self, lessons: Sequence[Lesson], rate: float) -> Self:
@@ -175,42 +195,58 @@ class BSplineNetwork(Network):
 
         .. math:: \Delta w_s = \gamma \sum_k z(k) \mu_s(v(k)) \, / \sum_k \mu_s(v(k))
 
-        Standstill does not count, and a spline that saw no data keeps its weight.
+        Without the denominator where the network is not `normalised`, thesis (3.16). Standstill does not count, and a
+        spline that saw no data keeps its weight.
         """
         # numerator and denominator of (5.5), summed over lessons
-        missing = np.zeros((self.n_joints, self.n_networks * self.basis.n_splines))
+        missing = np.zeros((self.n_joints, self.coefficients[0].size))
         seen = np.zeros_like(missing)
         for lesson in lessons:
-            rows = lesson.moving
+            rows, places = lesson.moving, self.locate(lesson.q)
             for joint in range(self.n_joints):
-                splines = self.design_matrix(lesson.motor_dq[rows, joint], lesson.motor_ddq[rows, joint])
+                at = lesson.motor_dq[rows, joint], lesson.motor_ddq[rows, joint], places[rows, joint]
+                splines = self.design_matrix(*at)
                 missing[joint] += splines.T @ lesson.signal[rows, joint]
                 seen[joint] += splines.sum(axis=0)
-        step = np.divide(missing, seen, out=np.zeros_like(missing), where=seen > 0)
+        step = np.divide(missing, seen, out=np.zeros_like(missing), where=seen > 0) if self.normalised else missing
         return replace(self, coefficients=self.coefficients + rate * step.reshape(self.coefficients.shape))
 
     def parts(self) -> tuple[dict[str, Any], dict[str, Array]]:
-        """Return name and order, and the arrays of weights and knots."""
+        """Return name, order and the kind of update, if it is not the usual one, and arrays of weights and knots."""
         return (
-            {"name": self.name, "order": self.basis.order},
+            {"name": self.name, "order": self.basis.order} | ({} if self.normalised else {"normalised": False}),
             {"coefficients": self.coefficients, "knots": self.basis.knots},
         )
 
     @classmethod
     def from_parts(cls, settings: Mapping[str, Any], arrays: Mapping[str, Array]) -> Self:
         """Rebuild the network from `parts`."""
+        fields = {"name": settings["name"], "normalised": settings.get("normalised", True)}
         basis = SplineBasis(knots=arrays["knots"], order=settings["order"])
-        return cls(coefficients=arrays["coefficients"], basis=basis, **{"name": settings["name"]})
+        return cls(coefficients=arrays["coefficients"], basis=basis, **fields)
+
+
+class SwitchedBSN(BSplineNetwork):
+    """B-spline networks over speed, of which the acceleration selects one."""
+
+    @abstractmethod
+    def select_network(self, motor_ddq: Array) -> IntArray:
+        """Number of the network of a joint that answers at motor acceleration `motor_ddq` [rad/s^2]; same shape."""
+
+    def active(self, motor_dq: Array, motor_ddq: Array, place: Array | None = None) -> tuple[Array, IntArray]:
+        """Evaluate the splines of the network that answers, (..., order) each; see `BSplineNetwork.active`."""
+        values, splines = self.basis.active(motor_dq)
+        return values, splines + self.basis.n_splines * self.select_network(motor_ddq)[..., None]
 
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class StaticBSN(BSplineNetwork):
+class StaticBSN(SwitchedBSN):
     """One network per motor over the reference speed, thesis (5.1)."""
 
     name: str = "bsn_static"
     kind: ClassVar[str] = "bsn_static"
-    n_networks: ClassVar[int] = 1
+    n_networks: ClassVar[int | None] = 1
 
     def select_network(self, motor_ddq: Array) -> IntArray:
         """Return 0: a motor has one network."""
@@ -219,7 +255,7 @@ class StaticBSN(BSplineNetwork):
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class ExtendedBSN(BSplineNetwork):
+class ExtendedBSN(SwitchedBSN):
     """Two networks per motor, thesis (5.2): H1 while the reference speeds up or keeps its speed, H2 for the rest.
 
     "Speeds up" goes by the sign of the acceleration, not of speed times acceleration, as in the thesis.
@@ -227,7 +263,7 @@ class ExtendedBSN(BSplineNetwork):
 
     name: str = "bsn_extended"
     kind: ClassVar[str] = "bsn_extended"
-    n_networks: ClassVar[int] = 2
+    n_networks: ClassVar[int | None] = 2
 
     def select_network(self, motor_ddq: Array) -> IntArray:
         """Return 0 (H1) where the acceleration is >= 0, 1 (H2) where it is < 0."""

@@ -11,6 +11,7 @@ from ffgym.agents import (
     narx,
     oracle,
     residual_torque,
+    tensor_bspline,
 )
 from ffgym.agents.residual import policy
 
@@ -18,6 +19,7 @@ MODULES = (
     baselines,
     lugre,
     bspline,
+    tensor_bspline,
     feedback_error,
     narx,
     residual_torque,

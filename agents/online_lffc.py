@@ -92,13 +92,13 @@ class OnlineLFFC:
         # update of the weights at the speed of this sample
         error, error_rate = (self.agent.layout.read(observation, name) for name in ("error", "error_rate"))
         u_p = servo_torque(self.servo, error, error_rate, np.zeros_like(error)).u_p
-        dq, ddq = window.motor_dq, window.motor_ddq
-        values, places = self.network.active(dq[..., 0, :], ddq[..., 0, :])
+        dq, ddq, located = window.motor_dq, window.motor_ddq, self.network.locate(window.q)
+        values, places = self.network.active(dq[..., 0, :], ddq[..., 0, :], located[..., 0, :])
         missing = np.where(dq[..., 0, :] == 0, 0.0, u_p)
         learned = np.take_along_axis(weights, places, axis=-1) + self.rate * missing[..., None] * values
         np.put_along_axis(weights, places, learned, axis=-1)
         # torque of the new weights at the speed of the next sample
-        values, places = self.network.active(dq[..., 1, :], ddq[..., 1, :])
+        values, places = self.network.active(dq[..., 1, :], ddq[..., 1, :], located[..., 1, :])
         torque = (values * np.take_along_axis(weights, places, axis=-1)).sum(axis=-1)
         action = torque / self.agent.layout["added_torque"].scale
         return action, weights.reshape(*weights.shape[:-2], -1)

@@ -5,7 +5,8 @@ Along a given motion, the torque of the feedback is nearly linear in the weights
 .. math::
     u_p(w) = u_p(0) - G B w, \qquad w_+ = w + \gamma N B^T u_p(w) = (I - \gamma L) w + const, \qquad L = N B^T G B
 
-B holds the splines along the motion, N is diagonal with one over the sum of each spline, and G is the effect of added
+B holds the splines along the motion, N is diagonal with one over the sum of each spline (the identity for updates that
+are not normalised, thesis (3.16)), and G is the effect of added
 torque on the feedback (`ffgym.agents.feedback_loop`). A pattern of weights that is an eigenvector of L changes by the
 factor 1 - gamma lambda in each iteration. Learning is stable while no factor is larger than 1. Thesis 7.2 leaves this
 open.
@@ -142,7 +143,8 @@ class LearningStability:
         maps = []
         for joint, (part, columns) in enumerate(zip(splines, met, strict=True)):
             own = scipy.sparse.csr_array(part[:, columns])
-            average = scipy.sparse.csr_array(scipy.sparse.diags_array(1 / own.sum(axis=0)) @ own.T)
+            scale = 1 / own.sum(axis=0) if network.normalised else np.ones(len(columns))
+            average = scipy.sparse.csr_array(scipy.sparse.diags_array(scale) @ own.T)
             loss = losses[:, joint, : len(columns)].copy()
             maps.append(LearningMap(average=average, loss=loss, signal=losses[:, joint, -1].copy()))
         # advice by the cause of growth
@@ -193,6 +195,8 @@ class _Motion:
     """[rad/s], shape (R, N)."""
     motor_ddq: Array
     """[rad/s^2], shape (R, N)."""
+    q: Array
+    """[rad], link side, shape (R, N)."""
     learned: IntArray
     """Rows that are learned from, shape (T,): those of a recording, without standstill."""
 
@@ -211,7 +215,7 @@ class _Motion:
             torque=reference.motor_ddq[None],  # straight lines between samples, as lessons see it
             dt=servo.control_dt,
         )
-        _, motor_dq, motor_ddq = setpoints.at_rows(recorded * stride)
+        motor_q, motor_dq, motor_ddq = setpoints.at_rows(recorded * stride)
         rows = np.arange(0, motor_dq.shape[1], stride)
         t, moving = np.arange(len(rows), dtype=np.float64) * record_dt, np.zeros(len(rows), dtype=np.bool_)
         for phase in reference.phases:  # as in lessons
@@ -222,12 +226,14 @@ class _Motion:
             rows_per_step=recorded * stride,
             motor_dq=motor_dq[0],
             motor_ddq=motor_ddq[0],
+            q=reference.robot.drive.joint_angle(motor_q[0]),
             learned=rows[moving],
         )
 
     def splines(self, network: BSplineNetwork, joint: int) -> "scipy.sparse.csr_array":
         """Return the splines of a joint at the rows that are learned from, shape (T, S)."""
-        return network.design_matrix(self.motor_dq[self.learned, joint], self.motor_ddq[self.learned, joint])
+        motion = (self.motor_dq, self.motor_ddq, network.locate(self.q))
+        return network.design_matrix(*(part[self.learned, joint] for part in motion))
 
     def losses(self, network: BSplineNetwork, arm: RigidArm, met: Sequence[IntArray], signal: Signal) -> Array:
         """Compute the signal's loss to each weight that is met, zeros, and last the signal at first; (T, N, K + 1).
@@ -240,7 +246,8 @@ class _Motion:
         # torque of each spline, and last the friction that the network does not compensate
         torque = np.zeros((*reference.q.shape, max(len(columns) for columns in met) + 1))
         for joint, columns in enumerate(met):
-            splines = network.design_matrix(reference.motor_dq[:, joint], reference.motor_ddq[:, joint])
+            samples = (reference.motor_dq, reference.motor_ddq, network.locate(reference.q))
+            splines = network.design_matrix(*(part[:, joint] for part in samples))
             torque[:, joint, : len(columns)] = splines[:, columns].toarray()
         torque[:, :, -1] = -network.torque(reference)
         torque[0] = 0.0  # no torque is computed before t = 0

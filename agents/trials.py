@@ -9,7 +9,7 @@ import numpy as np
 from ffgym.control.setpoints import torque_at_rows
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.types import Array, BoolArray, IntArray
-from ffgym.logs.preparation import read_motor_side, read_motor_torque
+from ffgym.logs.preparation import read_joint_side, read_motor_side, read_motor_torque
 from ffgym.paths import SPEEDS, Reference
 from ffgym.recordings import Recording
 from ffgym.recordings.metrics import motor_error
@@ -102,11 +102,13 @@ class CountedTrial:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Lesson:
-    """Lesson of one recording for each motor: T rows in time order, motor side."""
+    """Lesson of one recording for each motor: T rows in time order, motor side unless said otherwise."""
 
     reference: Reference
     t: Array
     """Times [s], shape (T,)."""
+    q: Array
+    """Joint position of the reference [rad], link side, shape (T, N)."""
     motor_dq: Array
     """Motor speed of the reference [rad/s], shape (T, N)."""
     motor_ddq: Array
@@ -140,6 +142,7 @@ class Lesson:
         return cls(
             reference=reference,
             t=recording.t,
+            q=read_joint_side(robot, recording, "reference.position"),
             motor_dq=motor_dq,
             motor_ddq=motor_ddq,
             signal=learning_signal(recording, robot, signal),

@@ -80,8 +80,12 @@ class PolicyTraining(PolicyOptions):
 class NetworkOptions:
     """Options of a network: its task, its motions and its training."""
 
-    network: Literal["static", "extended"] = "extended"
-    """One B-spline network per motor, or two by the sign of the acceleration."""
+    network: Literal["static", "extended", "tensor"] = "extended"
+    """One B-spline network per motor, two by the sign of the acceleration, or one over speed and position."""
+    position_knots: int = 9
+    """Knots over the range of each joint on these motions (tensor)."""
+    unnormalised: bool = False
+    """Learn by the plain gradient, thesis (3.16), instead of dividing by the sum of each spline; needs --gamma."""
     robot: str = "irb4600_60_205"
     """Built-in robot, a path to a description that ends in .toml, or, to train, workcell:<name or seed>."""
     positions: tuple[str, ...] = ("p1",)

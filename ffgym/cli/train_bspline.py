@@ -1,7 +1,9 @@
 """`ffgym train bspline` and `stability`: B-spline networks, learned trial by trial, and how fast they may learn."""
 
 import sys
+from collections.abc import Sequence
 from dataclasses import asdict
+from typing import Any
 
 import numpy as np
 
@@ -10,6 +12,7 @@ from ffgym.agents.coulomb_prior import CoulombPrior
 from ffgym.agents.law_files import save_law
 from ffgym.agents.lffc import LFFC, Learning, relative, robot_seconds, thesis_training
 from ffgym.agents.stability import LearningStability, learning_curves
+from ffgym.agents.tensor_bspline import TensorBSN, even_positions
 from ffgym.agents.trials import RigTrial, SimulatedTrial, training_motions
 from ffgym.cli.learning_options import BSpline, NetworkOptions, Stability
 from ffgym.cli.outputs import check_outputs, given_options, print_places, provenance, write_numbers
@@ -23,7 +26,24 @@ from ffgym.report.learning_plots import learning_figure
 from ffgym.robot import RigidArm, RobotDescription
 
 NETWORKS: dict[str, type[StaticBSN] | type[ExtendedBSN]] = {"static": StaticBSN, "extended": ExtendedBSN}
-"""Networks by the word for them on the command line."""
+"""Networks over speed alone by the word for them on the command line."""
+
+
+def make_network(config: NetworkOptions, motions: Sequence[Reference], order: int = 2, **fields: Any) -> BSplineNetwork:
+    """Make the network of the options with zero weights; `fields` has other fields of it.
+
+    Raises:
+        FFGymError: if an option has no effect, or there is no motion.
+    """
+    if not motions:
+        raise FFGymError("There is no motion to learn on; give one frequency or more.")
+    fields["normalised"], basis = not config.unnormalised, SplineBasis(order=order)
+    if config.network == "tensor":
+        positions = even_positions(config.position_knots, order)
+        return TensorBSN.along(motions, basis, positions, **fields)
+    if given := given_options(config, ("position_knots",)):
+        raise FFGymError(f"{given[0]} has no effect on the {config.network} network, only on tensor. Leave it out.")
+    return NETWORKS[config.network].zero(motions[0].robot.n_joints, basis, **fields)
 
 
 def motions_of(config: NetworkOptions, arm: RigidArm) -> list[Reference]:
@@ -41,7 +61,16 @@ def motions_of(config: NetworkOptions, arm: RigidArm) -> list[Reference]:
 
 
 def _rate_and_iterations(config: NetworkOptions, robot: RobotDescription) -> tuple[float, int]:
-    """Learning rate and updates, those of the thesis where none are given."""
+    """Learning rate and updates, those of the thesis where none are given.
+
+    Raises:
+        FFGymError: if the thesis has no rate for the update.
+    """
+    if config.unnormalised and config.gamma is None:
+        raise FFGymError(
+            "--unnormalised needs --gamma: sums over all samples move weights by far more than their mean does; "
+            "ffgym train stability --unnormalised --gamma 0.001 says which rates are stable."
+        )
     usual = thesis_training(robot.n_joints)
     return (
         usual.rate if config.gamma is None else config.gamma,
@@ -62,7 +91,7 @@ def bspline(config: BSpline) -> None:
     robot, motions, record_dt = rig.robot, motions_of(config, rig.arm), config.record_dt_ms / 1e3
     trial = RigTrial(rig=rig, seed=config.seed, record_dt=record_dt, n_threads=config.threads)
     # network before learning: zero, or the Coulomb friction that one trial shows
-    first = NETWORKS[config.network].zero(robot.n_joints, SplineBasis(order=config.order), name=config.out.stem)
+    first = make_network(config, motions, config.order, name=config.out.stem)
     if config.prior:
         first = first.with_curve(CoulombPrior.from_trial(motions, trial).torque_at)
     # learning rate, and a warning where it makes the iteration unstable
@@ -117,9 +146,7 @@ def stability(config: Stability) -> None:
     rate = check_number("gamma", rate, low=0.0, open_low=True)
     iterations = check_whole("iterations", iterations, low=0)
     motions = motions_of(config, arm)
-    if not motions:
-        raise FFGymError("There is no motion to learn on; give one frequency or more.")
-    network = NETWORKS[config.network].zero(arm.robot.n_joints)
+    network = make_network(config, motions)
     groups = [[motion] for motion in motions] + ([motions] if len(motions) > 1 else [])
     for group in groups:
         study = LearningStability.of(network, arm, group, signal=config.signal, record_dt=record_dt)
@@ -164,6 +191,11 @@ def learning_table(learning: Learning, joints: tuple[str, ...]) -> str:
     return "\n".join(lines)
 
 
+def _number(value: float) -> str:
+    """A number in 9 places; small ones, as rates of sums over many samples are, with three digits."""
+    return f"{value:9.3f}" if value >= 0.01 or value == 0 else f"{value:9.2g}"
+
+
 def stability_table(study: LearningStability, rate: float, iterations: int) -> str:
     """Largest stable rates, growth at `rate`, and friction's share in the signal that is left, per joint, as text."""
     mean_squares = study.mean_squares(rate, iterations)
@@ -175,5 +207,5 @@ def stability_table(study: LearningStability, rate: float, iterations: int) -> s
     }
     width = max(map(len, rows))
     lines = [" " * width + "".join(joint.rjust(9) for joint in study.joints)]
-    lines += [name.ljust(width) + "".join(f"{value:9.3f}" for value in values) for name, values in rows.items()]
+    lines += [name.ljust(width) + "".join(map(_number, values)) for name, values in rows.items()]
     return "\n".join(lines)

@@ -13,6 +13,7 @@ def lesson(reference: Reference, signal, motor_dq=None, motor_ddq=None, moving=N
     return Lesson(
         reference=reference,
         t=np.arange(rows) * 0.001,
+        q=reference.q[:rows],
         motor_dq=reference.motor_dq[:rows] if motor_dq is None else motor_dq,
         motor_ddq=reference.motor_ddq[:rows] if motor_ddq is None else motor_ddq,
         signal=signal,

@@ -88,6 +88,21 @@ def test_the_update_is_the_gradient_of_the_quadratic_cost_over_the_sum_of_each_s
 
 
 @pytest.mark.parametrize("kind", NETWORKS)
+def test_the_update_that_is_not_normalised_is_the_gradient_itself(kind, sine, random_network, tmp_path):
+    """(3.16): rate times the sum over samples of signal times spline, for each weight by itself."""
+    network = replace(random_network(kind), normalised=False)
+    signal = np.cos(3 * sine.motor_dq)
+    sums = np.zeros(network.coefficients[0].size)
+    for dq, ddq, z in zip(sine.motor_dq, sine.motor_ddq, signal[:, 0], strict=True):
+        values, places = network.active(dq, ddq)
+        sums[places[0]] += z * values[0]
+    step = network.adapt([lesson(sine, signal)], 0.01).coefficients - network.coefficients
+    np.testing.assert_allclose(step.ravel(), 0.01 * sums, rtol=0, atol=1e-10)
+    assert np.abs(step).max() > 0.5  # the sum of many samples at a rate of 0.01
+    assert load_law(save_law(tmp_path / "mine.npz", network)).normalised is False
+
+
+@pytest.mark.parametrize("kind", NETWORKS)
 def test_several_lessons_count_as_one_long_one(kind, sine, random_network):
     network = random_network(kind)
     signal = np.cos(sine.motor_dq)

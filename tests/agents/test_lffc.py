@@ -93,7 +93,8 @@ def series(network, cost, z_cost, **options):
     learning = Learning.begin(network, 1)
     for e, z in zip(np.array(cost), np.array(z_cost), strict=True):
         one = Lesson(
-            reference=None, t=np.zeros(1), motor_dq=np.full((1, len(e)), 5.0), motor_ddq=np.ones((1, len(e))),
+            reference=None, t=np.zeros(1), q=np.zeros((1, len(e))),
+            motor_dq=np.full((1, len(e)), 5.0), motor_ddq=np.ones((1, len(e))),
             signal=z[None], added=np.zeros((1, len(e))), error=e[None], moving=np.array([True]),
         )  # fmt: skip
         learning = learning.after([one], rate=0.5, **{"tolerance": 0.0, "patience": 2, **options})

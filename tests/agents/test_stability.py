@@ -112,6 +112,19 @@ def test_on_one_axis_learning_goes_as_predicted_below_and_above_the_limit(axis, 
     np.testing.assert_allclose(np.sqrt(curves.predicted[:, :5]), np.sqrt(curves.simulated[:, :5]), rtol=0.15, atol=0.03)
 
 
+def test_without_normalisation_learning_goes_as_predicted_at_rates_as_small_as_sums_are_large(axis, sines):
+    """Thesis (3.16): the limit falls by about the sum of the best-fed spline, and is the simulated one."""
+    trial, network = SimulatedTrial(arm=axis, n_threads=1), StaticBSN.zero(1, normalised=False)
+    study = LearningStability.of(network, axis, [sines[1.0]])
+    limit = float(study.largest_rate[0])
+    assert limit < 0.1
+    (curves,) = learning_curves(network, trial, sines[1.0], [0.9 * limit, 1.5 * limit], 8)
+    assert curves.simulated[0, -1] < 0.5 * curves.simulated[0, 0]
+    assert curves.simulated[1, -1] > 4 * curves.simulated[1].min()
+    np.testing.assert_allclose(np.sqrt(curves.predicted[:, :5]), np.sqrt(curves.simulated[:, :5]), rtol=0.15, atol=0.03)
+    assert "is above the largest stable one" in str(study.warning(0.8))
+
+
 def test_on_the_robot_learning_falls_below_the_limit_and_grows_above_it(arm, circles):
     trial = SimulatedTrial(arm=arm, n_threads=2)
     curves = learning_curves(ExtendedBSN.zero(6), trial, circles[0.01], [0.95, 3.0], 10)

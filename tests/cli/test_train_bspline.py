@@ -7,6 +7,7 @@ import pytest
 
 from ffgym.agents.bspline import ExtendedBSN, StaticBSN
 from ffgym.agents.law_files import load_law, unpack
+from ffgym.agents.tensor_bspline import TensorBSN
 from ffgym.agents.trials import thesis_motions
 from ffgym.cli.main import main
 from ffgym.robot import ModelOptions, RigidArm, compile_model, physics_fingerprint
@@ -58,6 +59,18 @@ def test_a_row_per_trial_is_printed(tmp_path, capsys):
     assert isinstance(load_law(tmp_path / "a.npz"), StaticBSN)
 
 
+def test_a_tensor_network_learns_by_the_plain_gradient_where_both_are_asked_for(tmp_path):
+    options = ["--network", "tensor", "--position-knots", "5", "--unnormalised", "--gamma", "0.004"]
+    out = tmp_path / "mine.npz"
+    assert main(["train", "bspline", *FEW, *options, "--out", str(out), "--json", str(tmp_path / "a.json")]) == 0
+    law = load_law(out)
+    assert isinstance(law, TensorBSN)
+    assert not law.normalised
+    assert law.coefficients.shape == (1, 5, 79)
+    error = np.ravel(json.loads((tmp_path / "a.json").read_text())["mean_square_error_rad2"])
+    assert error[-1] < 0.8 * error[0]
+
+
 def test_an_interrupted_training_goes_on_with_resume_and_only_with_it(tmp_path, trained, capsys, monkeypatch):
     options = ["train", "bspline", *FEW, "--prior", "--out", str(tmp_path / "mine.npz")]
 
@@ -87,6 +100,9 @@ def test_an_interrupted_training_goes_on_with_resume_and_only_with_it(tmp_path, 
         (["--positions", "p9"], "Unknown position 'p9'"),
         (["--gamma", "0"], "learning rate gamma = 0.0 is out of range"),
         (["--order", "0"], "order = 0"),
+        (["--unnormalised"], "--unnormalised needs --gamma"),
+        (["--network", "tensor", "--position-knots", "1"], "position knots = 1"),
+        (["--position-knots", "5"], "--position-knots has no effect on the extended network"),
     ],
 )
 def test_a_training_that_cannot_run_is_one_line_and_exit_code_1(arguments, message, tmp_path, capsys, monkeypatch):
