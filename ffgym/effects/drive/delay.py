@@ -39,7 +39,8 @@ class TorqueDelay(TorqueEffect):
     side = "motor"
     signature = "torque: proportional to its own rate of change, in quadrature with the acceleration"
     way_in = (
-        "torque at every physics step, with memory; delays of MuJoCo's actuators would delay set-points, not torque"
+        "torque at every physics step, with memory, as `drive.torque_delay` of a description; delays of MuJoCo's "
+        "actuators would delay set-points, not torque"
     )
     confusable_with = ("F2", "G2", "T8", "X5")
     separating_motions = ("excitation",)
