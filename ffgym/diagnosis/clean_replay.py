@@ -48,7 +48,7 @@ def replay_finely(log: Log, run: Replay, *, smooth: bool = False) -> list[Record
     else:
         finest = _refine(log, parts, smooth)
         friction, every = friction_on_motors(run.robot, finest.slip_dq, finest.dq, finest.dt), parts // few
-        bristles = Bristles(torque=friction.torque[::every], sign=friction.sign[::every])
+        bristles = Bristles(torque=friction.torque[::every], whole=friction.whole[::every], sign=friction.sign[::every])
         fine = replay(_refine(log, few, smooth), run.machine, bristles=bristles, exact=True)
     return [_record(log, run, fine, few, i) for i in range(n_motions)]
 

@@ -11,7 +11,7 @@ which changes the load of the motors and the place of the tool.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from ffgym.core.types import Array
 from ffgym.diagnosis.replay import Replay, predict, replay
 from ffgym.diagnosis.replay.channels import delay
 from ffgym.diagnosis.replay.rows import have_same_links, have_same_numbers
-from ffgym.diagnosis.replay.states import friction_on_links, friction_on_motors
+from ffgym.diagnosis.replay.states import along_links, friction_on_motors
 from ffgym.diagnosis.residual import Channel
 from ffgym.effects import Effect, NativeEffect, TorqueEffect
 from ffgym.effects.along import torques_along
@@ -101,18 +101,26 @@ def perturb_numbers(run: Replay, other: RobotDescription) -> Perturbation:
     return Perturbation(motor=motor, links=links, spring=spring)
 
 
-def _change_friction(run: Replay, robot: RobotDescription, faster: Array | float = 0.0) -> tuple[Array, Array | None]:
+def _change_friction(run: Replay, robot: RobotDescription, faster: Array | None = None) -> tuple[Array, Array | None]:
     """Compute the torque that motors must give more, motor side, and that links ask for more, link side [N m].
 
     By the friction of another robot, or at joint speeds that differ by `faster` [rad/s] wherever motors move;
     (T, M, N) each.
     """
-    log = run.log
-    slip = log.slip_dq + np.where(log.slip_dq != 0, faster, 0.0)
-    motor = friction_on_motors(robot, slip, log.dq + faster, log.dt).torque - run.bristles.torque
-    speed = log.dq + run.deflection.rate
-    here, there = friction_on_links(run.robot, speed, log.dt), friction_on_links(robot, speed + faster, log.dt)
-    return motor, add(there, None if here is None else -here)
+    log, own, behind = run.log, run.robot.arm_share, robot.arm_share
+    # friction of all joints as if it were at the motors, and at the links; of another share alone it is the same
+    motor, links = run.bristles.whole, run.friction_along_links if np.any(own) or np.any(behind) else None
+    whole, along = motor, links
+    if faster is not None or not have_same_numbers(replace(robot.friction, arm_share=own), run.robot.friction):
+        more = 0.0 if faster is None else faster
+        slip = log.slip_dq + np.where(log.slip_dq != 0, more, 0.0)
+        whole = friction_on_motors(robot, slip, log.dq + more, log.dt).whole
+        if links is not None:
+            along = along_links(robot, log.dq + run.deflection.rate + more, log.dt).whole
+    pushed = (1 - behind) * whole - run.bristles.torque
+    if links is None or along is None:
+        return pushed, None
+    return pushed, run.robot.drive.gear_ratio * (behind * along - own * links)
 
 
 def perturb_motion(run: Replay, further: Array) -> Perturbation:
@@ -220,7 +228,10 @@ def shift_clocks(run: Replay, gone: Sequence[Effect], come: Sequence[Effect]) ->
     return found
 
 
-def replay_change(run: Replay, machine: Machine) -> Parts:
-    """Replay the log on another machine for the change of all channels: of effects with joints of their own."""
-    before, after = predict(run), predict(replay(run.log, machine, run))
+def replay_change(run: Replay, machine: Machine, before: Mapping[Channel, Array] | None = None) -> Parts:
+    """Replay the log on another machine for the change of all channels: of effects with joints of their own.
+
+    `before` is what the replay itself predicts, if it is known.
+    """
+    before, after = before or predict(run), predict(replay(run.log, machine, run))
     return {(c, k): after[c][..., k] - rows[..., k] for c, rows in before.items() for k in range(rows.shape[2])}

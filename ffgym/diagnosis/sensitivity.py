@@ -21,7 +21,7 @@ from ffgym.diagnosis.perturbation import (
     replay_change,
     shift_clocks,
 )
-from ffgym.diagnosis.replay import Replay, predict_feedback, predict_tracker
+from ffgym.diagnosis.replay import Replay, predict, predict_feedback, predict_tracker
 from ffgym.diagnosis.settings import settings
 from ffgym.diagnosis.variant import Cycles, Variant, add_effect, list_variants
 from ffgym.effects import ClockEffect, Effect, ModelEffect, NativeEffect, ResolverEffect, TrackerEffect
@@ -188,11 +188,11 @@ is less than a third of a turn away from that of one of them, after six swings."
 
 def compute_stiffness_sensitivities(run: Replay, joints: Iterable[int]) -> list[Sensitivity]:
     """Compute sensitivities of the springs of `joints` by replays; each change is a candidate of its own."""
-    found = []
+    found, here = [], predict(run)
     for j in joints:
         for choice, change in enumerate(_CHANGES, start=1):
             softer = add_effect(run.machine, JointStiffness(change=change * np.eye(run.robot.n_joints)[j]))
-            parts = {key: rows / change for key, rows in replay_change(run, softer).items()}
+            parts = {key: rows / change for key, rows in replay_change(run, softer, here).items()}
             joint = run.robot.joints[j]
             found.append(
                 Sensitivity(effect=JointStiffness, joint=joint, parameter="change", choice=choice, parts=parts)

@@ -8,6 +8,7 @@ No controller takes part, so that nothing of the log's feedback can hide or inve
 derivative of the motor angle is needed. An effect acts by its own code, as it does in a simulation.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -29,16 +30,18 @@ from ffgym.diagnosis.replay.links import (
 from ffgym.diagnosis.replay.springs import Deflection, Springs
 from ffgym.diagnosis.replay.states import (
     Bristles,
+    along_links,
     arm_effects,
     deflect,
     friction_on_motors,
     state_of,
 )
 from ffgym.diagnosis.settings import settings
-from ffgym.effects import State
+from ffgym.effects import State, TorqueEffect
 from ffgym.effects.along import torques_along
 from ffgym.effects.effect import LinkBrake
 from ffgym.effects.together import add, sum_along
+from ffgym.effects.transmission.arm_friction import LinkFriction
 from ffgym.effects.transmission.base_flexibility import BaseFlexibility
 from ffgym.logs.preparation import differentiate_motions
 from ffgym.robot import RigidArm, RobotDescription
@@ -100,6 +103,11 @@ class Replay:
     def link_q(self) -> Array:
         """Angle of the links [rad], link side."""
         return self.log.q + self.deflection.angle
+
+    @cached_property
+    def friction_along_links(self) -> Array:
+        """Torque of all friction, as if it were behind the elasticity, in units of the motors [N m], (T, M, N)."""
+        return along_links(self.robot, self.log.dq + self.deflection.rate, self.log.dt).whole
 
     def link_torque(self, robot: RobotDescription) -> Array:
         """Compute the torque that the links of a robot take in this motion [N m], link side, (T, M, N)."""
@@ -190,7 +198,7 @@ def replay(
     rigid_torque = links.torque(log.ddq) + (0.0 if tilt is None else tilt.torque)
     # deflections of another replay hold if nothing that acts on the arm differs
     stands = tilt is None and alike_driven is not None and alike_driven.tilt is None
-    if alike_driven is not None and stands and not on_arm and not arm_effects(alike_driven.machine):
+    if alike_driven is not None and stands and _bend_alike(on_arm, arm_effects(alike_driven.machine)):
         deflection = alike_driven.deflection
     else:
         deflection = deflect(springs, state, on_arm, -rigid_torque, rough, log.dt)
@@ -227,6 +235,13 @@ def replay(
         torque=torque,
         tilt=tilt,
     )
+
+
+def _bend_alike(some: Sequence[TorqueEffect], others: Sequence[TorqueEffect]) -> bool:
+    """Tell whether joints bend alike under effects: under none, or under the same friction on the links."""
+    if not all(isinstance(effect, LinkFriction) for effect in (*some, *others)):
+        return False
+    return have_same_numbers(tuple(some), tuple(others))
 
 
 def _beyond_slopes(

@@ -32,8 +32,8 @@ _KEPT = 2**27
 """Most memory that is taken for steps which other loads take, too [bytes]."""
 
 
-_ITERATIONS, _WHOLE = 10, 4
-"""Newton steps of a brake at most, and those of them that are whole; chosen: hardly any sample takes a second one."""
+_ITERATIONS = 20
+"""Newton steps of a brake at most; chosen: hardly any sample takes a second one."""
 
 
 class FlownAwayError(FFGymError):
@@ -264,7 +264,8 @@ class Springs:
         x[:], change = start[:, e], np.zeros((shape[1], n))
         found.angle[0][:, every] = x
         expected, expected_rate = start.copy(), np.zeros_like(start)
-        faster, held = np.zeros_like(start), np.searchsorted(e, [] if brake is None else brake.joints)
+        held_at = e[:0] if brake is None else brake.joints
+        faster, one, held = np.zeros_like(start), np.ones_like(start), np.searchsorted(e, held_at)
         by_brake = steps[..., held]
         # predict place and rate, evaluate the push there, solve for the acceleration
         for k in range(1, shape[0]):
@@ -277,18 +278,26 @@ class Springs:
             if brake is None:
                 change = np.matmul(steps[k], moved)[..., 0]
             else:
-                # Newton's method about a rate that mostly is as good as the one after the step at once
-                given, before, about = load.copy(), change, expected_rate.copy()
+                before, about = change, expected_rate
+                scale, last = one, one
+                free = np.matmul(steps[k], moved)[..., 0]
+                # Newton's method about the expected rate, which mostly is as good as the one after the step at once
                 for iteration in range(_ITERATIONS):
                     braked, slope = brake.expect(k, expected, about)
-                    falls = slope[:, every]
-                    load[:] = given + braked[:, every] + falls * ((about - expected_rate)[:, every] + dt / 2 * before)
-                    free = np.matmul(steps[k], moved)[..., 0]
-                    change = _hold_back(free, by_brake[k], dt / 2 * falls[:, held], held)
-                    faster[:, every] = (expected_rate - about)[:, every] + dt / 2 * (change - before)
+                    force, falls = braked[:, held_at], slope[:, held_at]
+                    force += falls * (dt / 2 * before[:, held])
+                    if iteration:
+                        force += falls * (about - expected_rate)[:, held_at]
+                    pushed = free + np.matmul(by_brake[k], force[..., None])[..., 0]
+                    change = _hold_back(pushed, by_brake[k], dt / 2 * falls, held)
+                    faster[:, every] = dt / 2 * (change - before)
+                    if iteration:
+                        faster -= about - expected_rate
                     if brake.is_near(faster):
                         break
-                    about += faster if iteration < _WHOLE else 0.5 * faster
+                    # joints that turn back go half as far
+                    scale = np.where((faster * last < 0) & (iteration > 0), 0.5 * scale, scale)
+                    last, about = faster.copy(), about + scale * faster
                 brake.conclude(k, faster)
             found.angle[k][:, every], found.rate[k][:, every], found.acceleration[k][:, every] = x, rate, change
         # correct place and rate by the acceleration at the sample

@@ -26,6 +26,8 @@ class Bristles:
 
     torque: Array
     """[N m], viscous part included; opposes the motion."""
+    whole: Array
+    """The same of all friction, that behind the elasticity included, as if it were at these speeds."""
     sign: Array
     """LuGre-smoothed sign of the motor speed s = sigma_0 z / g(v) [1]."""
 
@@ -47,8 +49,10 @@ def along_speed(friction: LuGreParameters, slip: Array, speed: Array, dt: float,
     keep, gain = _bristle_factors(friction, slip, dt)
     start = load * friction.stribeck_level(0.0 * slip[0]) / friction.bristle_stiffness
     bristle = first_order(keep, gain, start)
+    torque = friction.torque(bristle, slip) + friction.viscous * (speed - slip)
     return Bristles(
-        torque=friction.torque(bristle, slip) + friction.viscous * (speed - slip),
+        torque=torque,
+        whole=torque,
         sign=friction.bristle_stiffness * bristle / friction.stribeck_level(slip),
     )
 
@@ -59,12 +63,10 @@ def friction_on_motors(robot: RobotDescription, slip: Array, speed: Array, dt: f
     return replace(found, torque=(1 - robot.arm_share) * found.torque)
 
 
-def friction_on_links(robot: RobotDescription, speed: Array, dt: float) -> Array | None:
-    """Friction of a robot on its links, along their speeds, link side [N m], (T, M, N); None if there is none."""
-    if not np.any(robot.arm_share):
-        return None
-    ratio = robot.drive.gear_ratio
-    return ratio * robot.arm_share * along_speed(robot.friction, ratio * speed, ratio * speed, dt).torque
+def along_links(robot: RobotDescription, speed: Array, dt: float) -> Bristles:
+    """Friction of a robot along speeds of its links [rad/s], in units of its motors, as if all of it were there."""
+    speed = robot.drive.gear_ratio * speed
+    return along_speed(robot.friction, speed, speed, dt)
 
 
 def _bristle_factors(friction: LuGreParameters, slip: Array, dt: float) -> tuple[Array, Array]:

@@ -9,7 +9,7 @@ from ffgym.diagnosis.log import assemble_log
 from ffgym.diagnosis.perturbation import perturb, propagate
 from ffgym.diagnosis.replay import predict, replay
 from ffgym.diagnosis.replay.springs import Springs
-from ffgym.diagnosis.replay.states import flown, friction_on_links
+from ffgym.diagnosis.replay.states import along_links, flown
 from ffgym.diagnosis.residual_rows import find_valid_rows
 from ffgym.effects import EFFECTS, State
 from ffgym.effects.transmission.arm_friction import LinkFriction
@@ -79,5 +79,42 @@ def test_links_that_creep_behind_their_motors_stick_until_the_spring_tears_them_
     np.testing.assert_allclose(bent.angle[-1, 0], -steady / stiffness, rtol=0.02)
     np.testing.assert_allclose(bent.braking[-1, 0], -steady, rtol=0.02)
     # bristles along the motion that was found pull as they did in its steps
-    along = friction_on_links(robot, speed + bent.rate, dt)
+    along = SHARE * robot.drive.gear_ratio * along_links(robot, speed + bent.rate, dt).torque
     assert np.sqrt(np.mean((along + bent.braking) ** 2)) < 0.05 * np.abs(steady).max()
+
+
+def test_friction_on_links_that_stays_bends_joints_no_second_time(recording, behind):
+    log = assemble_log(nominal().robot, [recording])
+    first = replay(log, nominal().with_robot(behind.physical))
+    more = replace(first.machine, effects=(EFFECTS["cogging"].on(nominal().robot, amplitude=0.01, cycles=4.0),))
+    again = replay(log, more, first)
+    assert again.deflection is first.deflection
+    np.testing.assert_allclose(again.torque, replay(log, more).torque, rtol=0, atol=1e-12)
+    other = replay(log, behind, replay(log, nominal()))
+    np.testing.assert_array_equal(other.deflection.angle, first.deflection.angle)
+
+
+def test_a_light_link_behind_a_motor_that_trembles_sticks_after_a_motion():
+    """Bristles that turn back within a step: steps with slopes about expected rates alone rang, at several rad/s."""
+    robot, dt, n = nominal().robot, 0.002, 1500
+    robot = replace(
+        robot,
+        friction=replace(robot.friction, arm_share=np.full(2, SHARE)),
+        drive=replace(
+            robot.drive,
+            joint_stiffness=0.1 * robot.drive.joint_stiffness,
+            joint_damping=0.1 * robot.drive.joint_damping,
+        ),
+    )
+    t, drive = dt * np.arange(n), robot.drive
+    swing = 0.1 * (1 - np.cos(4 * np.pi * np.minimum(t, 1.5)))[:, None, None]
+    angle = swing + 1e-6 * np.random.default_rng(0).standard_normal((n, 1, 2))
+    speed, none = np.gradient(angle, dt, axis=0), np.zeros_like(angle)
+    mass = 1e-5 * np.diag(drive.joint_stiffness)
+    springs = Springs(
+        mass=np.broadcast_to(mass, (n, 1, 2, 2)), stiffness=drive.joint_stiffness, damping=drive.joint_damping, dt=dt
+    )
+    given = {"time": t[:, None, None], "joint_angle": angle, "joint_speed": speed}
+    state = State.of(robot, **given, deflection=none, deflection_rate=none)
+    bent = flown(springs, state, [LinkFriction.of(robot)], -np.gradient(speed, dt, axis=0) @ mass, none[0], dt)
+    assert np.abs(speed + bent.rate)[900:].max() < 0.01
