@@ -219,7 +219,8 @@ class _Pass:
         before = assemble_residual(log, found.nominal.fit.run, first, ready.floor)
         loud = loudness(problem, rest)
         # verdict, weakened by rivals that the log cannot show
-        blind = list_blind_rivals(found.final.fit.hypotheses, not_judgeable)
+        sees_arm = log.tool is not None or log.link is not None
+        blind = list_blind_rivals(found.final.fit.hypotheses, not_judgeable, sees_arm=sees_arm)
         verdict = weaken_for_blind_rivals(judge(problem, found, loudness(problem, first), loud), blind)
         self.report("looking at what is left", 0.95)
         # patterns of what is left, if that is more than noise

@@ -25,6 +25,7 @@ from ffgym.diagnosis.replay import Replay, predict, predict_feedback, predict_tr
 from ffgym.diagnosis.settings import settings
 from ffgym.diagnosis.variant import Cycles, Variant, add_effect, list_variants
 from ffgym.effects import ClockEffect, Effect, ModelEffect, NativeEffect, ResolverEffect, TrackerEffect
+from ffgym.effects.transmission.arm_friction import ArmFriction
 from ffgym.effects.transmission.stiffness import JointStiffness
 
 _TOGETHER = 24
@@ -186,15 +187,37 @@ _CHANGES = (-0.24, -0.16, -0.08, 0.08, 0.16, 0.24)
 is less than a third of a turn away from that of one of them, after six swings."""
 
 
+_SHARES = (0.45, 0.9)
+"""Shares of friction that move behind the elasticity, which are replayed; chosen: all that is plausible, and half."""
+
+
 def compute_stiffness_sensitivities(run: Replay, joints: Iterable[int]) -> list[Sensitivity]:
     """Compute sensitivities of the springs of `joints` by replays; each change is a candidate of its own."""
+    return _compute_by_replays(run, JointStiffness, "change", _CHANGES, joints)
+
+
+def compute_share_sensitivities(run: Replay, joints: Iterable[int]) -> list[Sensitivity]:
+    """Compute sensitivities of friction behind the elasticity of `joints` by replays, likewise.
+
+    Slopes are those of links that turn with their motors. With much friction behind a soft spring they stand while it
+    is wound up, and what a log shows of it is far from the slope.
+    """
+    return _compute_by_replays(run, ArmFriction, "share", _SHARES, joints)
+
+
+def _compute_by_replays(
+    run: Replay, kind: type[Effect], parameter: str, sizes: Sequence[float], joints: Iterable[int]
+) -> list[Sensitivity]:
+    """Compute sensitivities by replays with an effect of several sizes, on one joint after the other."""
     found, here = [], predict(run)
     for j in joints:
-        for choice, change in enumerate(_CHANGES, start=1):
-            softer = add_effect(run.machine, JointStiffness(change=change * np.eye(run.robot.n_joints)[j]))
-            parts = {key: rows / change for key, rows in replay_change(run, softer, here).items()}
+        for choice, size in enumerate(sizes, start=1):
+            other = add_effect(run.machine, kind(**{parameter: size * np.eye(run.robot.n_joints)[j]}))
+            try:
+                change = replay_change(run, other, here)
+            except FAILED:
+                continue  # a machine that cannot be so
+            parts = {key: rows / size for key, rows in change.items()}
             joint = run.robot.joints[j]
-            found.append(
-                Sensitivity(effect=JointStiffness, joint=joint, parameter="change", choice=choice, parts=parts)
-            )
+            found.append(Sensitivity(effect=kind, joint=joint, parameter=parameter, choice=choice, parts=parts))
     return found

@@ -79,9 +79,26 @@ def name_shapes_at_limit(problem: FitProblem, fit: Fit) -> tuple[str, ...]:
     return tuple(f"{name} of {hypothesis.label}" for hypothesis, name in find_shapes_at_limit(problem, fit))
 
 
-def list_blind_rivals(causes: Sequence[Hypothesis], not_judgeable: Sequence[UnjudgedEffect]) -> tuple[Rival, ...]:
-    """List rivals that the log cannot show: similar effects that vary over a session with a quantity that it lacks."""
+_UNSEEN_ARM = "the log has neither a tracked tool position nor encoders behind the gearbox"
+
+
+def list_blind_rivals(
+    causes: Sequence[Hypothesis], not_judgeable: Sequence[UnjudgedEffect], *, sees_arm: bool = True
+) -> tuple[Rival, ...]:
+    """List rivals that the log cannot show.
+
+    Similar effects that vary over a session with a quantity that it lacks, and those that torque does not tell from
+    effects of the arm, where nothing `sees_arm`.
+    """
     unseen = [(kind, one.reason) for one in not_judgeable if (kind := EFFECTS[one.effect]).varies_with]
+    pairs = [
+        (cause, kind, reason)
+        for cause in causes
+        for kind, reason in unseen
+        if cause.kind.varies_with and kind.code in cause.kind.confusable_with
+    ]
+    for cause in () if sees_arm else causes:
+        pairs += [(cause, kind, _UNSEEN_ARM) for kind in EFFECTS.values() if kind.code in cause.kind.alike_in_torque]
     return tuple(
         Rival(
             effect=kind.name,
@@ -91,9 +108,7 @@ def list_blind_rivals(causes: Sequence[Hypothesis], not_judgeable: Sequence[Unju
             against=cause.label,
             reason=f"cannot be judged: {reason}; a log that shows it tells both apart",
         )
-        for cause in causes
-        for kind, reason in unseen
-        if cause.kind.varies_with and kind.code in cause.kind.confusable_with
+        for cause, kind, reason in pairs
     )
 
 

@@ -55,6 +55,8 @@ class Effect(ABC):
     """Protocols (`ffgym record`) whose recordings separate it from those."""
     needs_elasticity: ClassVar[bool] = False
     """True if it acts through the elasticity of the joint, so that a rigid joint cannot have it."""
+    alike_in_torque: ClassVar[tuple[str, ...]] = ()
+    """Codes of effects that it cannot be told from for sure where nothing measures the arm, tool or links."""
     varies_with: ClassVar[tuple[Literal["temperature", "running"], ...]] = ()
     """Fields of the state without whose change it looks like a simpler effect."""
     at_low_speed: ClassVar[bool] = False

@@ -1,6 +1,7 @@
 """Generator of candidates: all effects of the library, periodic ones at the frequencies that the residual has.
 
-Where a joint is far from its description, much stiffer and softer springs are candidates, too.
+Where a joint is far from its description, much stiffer and softer springs are candidates, too, and much friction
+behind them.
 """
 
 from collections.abc import Mapping, Sequence
@@ -14,10 +15,15 @@ from ffgym.diagnosis.prepare import DiagnosisCache, PreparedSearch, list_candida
 from ffgym.diagnosis.residual import Channel, components
 from ffgym.diagnosis.residual_rows import assemble_residual
 from ffgym.diagnosis.search.candidates import Candidates
-from ffgym.diagnosis.sensitivity import compute_sensitivities, compute_stiffness_sensitivities
+from ffgym.diagnosis.sensitivity import (
+    compute_sensitivities,
+    compute_share_sensitivities,
+    compute_stiffness_sensitivities,
+)
 from ffgym.diagnosis.settings import settings
 from ffgym.diagnosis.variant import Cycles
 from ffgym.effects import Effect
+from ffgym.effects.transmission.arm_friction import ArmFriction
 from ffgym.effects.transmission.stiffness import JointStiffness
 
 _LOOKED_FOR: tuple[tuple[Amplitude, int], ...] = (("constant", 2), ("torque", 1))
@@ -49,12 +55,14 @@ class CandidateGenerator:
         problem = self._ready.problem
         rest = subtract_nuisances(problem, fit)
         loud = loudness(problem, rest)
-        if JointStiffness in self._kinds:
-            # other springs on elastic joints whose torque is far from what it should be
-            elastic = [j for j in self._ready.run.springs.elastic.tolist() if j not in self._sprung]
-            if far := [j for j in elastic if loud.get(("torque", j), 0.0) > settings().screening.spring_from]:
+        # other springs, and friction behind them, on elastic joints whose torque is far from what it should be
+        elastic = [j for j in self._ready.run.springs.elastic.tolist() if j not in self._sprung]
+        if far := [j for j in elastic if loud.get(("torque", j), 0.0) > settings().screening.spring_from]:
+            if JointStiffness in self._kinds:
                 made = made.beside(compute_stiffness_sensitivities(self._ready.run, far))
-                self._sprung.update(far)
+            if ArmFriction in self._kinds:
+                made = made.beside(compute_share_sensitivities(self._ready.run, far))
+            self._sprung.update(far)
         if new := _exclude_tried(self._cycles(fit, rest, loud), self._tried):
             periodic = [kind for kind in self._kinds if repeats(kind)]
             made = made.beside(compute_sensitivities(self._ready.run, periodic, new))

@@ -21,7 +21,7 @@ class PreslidingStiffness(NativeEffect):
     side = "motor"
     signature = "torque: width and rounding of the loop over the travel since the last reversal; nothing in sliding"
     way_in = "native: sigma_0 and sigma_1 of MuJoCo's LuGre friction"
-    confusable_with = ("F3", "F10")
+    confusable_with = ("F3", "F10", "T9")
     separating_motions = ("slow_triangles", "speed_ladder", "dwell_restart")
     at_low_speed = True
     needs_friction = True

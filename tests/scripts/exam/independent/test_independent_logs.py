@@ -108,3 +108,20 @@ def test_a_diagnosis_that_ends_in_an_error_is_an_answer(monkeypatch):
     assert mark.outcome == "insufficient"
     assert mark.sentence.startswith("ValueError")
     assert mark.conditions == small.setup.label
+
+
+@pytest.mark.parametrize("n", [1, pytest.param(2, marks=pytest.mark.slow)])
+def test_friction_behind_a_spring_is_named_alone_where_a_tracker_sees_the_arm(n, gears_that_keep_the_sign, hiding):
+    hiding("behind")
+    task = draw_task("arm", 0, seed=4, n=n, **TIDY, **SHORT)
+    assert task.truth[0].loudness > 10
+    answer = IndependentExam().answer(task)
+    assert answer.verdict == "named", answer.sentence
+    assert mark_of(task, answer).outcome == "right"
+
+
+@pytest.mark.parametrize("n", [1, pytest.param(2, marks=pytest.mark.slow)])
+def test_friction_behind_a_spring_is_no_other_cause_where_no_tracker_sees_the_arm(n, gears_that_keep_the_sign, hiding):
+    hiding("behind")
+    answer = IndependentExam().answer(draw_task("arm_blind", 0, seed=4, n=n, **TIDY, **SHORT))
+    assert answer.verdict in ("ambiguous", "unknown"), answer.sentence
