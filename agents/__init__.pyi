@@ -3,6 +3,7 @@ from .bspline import SplineBasis as SplineBasis
 from .bspline import StaticBSN as StaticBSN
 from .catalogue import CATALOGUE as CATALOGUE
 from .catalogue import make_law as make_law
+from .changing_motions import ChangingMotions as ChangingMotions
 from .coulomb_prior import CoulombPrior as CoulombPrior
 from .declaration import AgentEntry as AgentEntry
 from .declaration import AgentSetting as AgentSetting

@@ -9,7 +9,7 @@ B holds the splines along the motion, N is diagonal with one over the sum of eac
 are not normalised, thesis (3.16)), and G is the effect of added
 torque on the feedback (`ffgym.agents.feedback_loop`). A pattern of weights that is an eigenvector of L changes by the
 factor 1 - gamma lambda in each iteration. Learning is stable while no factor is larger than 1. Thesis 7.2 leaves this
-open.
+open; `ffgym.agents.changing_motions` has trials that each run another motion.
 
 Run it:
 
@@ -23,7 +23,7 @@ Departures from the source: none. Limits: each joint by itself, small deviations
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from math import ceil
 from typing import Self
@@ -63,6 +63,8 @@ class LearningMap:
     """G B, the loss of the learning signal to each weight, shape (T, K)."""
     signal: Array
     """Learning signal with the weights that learning starts from, as predicted, motor side [N m], shape (T,)."""
+    splines: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    """Numbers of the splines that are met among the weights of the joint, shape (K,)."""
 
     @cached_property
     def eigenvalues(self) -> ComplexArray:
@@ -146,7 +148,8 @@ class LearningStability:
             scale = 1 / own.sum(axis=0) if network.normalised else np.ones(len(columns))
             average = scipy.sparse.csr_array(scipy.sparse.diags_array(scale) @ own.T)
             loss = losses[:, joint, : len(columns)].copy()
-            maps.append(LearningMap(average=average, loss=loss, signal=losses[:, joint, -1].copy()))
+            start = losses[:, joint, -1].copy()
+            maps.append(LearningMap(average=average, loss=loss, signal=start, splines=columns))
         # advice by the cause of growth
         cure = ""
         if signal == "e_p":  # the angle lags behind the torque, whatever the rows

@@ -131,6 +131,8 @@ class Stability(NetworkOptions):
     """TCP speeds of the circles to learn on (robots with a work area)."""
     frequencies_hz: tuple[float, ...] = (1.0, 3.0)
     """Frequencies of the sines to learn on (robots with one axis)."""
+    changing: bool = False
+    """Also predict trials that each run another one of these motions, in any order."""
     figure: Path | None = None
     """Also simulate learning along the first motion, and draw it beside the prediction, in this file."""
     figure_rates: tuple[float, ...] = (0.4, 0.95, 1.6, 2.2)

@@ -1,17 +1,18 @@
 """`ffgym train bspline` and `stability`: B-spline networks, learned trial by trial, and how fast they may learn."""
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
 from ffgym.agents.bspline import BSplineNetwork, ExtendedBSN, SplineBasis, StaticBSN
+from ffgym.agents.changing_motions import TRIALS, ChangingMotions
 from ffgym.agents.coulomb_prior import CoulombPrior
 from ffgym.agents.law_files import save_law
 from ffgym.agents.lffc import LFFC, Learning, relative, robot_seconds, thesis_training
-from ffgym.agents.stability import LearningStability, learning_curves
+from ffgym.agents.stability import STABLE_GROWTH, LearningStability, learning_curves
 from ffgym.agents.tensor_bspline import TensorBSN, even_positions
 from ffgym.agents.trials import RigTrial, SimulatedTrial, training_motions
 from ffgym.cli.learning_options import BSpline, NetworkOptions, Stability
@@ -153,6 +154,9 @@ def stability(config: Stability) -> None:
         print(f"{' + '.join(motion.name for motion in group)}\n{stability_table(study, rate, iterations)}")
         verdict = study.warning(rate) or f"{rate:g} is stable on every joint"
         print(f"{verdict[0].upper()}{verdict[1:]}.\n")
+    if config.changing:
+        changing = ChangingMotions.of(network, arm, motions, signal=config.signal, record_dt=record_dt)
+        print(f"another of these motions in each trial\n{changing_table(changing, motions, rate)}\n")
     if config.figure is not None:
         _draw(config, network, arm, motions[0], iterations)
 
@@ -191,6 +195,23 @@ def learning_table(learning: Learning, joints: tuple[str, ...]) -> str:
     return "\n".join(lines)
 
 
+def changing_table(study: ChangingMotions, motions: Sequence[Reference], rate: float) -> str:
+    """Growth per trial where each runs another motion, per joint, and the orders that grow most, as text."""
+    worst, orders = study.worst(rate)
+    rows = {
+        "largest rate that no order makes grow": study.safe_rate,
+        f"growth per trial at {rate:g}, at most": study.bound(rate),
+        "worst order found, repeated": worst,
+        f"drawn order of {TRIALS} trials": study.drawn(rate, np.random.default_rng(0)),
+    }
+    grown = [
+        f"{joint}: {'; '.join(motions[motion].name for motion in order)}"
+        for joint, growth, order in zip(study.joints, worst, orders, strict=True)
+        if growth > STABLE_GROWTH
+    ]
+    return "\n".join([_rows(study.joints, rows), *(f"grows on {line}" for line in grown)])
+
+
 def _number(value: float) -> str:
     """A number in 9 places; small ones, as rates of sums over many samples are, with three digits."""
     return f"{value:9.3f}" if value >= 0.01 or value == 0 else f"{value:9.2g}"
@@ -205,7 +226,12 @@ def stability_table(study: LearningStability, rate: float, iterations: int) -> s
         f"growth per iteration at {rate:g}": study.growth(rate),
         f"friction left after {iterations} (RMS)": left,
     }
+    return _rows(study.joints, rows)
+
+
+def _rows(joints: Sequence[str], rows: Mapping[str, Array]) -> str:
+    """Rows of numbers by name under the names of the joints, as text."""
     width = max(map(len, rows))
-    lines = [" " * width + "".join(joint.rjust(9) for joint in study.joints)]
+    lines = [" " * width + "".join(joint.rjust(9) for joint in joints)]
     lines += [name.ljust(width) + "".join(map(_number, values)) for name, values in rows.items()]
     return "\n".join(lines)

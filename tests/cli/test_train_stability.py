@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from ffgym.agents.bspline import StaticBSN
+from ffgym.agents.changing_motions import ChangingMotions
 from ffgym.agents.law_files import load_law
 from ffgym.agents.stability import LearningStability
 from ffgym.cli.main import main
@@ -43,6 +44,16 @@ def test_several_motions_are_shown_alone_and_together(capsys):
     assert all("growth per iteration at 0.8 " in block for block in blocks)  # the rate of the thesis
     assert all("friction left after 15" in block for block in blocks)
     assert blocks[0].endswith("0.8 is stable on every joint.")
+
+
+def test_trials_of_changing_motions_are_shown_where_they_are_asked_for(one_axis, capsys):
+    arguments = ["--robot", "one_axis", "--changing", "--gamma", "1.9", "--network", "static"]
+    assert main(["train", "stability", *arguments]) == 0
+    block = capsys.readouterr().out.strip().split("\n\n")[-1]
+    changing = ChangingMotions.of(StaticBSN.zero(1), RigidArm(one_axis), list(sine_references(one_axis).values()))
+    assert numbers_after("growth per trial at 1.9, at most", block) == pytest.approx(changing.bound(1.9), abs=5e-4)
+    assert numbers_after("worst order found, repeated", block) == pytest.approx(changing.worst(1.9)[0], abs=5e-4)
+    assert "grows on j1: sine" in block
 
 
 def test_a_figure_of_the_joints_asked_for_is_simulated_and_drawn(tmp_path, capsys):
