@@ -203,3 +203,21 @@ def test_shares_of_friction_behind_the_elasticity_add_up_to_less_than_all(irb460
     both = third.in_description(half.in_description(irb4600))
     np.testing.assert_allclose(both.arm_share, [0, 1 - 0.5 * 2 / 3, 0, 0, 0, 0])
     assert EFFECTS["arm_friction"].on(irb4600, share=0.0).in_description(irb4600).friction.arm_share is None
+
+
+def test_load_friction_behind_the_elasticity_goes_from_step_to_step_as_along_all_samples(irb4600):
+    effect, dt = EFFECTS["arm_load_friction"].on(irb4600, share=0.1), 0.002
+    t = dt * np.arange(400)[:, None]
+    speed, load = 0.02 * np.sin(9 * t + np.arange(6)), 300 * np.cos(3 * t) * np.ones(6)
+    states = state_of(irb4600, time=t, link_speed=speed, load=load)
+    at_once, memory = (
+        effect.torques_over(states, dt).link,
+        effect.initial_memory(state_of(irb4600, link_speed=speed[0])),
+    )
+    for k in range(400):
+        added, memory = effect.torques(state_of(irb4600, link_speed=speed[k], load=load[k]), memory, dt)
+        np.testing.assert_allclose(added.link, at_once[k], atol=1e-9)
+    # it takes energy, and comes to the lost share of the load
+    assert np.all(np.trapezoid(at_once * speed, dx=dt, axis=0) < 0)
+    assert np.all(np.abs(at_once) <= 0.1 * np.abs(load))
+    assert np.median(np.abs(at_once) / np.abs(load)) > 0.095

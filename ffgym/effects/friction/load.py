@@ -22,7 +22,7 @@ class LoadFriction(FrictionEffect):
     equation = r"\tau_f \mathrel{+}= \mu\, |\tau_l| / n \; s(v)"
     signature = "torque: odd in the speed, amplitude proportional to |gravity + inertia + payload|"
     way_in = "torque at every physics step; MuJoCo has no friction that depends on load"
-    confusable_with = ("G1", "M3")
+    confusable_with = ("G1", "M3", "T10")
     separating_motions = ("slow_triangles", "holds")
     patterns = (("sign-locked function", "load"),)
 

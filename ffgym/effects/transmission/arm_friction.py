@@ -36,7 +36,7 @@ class ArmFriction(NativeEffect):
     side = "link"
     signature = "tool: a loop of the friction over the stiffness, turned by the link's motion; torque: hardly any"
     way_in = "native: a second LuGre friction, on the angle of the link"
-    confusable_with = ("F1", "F4", "T3", "T4")
+    confusable_with = ("F1", "F4", "T3", "T4", "T10")
     alike_in_torque = ("F4",)
     separating_motions = ("slow_triangles", "speed_ladder")
     needs_elasticity = True
