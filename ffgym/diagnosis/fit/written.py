@@ -5,8 +5,9 @@ overlaps one of them would make the model worse. So both are put into one machin
 more about where it then is.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -96,8 +97,9 @@ class _Model:
     sizes: Array
     """Changes of the numbers of the machine, in standard deviations."""
     hypotheses: tuple[Hypothesis, ...]
-    equations: NormalEquations
     cost: float
+    compute_equations: Callable[[], NormalEquations]
+    """Computes the slopes about it, which the last step needs no more."""
     trial: Trial | None = None
     """The machine, replayed; None before the first step."""
 
@@ -115,7 +117,7 @@ class _Extension(Slope[_Model]):
         return point.cost
 
     def step(self, point: _Model, reach: float) -> Array:
-        return _solve(point.equations, self.fit, point.sizes, self.chosen)
+        return _solve(point.compute_equations(), self.fit, point.sizes, self.chosen)
 
     def move(self, point: _Model, step: Array) -> _Model | None:
         n = self.fit.n_nuisances
@@ -129,9 +131,10 @@ class _Extension(Slope[_Model]):
         trial = None if numbers is None else replay_hypotheses(self.problem, hypotheses, numbers, self.fit.run)
         if trial is None:
             return None
-        equations = _evidence(self.problem, trial)
-        cost = float(equations.energy[self.chosen].sum() + sizes @ sizes)
-        return _Model(sizes=sizes, hypotheses=hypotheses, equations=equations, cost=cost, trial=trial)
+        left = self.problem.design.form_equations(split_components(trial.residual)).energy
+        cost = float(left[self.chosen].sum() + sizes @ sizes)
+        equations = partial(_evidence, self.problem, trial)
+        return _Model(sizes=sizes, hypotheses=hypotheses, compute_equations=equations, cost=cost, trial=trial)
 
     def renew(self, point: _Model, *, is_last: bool) -> _Model:
         return point
@@ -139,7 +142,8 @@ class _Extension(Slope[_Model]):
 
 def _fit_by_priors(problem: FitProblem, fit: Fit, chosen: BoolArray) -> Trial | None:
     """Correct nuisance parameters as their priors and the log have them, beside the causes."""
-    start = _Model(sizes=np.zeros(fit.n_nuisances), hypotheses=fit.hypotheses, equations=fit.equations, cost=np.inf)
+    none = np.zeros(fit.n_nuisances)
+    start = _Model(sizes=none, hypotheses=fit.hypotheses, compute_equations=lambda: fit.equations, cost=np.inf)
     steps = Steps(most=settings().estimator.model_steps, least_reach=np.inf)
     found = descend(_Extension(problem=problem, fit=fit, chosen=chosen), start, steps)
     return None if found is None else found.trial
