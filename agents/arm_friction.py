@@ -155,6 +155,14 @@ class ArmFriction:
         lead = accumulate(kept, self.within(past, start, end, dt).after.lead)
         return self.within(replace(past, lead=lead), start, end, dt)
 
+    def at(self, bristle: Array, motor_dq: Array) -> Array:
+        """Compute the friction tau_a at a sample, link side [N m], (..., N); arguments as `ArmState` and `within`."""
+        return self.share * self.drive.gear_ratio * self.law.friction.torque(bristle, self._link_speed(motor_dq))
+
+    def slide(self, bristle: Array, motor_dq: Array, next_motor_dq: Array, dt: float) -> Array:
+        """Compute the deflection of the bristles at the end of a step; arguments as `at` and `within`."""
+        return self.law.slide(bristle, self._link_speed(motor_dq), self._link_speed(next_motor_dq), dt)[1]
+
     def _link_speed(self, motor_dq: Array) -> Array:
         """Compute the speed of the links in motor units [rad/s], where motors turn at `motor_dq`."""
         return self.drive.gear_ratio * self.drive.joint_angle(motor_dq)

@@ -9,7 +9,7 @@ from ffgym.agents.arm_friction import ArmState, Asked
 from ffgym.agents.flexible_joints import Lead
 from ffgym.core.types import Array
 
-_ARM_ROWS = 7
+ARM_ROWS = 7
 """Numbers per joint of `ArmPast`."""
 
 
@@ -40,7 +40,7 @@ class ArmPast:
     @classmethod
     def of(cls, rows: Array) -> Self:
         """Read rows (..., 7, N)."""
-        bristle, lead, lead_speed, torque, *asked = (rows[..., k, :] for k in range(_ARM_ROWS))
+        bristle, lead, lead_speed, torque, *asked = (rows[..., k, :] for k in range(ARM_ROWS))
         angle, speed, acceleration = asked
         return cls(
             state=ArmState(bristle=bristle, lead=lead, lead_speed=lead_speed),
@@ -87,7 +87,7 @@ class ElasticPast:
         rows = memory.reshape(*memory.shape[:-1], -1, n)
         behind = None
         if arm:
-            rows, behind = rows[..., :-_ARM_ROWS, :], ArmPast.of(rows[..., -_ARM_ROWS:, :])
+            rows, behind = rows[..., :-ARM_ROWS, :], ArmPast.of(rows[..., -ARM_ROWS:, :])
         angle, speed, acceleration, integral, bristle, friction = (rows[..., k, :] for k in range(-6, 0))
         return cls(
             gravity=rows[..., 0, :],

@@ -18,7 +18,8 @@ between teeth is crossed within some samples, as a motor cannot jump.
 
 Source: as `ffgym.agents.elastic`, and the equations of `ffgym.effects` (docs/effects). Departures: springs with effects
 bend as if at rest, then with the damping of the linear spring; an effect with memory on the motor sees the torque
-without its own share (a delay d is taken back to first order in d).
+without its own share (a delay d is taken back to first order in d); friction behind the elasticity bends the linear
+spring, beside what effects make of it at samples (`ffgym.agents.model_arm`).
 
 Run it:
 
@@ -37,7 +38,9 @@ import numpy as np
 
 from ffgym.agents.declaration import AgentEntry, declare
 from ffgym.agents.elastic import ElasticLaw, elastic_law
+from ffgym.agents.elastic_memory import ArmPast
 from ffgym.agents.flexible_joints import Lead, bristles_within, given_torque, in_parts, limit_integral, motion_at
+from ffgym.agents.model_arm import AheadOnArm, ModelArm
 from ffgym.agents.model_springs import Carried, Past, SpringEffects, Start, unpack_past
 from ffgym.agents.model_states import MotorEffects, state_between
 from ffgym.control import CausalLaw, DynamicLuGreExact, LawStyle, Window
@@ -130,10 +133,12 @@ class ModelLaw(CausalLaw):
         """Return the memory (`Past`) at rest before the motion."""
         dt, reach, q, still = window.dt, self.preview - 2, window.q[..., 0, :], np.zeros_like(window.q[..., 0, :])
         start, springs, motors = self._rest(q)
+        arm = None if self.elastic.arm_friction is None else ArmPast.relaxed(still)
+        ahead = None if arm is None else still
         # torque carried from rest to the samples ahead
         rows = [Carried(load=start.load, bend=start.bend, reaction=still)]
         for k in range(reach + 2):
-            found, springs = self._carry(window, k, start, rows[-1], springs)
+            found, springs, ahead = self._carry(window, k, start, rows[-1], springs, ahead)
             rows.append(found)
         rows = [rows[1]] * reach + rows[1:]  # it rested before
         past = Past(
@@ -146,39 +151,48 @@ class ModelLaw(CausalLaw):
             lost=still,
             springs=springs,
             motors=motors,
+            arm=arm,
+            arm_ahead=ahead,
         )
         return self._advance(past, window, 0, rows[-1])[-1].pack()
 
     def step(self, memory: Array, window: Window) -> tuple[Array, Array]:
         """Return the torque at sample 1, and the memory one sample on."""
         past = self._past(memory)
-        newest, springs = self._carry(window, self.preview, past.start, past.carried[-1], past.springs)
-        here, seen, lost, later = self._advance(replace(past, springs=springs), window, 1, newest)
-        needed = here.command - self._drive.motor_torque(past.start.load) + past.lost + lost + past.start.added
+        newest, springs, ahead = self._carry(
+            window, self.preview, past.start, past.carried[-1], past.springs, past.arm_ahead
+        )
+        past = replace(past, springs=springs, arm_ahead=ahead)
+        command, seen, lost, later = self._advance(past, window, 1, newest)
+        needed = command - self._drive.motor_torque(past.start.load) + past.lost + lost + past.start.added
         # less the torque of the existing controller
         given = given_torque(self.elastic.known, *motion_at(window, 1), seen, past.integral)
         carried = self._drive.motor_torque(past.start.load) - past.start.added
         integral = limit_integral(later.integral, self.elastic.known, self._drive.joint_torque(carried))
         return needed - given, replace(later, integral=integral).pack()
 
-    def _advance(self, past: Past, window: Window, k: int, newest: Carried) -> tuple[State, Lead, Array, Past]:
+    def _advance(self, past: Past, window: Window, k: int, newest: Carried) -> tuple[Array, Lead, Array, Past]:
         """Advance from sample `k` of the window to the next one.
 
         Returns:
-            State at sample `k`, the lead as the servo sees it there, friction less torque of effects within the
-            step as its part of that sample [N m], and the memory after the step.
+            Torque at sample `k` that keeps motors and links there but for friction and effects [N m], motor side, the
+            lead as the servo sees it there, friction less torque of effects within the step as its part of that sample
+            [N m], and the memory after the step.
         """
         # states at both ends of the step
         dt, start, rows = window.dt, past.start, (*past.carried, newest)
         middle = len(rows) // 2
-        lead = self._lead(rows, start, dt)
-        here = self._state(motion_at(window, k), rows[middle - 1], past.lead, start, past.time)
-        after = self._state(motion_at(window, k + 1), rows[middle], lead, start, past.time + dt)
+        motion, next_motion, lead = motion_at(window, k), motion_at(window, k + 1), self._lead(rows, start, dt)
+        arm = ModelArm.along(self.elastic.arm_friction, past, motion[1], next_motion[1], dt)
+        leads = (past.lead, lead) if arm is None else arm.leads(past.lead, lead)
+        here = self._state(motion, rows[middle - 1], leads[0], start, past.time)
+        after = self._state(next_motion, rows[middle], leads[1], start, past.time + dt)
         # friction less torque of effects, in the middle of sub-steps
-        law = self._friction
-        middles, speeds, bristle = bristles_within(law, past.bristle, here.motor_speed, after.motor_speed, dt)
-        friction = law.friction.torque(middles, speeds)
-        between = state_between(here, after, law.shares).with_values(bristle=middles)
+        law, between = self._friction, state_between(here, after, self._friction.shares)
+        more = None if arm is None else arm.motor_speed
+        middles, speeds, bristle = bristles_within(law, past.bristle, here.motor_speed, after.motor_speed, dt, more)
+        friction = (1 - self.machine.physical.arm_share) * law.friction.torque(middles, speeds)
+        between = (between if arm is None else arm.within(between)).with_values(bristle=middles)
         added, motors = self._motors.within(between, friction, past.motors, dt)
         lost, next_lost = in_parts(friction - added)
         # lead as the servo sees it, and its integral
@@ -193,17 +207,25 @@ class ModelLaw(CausalLaw):
             lost=next_lost,
             springs=past.springs,
             motors=motors,
+            arm_ahead=past.arm_ahead,
         )
-        return here, seen, lost, later
+        if arm is None:
+            return here.command, seen, lost, later
+        return arm.command(here.command), arm.seen(seen), lost, arm.later(later)
 
     def own_error(self, memory: Array) -> tuple[Array, Array]:
         """Return the motor error and rate that the law causes by its lead, without errors of resolvers."""
-        lead = self._past(memory).lead
-        return -self._drive.motor_angle(lead.angle), -self._drive.motor_angle(lead.speed)
+        past = self._past(memory)
+        angle, speed = past.lead.angle, past.lead.speed
+        if past.arm is not None:
+            angle, speed = angle + past.arm.state.lead, speed + past.arm.state.lead_speed
+        return -self._drive.motor_angle(angle), -self._drive.motor_angle(speed)
 
     def _past(self, memory: Array) -> Past:
         springs, motors = self._lengths
-        return unpack_past(memory, self.n_joints, 2 * (self.preview - 2), springs, motors)
+        return unpack_past(
+            memory, self.n_joints, 2 * (self.preview - 2), springs, motors, arm=self.elastic.arm_friction is not None
+        )
 
     @cached_property
     def _lengths(self) -> tuple[list[int], list[int]]:
@@ -226,12 +248,28 @@ class ModelLaw(CausalLaw):
         return replace(start, added=carried.reaction + added), springs, motors
 
     def _carry(
-        self, window: Window, k: int, start: Start, before: Carried, springs: list[Array]
-    ) -> tuple[Carried, list[Array]]:
-        """Compute the torque that gearboxes and springs carry at sample `k`, and the memories of effects then."""
+        self,
+        window: Window,
+        k: int,
+        start: Start,
+        before: Carried,
+        springs: list[Array],
+        bristle: Array | None,
+    ) -> tuple[Carried, list[Array], Array | None]:
+        """Compute the torque that gearboxes and springs carry at sample `k`, and the memories of effects then.
+
+        `bristle` is that of friction behind the elasticity a sample before, None without it; that at `k` comes last.
+        """
         q, motor_dq, motor_ddq = motion_at(window, k)
         needed, dq = self.elastic.links(q, motor_dq, motor_ddq), self._drive.joint_angle(motor_dq)
-        return self._springs.next(needed, q, dq, start.bend, before, springs, window.dt)
+        if self.elastic.arm_friction is None or bristle is None:
+            return *self._springs.next(needed, q, dq, start.bend, before, springs, window.dt), None
+        last = window.motor_dq[..., max(k - 1, 0), :]
+        arm = AheadOnArm.next(self.elastic.arm_friction, bristle, last, motor_dq, window.dt if k else 0.0)
+        carried, springs = self._springs.next(
+            needed + arm.load, q, dq, start.bend, arm.bent(before), springs, window.dt
+        )
+        return arm.unbent(carried), springs, arm.bristle
 
     def _lead(self, rows: Sequence[Carried], start: Start, dt: float) -> Lead:
         """Compute the lead at the middle one of an odd number of samples."""

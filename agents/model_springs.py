@@ -15,6 +15,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ffgym.agents.elastic_memory import ARM_ROWS, ArmPast
 from ffgym.agents.flexible_joints import Lead
 from ffgym.core.types import Array
 from ffgym.effects import State, TorqueEffect
@@ -43,7 +44,7 @@ class Carried:
     load: Array
     """Torque that the gearbox passes on to the link [N m]."""
     bend: Array
-    """Torque of a linear spring that bends as far [N m]."""
+    """Torque of a linear spring that bends as far [N m], less friction behind the elasticity in a law that knows it."""
     reaction: Array
     """Torque on the motor [N m], motor side."""
 
@@ -190,18 +191,29 @@ class Past:
     """Memories of effects on springs and links at the newest sample, (..., N, M) each."""
     motors: list[Array]
     """Memories of effects on motors, (..., N, M) each."""
+    arm: ArmPast | None = None
+    """Friction behind the elasticity; None where the machine has none, as of the next."""
+    arm_ahead: Array | None = None
+    """Deflection of its bristles at the newest sample [rad], motor units."""
 
     def pack(self) -> Array:
         """Pack the memory into one array (..., K)."""
         rows = [*_columns(self.start), *(row for each in self.carried for row in _columns(each))]
         rows += [self.time, *_columns(self.lead), self.integral, self.bristle, self.lost]
+        if self.arm is not None and self.arm_ahead is not None:
+            rows += [*self.arm.rows, self.arm_ahead]
         flat = [memory.reshape(*memory.shape[:-2], -1) for memory in (*self.springs, *self.motors)]
         return np.concatenate([*rows, *flat], axis=-1)
 
 
-def unpack_past(memory: Array, n: int, samples: int, springs: Sequence[int], motors: Sequence[int]) -> Past:
-    """Unpack memory of N joints, with the number of samples and the lengths of the memories of effects."""
-    n_rows = len(fields(Start)) + samples * len(fields(Carried)) + 1 + len(fields(Lead)) + 3
+def unpack_past(
+    memory: Array, n: int, samples: int, springs: Sequence[int], motors: Sequence[int], *, arm: bool
+) -> Past:
+    """Unpack memory of N joints, with the number of samples and the lengths of the memories of effects.
+
+    `arm` says that friction behind the elasticity is part of it.
+    """
+    n_rows = len(fields(Start)) + samples * len(fields(Carried)) + 1 + len(fields(Lead)) + 3 + arm * (ARM_ROWS + 1)
     ends = np.cumsum([n * n_rows, *(n * length for length in (*springs, *motors))])
     first, *others = np.split(memory, ends[:-1], axis=-1)
     rows = iter([first[..., k * n : (k + 1) * n] for k in range(n_rows)])
@@ -216,6 +228,8 @@ def unpack_past(memory: Array, n: int, samples: int, springs: Sequence[int], mot
         lost=next(rows),
         springs=kept[: len(springs)],
         motors=kept[len(springs) :],
+        arm=ArmPast.of(np.stack([next(rows) for _ in range(ARM_ROWS)], axis=-2)) if arm else None,
+        arm_ahead=next(rows) if arm else None,
     )
 
 

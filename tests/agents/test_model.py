@@ -154,6 +154,37 @@ def test_coupled_drives_and_slides_are_compensated_too(irb4600):
     assert knowing < 0.1 * nominal
 
 
+@pytest.fixture(scope="module")
+def with_friction_on_the_arm(irb4600):
+    share = np.array([0.73, 0.73, 0.73, 0.0, 0.0, 0.0])
+    return replace(irb4600, friction=replace(irb4600.friction, arm_share=share))
+
+
+def test_without_effects_friction_on_the_arm_is_that_of_elastic_feed_forward(with_friction_on_the_arm, circle):
+    elastic = elastic_law(RigidArm(with_friction_on_the_arm))
+    law = ModelLaw(machine=Machine(robot=with_friction_on_the_arm), elastic=elastic)
+    np.testing.assert_allclose(law.torque(circle), elastic.torque(circle), rtol=0, atol=1e-12)
+    check_samples(law, circle)
+
+
+@pytest.mark.parametrize("name", ["hardening", "torsional_hysteresis", "load_friction", "kinematic_error", "cogging"])
+def test_beside_effects_friction_on_the_arm_is_compensated_too(name, with_friction_on_the_arm, circle):
+    machine = machine_with(with_friction_on_the_arm, name)
+    without = model_law(machine_with(circle.robot, name), name="without friction on the arm")
+    elastic, knowing = elastic_law(RigidArm(with_friction_on_the_arm)), model_law(machine)
+    either, other, both = link_misses(circle, machine, [elastic, without, knowing])
+    assert both < 0.2 * min(either, other)
+
+
+def test_samples_and_batches_with_effects_and_friction_on_the_arm_are_the_same_law(
+    with_friction_on_the_arm, circle, swing
+):
+    law = model_law(machine_with(with_friction_on_the_arm, *WITH_MEMORY, *WITHOUT))
+    check_samples(law, circle)
+    check_batch(law, circle)
+    check_side_by_side(law, [swing, circle])
+
+
 def test_it_rests_where_the_reference_does(arm, circle):
     law = model_law(machine_with(arm.robot, *WITH_MEMORY, *WITHOUT), arm)
     still = circle.t < circle.phases[0].end - law.preview * 0.004
