@@ -1,7 +1,7 @@
 """Linear response of the controlled robot to a small added torque, and the torque correction that is optimal for it.
 
-The model comes from the nominal description: motors (rotor inertia, servo with its integral, viscous friction) and
-links (mass matrix, joint stiffness and damping) at one posture, all joints coupled. Of friction, only the viscous part
+The model comes from the nominal description: motors (rotor inertia, servo with its integral) and links (mass matrix,
+joint stiffness and damping) at one posture, all joints coupled. Of friction, on motors and links, only the viscous part
 is in it: bristles are bent while a motor slides and hold it like springs where it turns back. There, a model without
 bristles answers slow torques 1 + sigma_0 / K_p = 3 to 8 times as much as the machine, so that corrections by its
 inverse are too small rather than too large.
@@ -103,7 +103,9 @@ def _motion(arm: RigidArm, q: Array) -> tuple[Array, Array]:
     inertia = links.T @ arm.mass_matrix(q[None])[0] @ links
     inertia += _blocks(robot, drive.rotor_inertia, np.zeros(elastic.sum()))
     stiffness = _blocks(robot, servo.position_gain, drive.joint_stiffness[elastic])
-    damping = _blocks(robot, servo.velocity_gain + robot.friction.viscous, drive.joint_damping[elastic])
+    on_arm, viscous = robot.arm_share, robot.friction.viscous
+    damping = _blocks(robot, servo.velocity_gain + (1 - on_arm) * viscous, drive.joint_damping[elastic])
+    damping += links.T @ np.diag(on_arm * viscous * drive.gear_ratio**2) @ links
     motors = np.eye(robot.n_joints, len(inertia)).T @ drive.matrix.T  # motor torque on positions; transposed, angles
     # servo integrals, where there are some
     kept = servo.integral_gain > 0

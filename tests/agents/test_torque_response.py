@@ -54,6 +54,19 @@ def test_the_model_answers_as_the_simulated_arm(irb4600, joint):
         assert np.abs(predicted - simulated).max() < 0.03 * np.abs(simulated).max()  # physics step of 0.25 ms
 
 
+def test_viscous_friction_on_the_arm_damps_the_arm(one_axis):
+    drive = replace(one_axis.drive, joint_stiffness=np.array([21.0]), joint_damping=np.array([0.017]))
+    robot = without_bristles(replace(one_axis, drive=drive))
+    friction = robot.friction.scale(viscous=10.0)
+    arms = [RigidArm(replace(robot, friction=replace(friction, arm_share=np.array([share])))) for share in (0.8, 0.0)]
+    reference = joint_reference(arms[0].robot, joint_sine([0.1], 1.0, 0.6))
+    torque = pulse(reference, 0)
+    simulated = answer(arms[0], reference, torque, lambda recording: recording.joint_array("motor.position"))
+    behind, before = (TorqueResponse.of(arm, reference.q[0], "motor").along(torque) for arm in arms)
+    assert np.abs(behind - simulated).max() < 0.01 * np.abs(simulated).max()
+    assert np.abs(before - simulated).max() > 0.03 * np.abs(simulated).max()
+
+
 def test_the_model_answers_as_the_simulated_rigid_axis(one_axis):
     arm = RigidArm(without_bristles(one_axis))
     reference = joint_reference(arm.robot, joint_sine([0.1], 1.0, 0.6))
