@@ -255,10 +255,15 @@ class _Motion:
         torque[:, :, -1] = -network.torque(reference)
         torque[0] = 0.0  # no torque is computed before t = 0
         between = torque_at_rows(torque.reshape(len(torque), -1), self.rows_per_step).reshape(-1, *torque.shape[1:])
-        between[:, :, -1] += friction.torque(z, self.motor_dq)
-        # response of the feedback loops to all of them
-        loop = FeedbackLoop.along(arm, reference.q.mean(axis=0), self.motor_dq, z, dt)
-        return loop.loss(between, signal)[self.learned]
+        total, share = friction.torque(z, self.motor_dq), arm.robot.arm_share
+        between[:, :, -1] += (1 - share) * total
+        # response of the feedback loops to all of them, and to friction behind the elasticity
+        motion = (arm, reference.q.mean(axis=0), self.motor_dq, z, dt)
+        losses = FeedbackLoop.along(*motion).loss(between, signal)
+        if np.any(share):
+            behind = FeedbackLoop.along(*motion, on_arm=True).loss((share * total)[:, :, None], signal)
+            losses[:, :, -1] += behind[:, :, 0]
+        return losses[self.learned]
 
 
 def learning_curves(

@@ -28,11 +28,11 @@ def without_friction():
     return remove
 
 
-def loop_at_rest(robot, q, duration, dt):
+def loop_at_rest(robot, q, duration, dt, **options):
     """Loop of motors that stand still, and the times of its rows."""
     t = np.arange(round(duration / dt) + 1) * dt
     still = np.zeros((len(t), robot.n_joints))
-    return FeedbackLoop.along(RigidArm(robot), q, still, still, dt), t
+    return FeedbackLoop.along(RigidArm(robot), q, still, still, dt, **options), t
 
 
 def settled_gain(loop, t, frequency, signal="u_p"):
@@ -91,6 +91,39 @@ def test_bristles_take_up_torque_where_a_motor_stands_and_not_where_it_slides(on
     assert loss(0.0) < 0.5 * loss(5.0)
 
 
+def soft_axis(one_axis, share):
+    """The one-axis model with a spring, and a share of its friction behind it."""
+    drive = replace(one_axis.drive, joint_stiffness=np.array([21.0]), joint_damping=np.array([0.017]))
+    return replace(one_axis, drive=drive, friction=replace(one_axis.friction, arm_share=np.array([share])))
+
+
+@pytest.mark.parametrize("frequency", [2.0, 8.0, 30.0])
+def test_bristles_on_an_arm_at_rest_hold_it_as_a_spring(one_axis, frequency):
+    robot = soft_axis(one_axis, 1.0)
+    loop, t = loop_at_rest(robot, np.zeros(1), 20 / frequency + 2, 0.005 / frequency)
+    s, drive, gains, friction = 2j * np.pi * frequency, robot.drive, robot.servo, robot.friction
+    square = drive.gear_ratio**2
+    held = friction.bristle_stiffness + (friction.bristle_damping + friction.viscous) * s
+    link = RigidArm(robot).mass_matrix(np.zeros((1, 1)))[0, 0] / square * s**2 + held
+    spring = (drive.joint_stiffness + drive.joint_damping * s) / square
+    answer = gains.velocity_gain * s + gains.position_gain
+    moved = drive.rotor_inertia * s**2 + link * spring / (link + spring) + answer + gains.integral_gain / s
+    np.testing.assert_allclose(settled_gain(loop, t, frequency), answer / moved, rtol=5e-3)
+
+
+@pytest.mark.parametrize("frequency", [2.0, 8.0, 30.0])
+def test_torque_on_the_arm_reaches_the_feedback_through_its_spring(one_axis, frequency):
+    robot = soft_axis(one_axis, 1.0)
+    on_motor, t = loop_at_rest(robot, np.zeros(1), 20 / frequency + 2, 0.005 / frequency)
+    on_arm, _ = loop_at_rest(robot, np.zeros(1), 20 / frequency + 2, 0.005 / frequency, on_arm=True)
+    s, drive, friction, square = 2j * np.pi * frequency, robot.drive, robot.friction, robot.drive.gear_ratio**2
+    held = friction.bristle_stiffness + (friction.bristle_damping + friction.viscous) * s
+    link = RigidArm(robot).mass_matrix(np.zeros((1, 1)))[0, 0] / square * s**2 + held
+    spring = (drive.joint_stiffness + drive.joint_damping * s) / square
+    through = settled_gain(on_arm, t, frequency) / settled_gain(on_motor, t, frequency)
+    np.testing.assert_allclose(through, spring / (link + spring), rtol=5e-3)
+
+
 @dataclass(frozen=True, eq=False)
 class Given(FeedForwardLaw):
     """Torque that is given, for one motion."""
@@ -125,6 +158,31 @@ def test_splines_take_off_the_feedback_what_they_do_in_the_simulator(one_axis, f
     assert predicted.shape[1] >= 4
     miss = np.linalg.norm(predicted - measured, axis=0) / np.linalg.norm(measured, axis=0)
     assert miss.max() < 0.03
+
+
+def test_a_loop_that_knows_friction_on_the_arm_is_nearer_to_the_simulator(one_axis):
+    robot = soft_axis(one_axis, 0.7)
+    reference = joint_reference(robot, joint_sine([1.0], 3.0, 2.0))
+    network, friction = StaticBSN.zero(1), robot.friction
+    splines = network.design_matrix(reference.motor_dq[:, 0], reference.motor_ddq[:, 0]).toarray()
+    added = splines[:, np.flatnonzero(splines.sum(axis=0) > 2)[::7]]
+    added[0] = 0.0
+    base, size = DynamicLuGreExact(friction).torque(reference), 0.01
+    laws = [Given(base + sign * size * column[:, None]) for column in added.T for sign in (-1, 1)]
+    signals = [
+        learning_signal(recording, robot) for recording in simulate([Run(reference=reference, law=law) for law in laws])
+    ]
+    measured = np.hstack([(less - more) / (2 * size) for less, more in zip(signals[::2], signals[1::2], strict=True)])
+
+    motor_dq, dt = torque_at_rows(reference.motor_dq, 4), 0.001
+    z, torque = nominal_bristles(friction, motor_dq, dt), torque_at_rows(added, 4)[:, None]
+    knowing, unaware = (
+        FeedbackLoop.along(RigidArm(each), reference.q.mean(axis=0), motor_dq, z, dt).loss(torque)[:, 0]
+        for each in (robot, soft_axis(one_axis, 0.0))
+    )
+    misses = [np.linalg.norm(each - measured, axis=0) / np.linalg.norm(measured, axis=0) for each in (knowing, unaware)]
+    assert misses[0].max() < 0.06
+    assert np.all(misses[0] < 0.5 * misses[1])
 
 
 def test_an_unknown_learning_signal_is_refused(one_axis):
