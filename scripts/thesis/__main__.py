@@ -23,7 +23,7 @@ PICTURES = ("svg", "png")
 
 @dataclass(frozen=True)
 class Reproduce:
-    """Simulate every figure and table of chapters 4 to 6 of the thesis; say of each claim whether it holds."""
+    """Simulate figures and tables of chapters 3 to 6 of the thesis; say of each claim whether it holds."""
 
     only: tuple[str, ...] = ()
     """Parts to reproduce, e.g. chapter-4, figure-5.11, table-5.2; none given is all."""

@@ -43,7 +43,7 @@ class Item:
     name: str
     """Unique, e.g. 'figure-4.6'; also the name of its picture files."""
     chapter: str
-    """'chapter-4', 'chapter-5', 'chapter-6' or 'beyond'."""
+    """'chapter-3', 'chapter-4', 'chapter-5', 'chapter-6' or 'beyond'."""
     title: str
     """Subject; the heading names figure or table beside it."""
     claims: tuple[Claim, ...] = ()
@@ -115,11 +115,12 @@ def _item(entry: Cells) -> Item:
 
 TABLE: dict[str, Any] = tomllib.loads(FILE.read_text(encoding="utf-8"))
 ITEMS = tuple(_item(row) for row in TABLE["item"])
-"""Every figure and table of chapters 4 to 6 that has numbers or curves; 4.1, 5.1, 5.4, 6.8 and 6.9 are diagrams. More
-items go beyond it."""
+"""Figure 3.3, and every figure and table of chapters 4 to 6 that has numbers or curves; 4.1, 5.1, 5.4, 6.8 and 6.9 are
+diagrams. More items go beyond it."""
 
 
 TITLES = {
+    "chapter-3": "Chapter 3: B-splines",
     "chapter-4": "Chapter 4: feed-forward with the LuGre model",
     "chapter-5": "Chapter 5: feed-forward learned with B-spline networks",
     "chapter-6": "Chapter 6: extended friction identification",

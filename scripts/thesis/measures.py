@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from scipy.interpolate import BSpline
 
 from ffgym.agents.bspline import FINE_RANGE, SplineBasis
 from ffgym.core.measures import rms
@@ -30,6 +31,10 @@ NOTHING = ThesisStudies()
 """No results, for numbers that need none."""
 BEND = 1.0
 """Motor speed [rad/s] below which the thesis sees friction's nonlinearity (5.1.1)."""
+KNOTS = np.arange(1.0, 6.0)
+"""Knots of Figure 3.3."""
+PLACES = np.linspace(KNOTS[0], KNOTS[-1], 4001)[:-1]
+"""Places at which its splines are compared; the last knot belongs to no piece of (3.9)."""
 Joint = int | Sequence[int] | None
 """Joint, from 1, or joints whose mean counts; None is all."""
 
@@ -258,6 +263,43 @@ def last_fall(studies: ThesisStudies, of: str, law: str) -> float:
 def spread_over_joints(studies: ThesisStudies, of: str, law: str, what: str) -> float:
     """Largest less smallest of what is left at the end."""
     return float(np.ptp(lefts(studies, of, law, what)[-1]))
+
+
+def splines_of(order: int) -> tuple[Array, Array]:
+    """Splines of Figure 3.3 by the usual recursion: places (T,) from 1 to 5, and values (T, S)."""
+    if order == 1:  # (3.9), where a knot belongs to the piece on its right
+        return PLACES, ((KNOTS[:-1] <= PLACES[:, None]) & (PLACES[:, None] < KNOTS[1:])).astype(np.float64)
+    splines = [BSpline.basis_element(KNOTS[i : i + order + 1], extrapolate=False) for i in range(len(KNOTS) - order)]
+    return PLACES, np.stack([np.nan_to_num(spline(PLACES)) for spline in splines], axis=1)
+
+
+def printed_splines(order: int) -> Array:
+    """Splines on the same knots by (3.9) and (3.11) as they are printed, as many as the knots allow, (T, S)."""
+    if order == 1:
+        return splines_of(1)[1]
+    below = printed_splines(order - 1)
+    found = []
+    for i in range(len(KNOTS) - order - 1):
+        rising = (PLACES - KNOTS[i]) / (KNOTS[i + order] - KNOTS[i])
+        falling = (KNOTS[i + order + 1] - PLACES) / (KNOTS[i + order + 1] - KNOTS[i + 1])
+        found.append(rising * below[:, i] + falling * below[:, i + 1])
+    return np.stack(found, axis=1)
+
+
+def largest_spline(studies: ThesisStudies, order: int) -> float:
+    """Largest value of the splines of Figure 3.3 of an order."""
+    return float(splines_of(order)[1].max())
+
+
+def least_spline(studies: ThesisStudies, order: int) -> float:
+    """Least value of the splines of Figure 3.3 of an order, without its sign."""
+    return float(abs(splines_of(order)[1].min()))
+
+
+def off_the_printed_recursion(studies: ThesisStudies, order: int) -> float:
+    """Largest distance between the splines of Figure 3.3 and (3.11) as it is printed."""
+    printed = printed_splines(order)
+    return float(np.abs(printed - splines_of(order)[1][:, : printed.shape[1]]).max())
 
 
 def widest_gap_inside(studies: ThesisStudies) -> float:

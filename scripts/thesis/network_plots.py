@@ -29,6 +29,24 @@ def basis_figure(speeds: Array, values: Array, close_up: float) -> "Figure":
     return figure
 
 
+def orders_figure(
+    places: Array, plain: Mapping[int, Array], printed: Mapping[int, Array], ends: Array, repeated: Mapping[int, Array]
+) -> "Figure":
+    """Splines by order: on plain knots (T, S) with the first one as printed (T,) above, on repeated knots below."""
+    with panels(2, len(plain), size=(10.0, 4.2), sharex=True, sharey=True) as (figure, grid):
+        for column, order in enumerate(plain):
+            above, below = grid[0][column], grid[1][column]
+            above.plot(places, plain[order], linewidth=1.2)
+            if order in printed:
+                above.plot(places, printed[order], color="black", linestyle=":", linewidth=1.2)
+            below.plot(ends, repeated[order], linewidth=1.2)
+            above.set_title(f"order {order}")
+            below.set_xlabel("x")
+        grid[0][0].set_ylabel("plain knots")
+        grid[1][0].set_ylabel("outermost knots\nrepeated")
+    return figure
+
+
 _COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 """One per joint, shades of Okabe and Ito."""
 _MARKERS = ("o", "s", "^", "D", "v", "P")

@@ -19,7 +19,7 @@ from ffgym.report.identification.plots import stribeck_figure
 from ffgym.report.learning_plots import agents_figure, learning_figure
 from ffgym.robot import RigidArm
 from ffgym.studies import CircleStudy
-from scripts.thesis.measures import lefts, record_share, top_speeds
+from scripts.thesis.measures import KNOTS, PLACES, lefts, printed_splines, record_share, splines_of, top_speeds
 from scripts.thesis.narx import ESTIMATION, VALIDATION, record_name
 from scripts.thesis.network_plots import (
     basis_figure,
@@ -27,6 +27,7 @@ from scripts.thesis.network_plots import (
     feedback_parts_figure,
     fits_figure,
     narx_figure,
+    orders_figure,
     training_caption,
     training_figure,
 )
@@ -37,6 +38,10 @@ RATES = (0.4, 0.8, 1.6, 2.2)
 """Learning rates of the figure of stability: half and all of that of thesis 5.3.1, and two beyond; chosen."""
 ITERATIONS = 15
 """Iterations as in thesis 5.3.1."""
+
+
+ORDERS = (1, 2, 3)
+"""Orders of Figure 3.3."""
 
 
 def _name(figure: ReportFigure, name: str, title: str) -> ReportFigure:
@@ -101,6 +106,26 @@ def basis(studies: ThesisStudies, name: str) -> list[ReportFigure]:
     np.put_along_axis(curves, splines, values, axis=1)
     caption = f"{basis.n_splines} splines of order {basis.order} on {len(basis.knots)} knots; their sum is 1."
     return [ReportFigure(name, "Basis functions of a network", caption, basis_figure(speeds, curves, FINE_RANGE))]
+
+
+def orders(studies: ThesisStudies, name: str) -> list[ReportFigure]:
+    """B-splines of the orders 1 to 3 on the knots 1 to 5, and with outermost knots repeated as in the networks."""
+    ends = np.append(PLACES, KNOTS[-1])
+    repeated = {}
+    for order in ORDERS:
+        basis = SplineBasis(knots=KNOTS, order=order)
+        values, splines = basis.active(ends)
+        repeated[order] = np.zeros((len(ends), basis.n_splines))
+        np.put_along_axis(repeated[order], splines, values, axis=1)
+    caption = (
+        "Above: splines of the usual recursion on these knots. Below: with the outermost knots repeated, as the "
+        "networks have them, so that they add up to 1 from the first knot to the last. Dotted: (3.11) as it is "
+        "printed, its first spline; the knots in its denominators are counted one too far."
+    )
+    plain = {order: splines_of(order)[1] for order in ORDERS}
+    printed = {order: printed_splines(order)[:, 0] for order in ORDERS[1:]}
+    figure = orders_figure(PLACES, plain, printed, ends, repeated)
+    return [ReportFigure(name, "B-splines of orders 1 to 3", caption, figure)]
 
 
 def feedback_over_speed(studies: ThesisStudies, name: str) -> list[ReportFigure]:

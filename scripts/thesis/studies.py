@@ -37,6 +37,8 @@ WORKCELL = "workcell:thesis"
 
 FAST = SPEEDS[1]
 """TCP speed [m/s] of the second training, thesis 5.4.2."""
+FASTEST = SPEEDS[2]
+"""TCP speed [m/s] of a third training, which the thesis leaves out."""
 
 
 def silent(title: str, unit: str) -> AbstractContextManager[Progress]:
@@ -134,6 +136,21 @@ class ThesisStudies:
     def fast_bsn_circles(self) -> CircleStudy:
         """The 12 circles at 40 mm/s with no compensation, dynamic LuGre, and both networks as trained at 40 mm/s."""
         return self._with_networks(self.fast_learning, [FAST], "40 mm/s")
+
+    @cached_property
+    def fastest_learning(self) -> dict[str, Learning]:
+        """Both networks after learning at p1 at 100 mm/s, which the thesis did not do."""
+        return self._learning(self.setting, training_motions(self.setting.arm, speeds=[FASTEST]), "100 mm/s")
+
+    @cached_property
+    def networks_of_40(self) -> CircleStudy:
+        """The 36 circles as in `bsn_circles`, with networks trained at 40 mm/s (thesis 5.5: used at other speeds)."""
+        return self._with_networks(self.fast_learning, SPEEDS, "40 mm/s")
+
+    @cached_property
+    def networks_of_100(self) -> CircleStudy:
+        """The same with networks trained at 100 mm/s."""
+        return self._with_networks(self.fastest_learning, SPEEDS, "100 mm/s")
 
     @cached_property
     def joint_1(self) -> MeasuredFriction:

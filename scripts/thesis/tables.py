@@ -9,7 +9,7 @@ from ffgym.core.types import Array
 from ffgym.diagnosis.identification.bristle_fit import NAMES
 from ffgym.paths import SPEEDS
 from ffgym.published import ESTIMATION_RECORDS, FRICTION_RECORDS
-from ffgym.report import SpeedTable, Table, circle_tables
+from ffgym.report import SpeedTable, Table, circle_tables, law_styles
 from ffgym.report.circles.comparison import percent
 from scripts.thesis.measures import gone, path, static_of
 from scripts.thesis.narx import ESTIMATION, VALIDATION, NarxFit, record_name
@@ -117,6 +117,26 @@ def agents(studies: ThesisStudies) -> Table:
         "were trained at p1: the circles at p1, which they learned on, are among those that are scored; p2 to p4 "
         "are held out. Laws per task learned on every circle that is scored, and begin with laws of nominal "
         f"parameters.{left_out}",
+    )
+
+
+def other_speeds(studies: ThesisStudies) -> Table:
+    """Mean path errors and motor errors that are gone, of networks by the speed of their training and of their use."""
+    trained = {SPEEDS[0]: "bsn_circles", SPEEDS[1]: "networks_of_40", SPEEDS[2]: "networks_of_100"}
+    rows = [("no compensation", *(f"{path(studies, 'bsn_circles', 'none', speed=speed):.4f}" for speed in SPEEDS))]
+    for law in ("bsn_static", "bsn_extended"):
+        label = law_styles([law])[law].label
+        for at, of in trained.items():
+            cells = [
+                f"{path(studies, of, law, speed=speed):.4f} ({percent(gone(studies, of, law, 'motor', speed=speed))})"
+                for speed in SPEEDS
+            ]
+            rows.append((f"{label}, trained at {at * 1e3:g} mm/s", *cells))
+    return Table.of_rows(
+        headings=("network", *(f"used at {speed * 1e3:g} mm/s [mm]" for speed in SPEEDS)),
+        rows=tuple(rows),
+        note="Mean RMS path error over 3 radii and 4 positions, nominal robot; in brackets the change of the RMS motor "
+        "error against none, mean over joints and positions. All were trained at p1.",
     )
 
 
