@@ -1,25 +1,32 @@
-"""Feed-forward from models on circles: docs/agents/elastic.md (a minute) and docs/agents/model.md (three minutes)."""
+"""Feed-forward from models on circles: docs/agents/elastic.md (15 minutes) and docs/agents/model.md (three minutes)."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from ffgym.agents import dynamic_lugre
+from ffgym.agents import IterativeLearning, SimulatedTrial, dynamic_lugre
 from ffgym.agents.elastic import elastic_feedforward, elastic_law
 from ffgym.agents.model import left_alone, model_law
-from ffgym.control import FeedForwardLaw
+from ffgym.control import FeedForwardLaw, NoCompensation
 from ffgym.effects import EFFECTS, Effect
 from ffgym.paths import RADII, SPEEDS
 from ffgym.robot import RigidArm, RobotDescription, load_robot
 from ffgym.simulation import SimulatedRig
 from ffgym.simulation.plant import Climate, Machine
-from ffgym.studies import CircleStudy, circle_study
+from ffgym.studies import CircleStudy, circle_references, circle_study
 from scripts.tables.page import Contents, markdown
 
 WARM = Climate(ambient=20.0, rise=np.array([25.0]), running_since=3600.0)
 """Climate of the machines with an effect, so that effects of temperature and time show."""
+
+
+SHARES = (0.0, 0.25, 0.5, 0.73)
+"""Shares of friction behind the elasticity of joints 1 to 3; the last fits Tables 4.1 and 4.2 of the thesis best."""
+
+BELIEVED = (0.0, 0.53, 0.63, 0.73, 0.83, 0.93)
+"""Shares that a law believes in on a robot with the last of `SHARES`."""
 
 
 def elastic(
@@ -34,17 +41,49 @@ def elastic(
         "law": {law.name: (described, law) for law in laws_of(described)},
         "machine": {name: (each, elastic_feedforward(each)) for name, each in machines_of(described).items()},
     }
-    parts = {}
-    for what, rows in cases.items():
-        errors = {
-            name: _mean_rms(
-                circle_study(each, laws=[law], positions=positions, speeds=speeds, radii=radii), law, speeds
-            )
-            for name, (each, law) in rows.items()
-        }
-        table = [(name, *(f"{error:.4f}" for error in found)) for name, found in errors.items()]
-        parts[f"{what}s"] = markdown((what, *(f"{v * 1e3:g} mm/s" for v in speeds)), table)
+    task = (positions, speeds, radii)
+    parts = {f"{what}s": _compare(what, rows, *task) for what, rows in cases.items()}
+    parts["shares"] = arm_friction(described, *task)
+    # the last share, wrong in the law, and without what limits it
+    behind = with_arm_share(described, SHARES[-1])
+    believed = {f"{share:g}": RigidArm(with_arm_share(described, share)) for share in BELIEVED}
+    wrong = {key: (behind, elastic_law(arm, name=key)) for key, arm in believed.items()}
+    parts["believed shares"] = _compare("share in the law", wrong, *task)
+    others = {key: (each, elastic_feedforward(each)) for key, each in machines_of(behind).items()}
+    parts["machines with a share"] = _compare("machine", others, *task)
     return Contents(parts=parts)
+
+
+def arm_friction(
+    robot: RobotDescription, positions: Sequence[str] | None, speeds: Sequence[float], radii: Sequence[float]
+) -> str:
+    """Compare laws on robots with shares of friction behind the elasticity: mean RMS path error [mm].
+
+    Every law knows the parameters of the robot, but for elastic feed-forward that knows nothing of the share.
+    """
+    rows = []
+    for share in SHARES:
+        arm = RigidArm(with_arm_share(robot, share))
+        references = list(circle_references(arm, positions, speeds, radii).values())
+        learning = IterativeLearning(arm=arm, target="tcp", base=elastic_law(arm))
+        learned = learning.learn(references, SimulatedTrial(arm=arm)).law
+        laws = {
+            "none": NoCompensation(),
+            "dynamic LuGre": dynamic_lugre(arm.robot),
+            "elastic, share unknown": elastic_law(RigidArm(robot), name="unaware"),
+            "elastic": elastic_law(arm),
+            "`ilc_tcp`": learned,
+        }
+        study = circle_study(arm.robot, laws=list(laws.values()), positions=positions, speeds=speeds, radii=radii)
+        for name, law in laws.items():
+            rows.append((f"{share:g}", name, *(f"{error:.4f}" for error in _mean_rms(study, law, speeds))))
+    return markdown(("share", "law", *_heads(speeds)), rows)
+
+
+def with_arm_share(robot: RobotDescription, share: float) -> RobotDescription:
+    """The robot with a share of the friction of its first three joints, or fewer, behind their elasticity."""
+    shares = np.where(np.arange(robot.n_joints) < 3, share, 0.0)
+    return replace(robot, friction=replace(robot.friction, arm_share=shares))
 
 
 def laws_of(robot: RobotDescription) -> list[FeedForwardLaw]:
@@ -121,6 +160,26 @@ def strong(effect: type[Effect], robot: RobotDescription, share: float) -> Effec
             size = known.neutral + share * (far - known.neutral)
             values[name] = size * (1 - np.eye(robot.n_joints)) if known.per == "pair" else size
     return effect.on(robot, **values)
+
+
+def _compare(
+    what: str,
+    cases: Mapping[str, tuple[RobotDescription, FeedForwardLaw]],
+    positions: Sequence[str] | None,
+    speeds: Sequence[float],
+    radii: Sequence[float],
+) -> str:
+    """Tabulate the mean RMS path error [mm] of a law on a robot, for each case, speed by speed."""
+    table = []
+    for name, (each, law) in cases.items():
+        study = circle_study(each, laws=[law], positions=positions, speeds=speeds, radii=radii)
+        table.append((name, *(f"{error:.4f}" for error in _mean_rms(study, law, speeds))))
+    return markdown((what, *_heads(speeds)), table)
+
+
+def _heads(speeds: Sequence[float]) -> tuple[str, ...]:
+    """Headings of columns by speed."""
+    return tuple(f"{speed * 1e3:g} mm/s" for speed in speeds)
 
 
 def _mean_rms(study: CircleStudy, law: FeedForwardLaw, speeds: Sequence[float]) -> list[float]:

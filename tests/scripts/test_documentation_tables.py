@@ -105,6 +105,21 @@ def test_the_page_about_elastic_feed_forward_says_what_its_table_says():
     assert f"{shares[0]} at 40 mm/s and {shares[1]} at 100 mm/s" in text
 
 
+def test_the_page_about_elastic_feed_forward_says_what_its_table_of_shares_says():
+    rows = {}
+    for line in part_of("agents/elastic.md", "shares").splitlines()[2:]:
+        share, law, *errors = (cell.strip() for cell in line.strip("|").split("|"))
+        rows[share, law] = [float(error) for error in errors]
+    left = [rest / none for rest, none in zip(rows["0.73", "elastic"], rows["0.73", "none"], strict=True)]
+    slow, middle, fast = (f"{100 * share:.1f} %" for share in left)
+    text = (DOCS / "agents" / "elastic.md").read_text(encoding="utf-8")
+    assert f"leaves {slow} at 10 mm/s, {middle} at 40 mm/s and {fast} at 100 mm/s" in text
+    assert max(rows["0.73", "`ilc_tcp`"]) == 0.0015
+    believed = numbers(part_of("agents/elastic.md", "believed shares"))
+    assert believed["0"] == rows["0.73", "elastic, share unknown"]
+    assert believed["0.73"] == rows["0.73", "elastic"]
+
+
 def test_a_model_of_the_machine_gives_back_what_an_effect_takes():
     table = laws.model(effects=("cogging", "tool_frame"), speeds=(0.1,), radii=(0.003,)).parts["effects"]
     [[elastic, model]] = numbers(table).values()
