@@ -20,11 +20,8 @@ from scripts.tables.page import Contents, markdown
 
 WARM = Climate(ambient=20.0, rise=np.array([25.0]), running_since=3600.0)
 """Climate of the machines with an effect, so that effects of temperature and time show."""
-
-
 SHARES = (0.0, 0.25, 0.5, 0.73)
 """Shares of friction behind the elasticity of joints 1 to 3; the last fits Tables 4.1 and 4.2 of the thesis best."""
-
 BELIEVED = (0.0, 0.53, 0.63, 0.73, 0.83, 0.93)
 """Shares that a law believes in on a robot with the last of `SHARES`."""
 
@@ -152,13 +149,19 @@ def model(
 
 
 def strong(effect: type[Effect], robot: RobotDescription, share: float) -> Effect:
-    """The effect on all joints, a share of the way to the farther end of each parameter's plausible range."""
+    """The effect on all joints, a share of the way to the farther end of each parameter's plausible range.
+
+    Friction behind the elasticity is put on the first three joints alone: the last link of the built-in robot is so
+    light that bristles which move with it need a physics step shorter than 0.25 ms.
+    """
     values: dict[str, Any] = {}
     for name, known in effect.parameters().items():
         if known.null is not None:
             far = max((known.low, known.high), key=lambda end: abs(end - known.neutral))
             size = known.neutral + share * (far - known.neutral)
             values[name] = size * (1 - np.eye(robot.n_joints)) if known.per == "pair" else size
+    if effect is EFFECTS["arm_friction"]:
+        values = {name: np.where(np.arange(robot.n_joints) < 3, size, 0.0) for name, size in values.items()}
     return effect.on(robot, **values)
 
 
