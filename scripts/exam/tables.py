@@ -140,7 +140,13 @@ def independent_table(marks: Sequence[Mark]) -> list[Line]:
         share(4, "outside, 10 and more: right variable or frequency", strange, lambda m: m.clue_found is True, 0.8),
         *_count_covered(single),
         *_run(6, marks, marks, _SECONDS_OF_INDEPENDENT),
-        share(7, "friction behind the elasticity, 10 and more: named alone", _louder(arm, 10.0), _names_alone, 0.9),
+        share(
+            7,
+            "friction behind the elasticity, 10 and more: right alone",
+            _louder(arm, 10.0),
+            lambda m: m.outcome == "right",
+            0.9,
+        ),
         none_of(7, "friction behind the elasticity: wrong named", [*arm, *blind], _is_wrong),
         none_of(7, "friction behind the elasticity, no tracker: named", blind, lambda m: m.verdict == "named"),
     ]
@@ -164,10 +170,6 @@ def _is_right(mark: Mark) -> bool:
 
 def _is_wrong(mark: Mark) -> bool:
     return mark.names_wrongly
-
-
-def _names_alone(mark: Mark) -> bool:
-    return mark.verdict == "named" and mark.outcome == "right"
 
 
 def _poorly_named(mark: Mark) -> bool:

@@ -233,6 +233,14 @@ def test_where_all_is_measured_or_nothing_drifts_there_is_no_such_rival():
     assert not list_blind_rivals([cause("coulomb_level")], [NO_TEMPERATURE])
 
 
+def test_friction_behind_the_elasticity_has_a_rival_where_nothing_sees_the_arm():
+    causes = [cause("arm_friction"), cause("coulomb_level")]
+    (rival,) = list_blind_rivals(causes, [NO_TOOL], sees_arm=False)
+    assert (rival.effect, rival.against) == ("presliding", causes[0].label)
+    assert "neither a tracked tool position nor encoders" in rival.reason
+    assert not list_blind_rivals(causes, [])
+
+
 @pytest.mark.parametrize(
     ("verdict", "drifts", "becomes"),
     [("named", True, "ambiguous"), ("named", False, "named"), ("partly", True, "partly")],
