@@ -31,7 +31,6 @@ class ArmLoadFriction(LinkBrake):
     alike_in_torque = ("F6",)
     needs_elasticity = True
     needs_load = True
-    patterns = (("sign-locked function", "load"),)
 
     share: Array = parameter(
         "mu, lost share of the transmitted torque",
