@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from ffgym.cli import diagnose_table
 from ffgym.cli.diagnose_inputs import ROBOT, Nominal, identify_nominal, logs_from, nominal_named
 from ffgym.cli.log_options import Diagnose
 from ffgym.cli.options import RECORD_DT_MS
@@ -57,6 +58,9 @@ WORSE = (
 
 def run(config: Diagnose) -> None:
     """Check, read, diagnose, write, print."""
+    if config.table is not None:
+        diagnose_table.run(config)
+        return
     _check(config)
     with nullcontext() if config.out is None else made_folder(config.out):
         if config.out is not None:
@@ -118,6 +122,8 @@ def _check(config: Diagnose) -> None:
         raise FFGymError("Name the model that the logs are compared with: --robot ROBOT.")
     if not config.logs and (given := given_options(config, ("columns",))):
         raise FFGymError(f"{given[0]} has no effect on the example logs. Leave it out, or name logs.")
+    if given := given_options(config, ("structures", "pairs", "steps", "executor", "address", "jobs")):
+        raise FFGymError(f"{given[0]} has no effect on logs. Leave it out, or give --table FILE.")
     accept_findings(config.accept)
     check_whole("--seed", config.seed, low=0)
     check_whole("--most-causes", config.most_causes, low=1, high=settings().search.most_causes)

@@ -185,6 +185,23 @@ class Diagnose:
     """Also write diagnosis.json under this name."""
     threads: int = 0
     """Threads of the closed loops, 0 for all cores; results are the same at any number."""
+    table: str | None = None
+    """Table of measured path errors instead of logs: a file (.toml), or thesis for the 240 numbers of the thesis; see
+    docs/diagnosis_tables.md. The folder of --out gets table_diagnosis.json, and a file for each structure, from which a
+    run that was stopped goes on."""
+    structures: tuple[str, ...] = ()
+    """Structures that are fitted to the table, e.g. numbers backlash arm_friction+delay; none given is all of one
+    part."""
+    pairs: bool = True
+    """Also fit pairs of the best three structures."""
+    steps: int = 8
+    """Most steps of the search of each structure."""
+    executor: Literal["local", "ray"] = "local"
+    """Place of the fits to a table: this machine, or a Ray cluster."""
+    address: str | None = None
+    """Address of a running Ray cluster; none begins one on this machine."""
+    jobs: int = 0
+    """Fits to a table at once; 0 is one per core. Results are the same at any number."""
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """Fit of one structure to a table, in stages that can be resumed: search, judgement of all rows, places left out.
 
-1. Search: damped Gauss-Newton from the description, at SEARCH_DT, on the fitted rows.
+1. Search: damped Gauss-Newton from the description, or from fits of its parts, at SEARCH_DT, on the fitted rows.
 2. Judgement: all rows at the robot's own physics step, learned laws among them.
 3. Each place left out: one Gauss-Newton step from the optimum without its rows, and what that leaves in them.
 
@@ -59,6 +59,9 @@ class FitTask:
     """Folder of the state files."""
     steps: int
     """Most steps of the search."""
+    starts: tuple[tuple[tuple[str, float], ...], ...] = ()
+    """Free numbers x by name to begin at, beside 0; the search begins at the start of the lowest cost, and numbers that
+    a start does not name begin at 0."""
     learn: Learn | None = None
     search_dt: float = SEARCH_DT
     judge_dt: float | None = None
@@ -76,7 +79,7 @@ class FitTask:
         parts = (
             repr(self.table),
             repr([(n.name, n.typical, n.spread, n.scale, n.reach) for n in structure.numbers]),
-            repr((self.steps, self.search_dt, self.judge_dt)),
+            repr((self.steps, self.search_dt, self.judge_dt, self.starts)),
             repr(versions()),
         )
         return hashlib.sha256("|".join(parts).encode()).hexdigest()[:16]
@@ -122,6 +125,11 @@ class StructureFit:
     """Error of each fitted row, predicted without the rows of its place, at the step of the search; nan for others."""
     fingerprint: str
     """Fingerprint of the physics of the fitted machine."""
+
+    @property
+    def start(self) -> tuple[tuple[str, float], ...]:
+        """Free numbers x by name, for a search of a structure that extends this one."""
+        return tuple((number.name, x) for number, x in zip(self.numbers, self.x, strict=True))
 
 
 Tell = Callable[[str], None]
@@ -205,15 +213,16 @@ class _Problem:
     def search(self, state: dict[str, Any], tell: Tell) -> tuple[Point, Array]:
         """Search from where the state stands; return the optimum and the slopes about it."""
         descent, n = self.descent, len(self.structure.numbers)
-        x, taken = np.array(state.get("x", [0.0] * n)), int(state.get("steps", 0))
-        point = descent.points(x[None], state.get("damping", 1.0))[0]
+        taken = int(state.get("steps", 0))
+        names = [number.name for number in self.structure.numbers]
+        starts = [[dict(start).get(name, 0.0) for name in names] for start in ((), *self.task.starts)]
+        xs = np.array([state["x"]] if "x" in state else starts, dtype=np.float64)
+        point = min(descent.points(xs, state.get("damping", 1.0)), key=lambda each: each.cost)
         tell(f"{self.task.name}: step {taken}, cost {point.cost:.1f}")
         if n and not state.get("rests"):
-            before = point.cost
-            for point in descent.descend(point, self.task.steps - taken, _GAIN):
+            for better in descent.descend(point, self.task.steps - taken, _GAIN):
                 taken += 1
-                rests = point.cost > (1 - _GAIN) * before
-                before = point.cost
+                rests, point = better.cost > (1 - _GAIN) * point.cost, better
                 kept = {"x": point.x.tolist(), "damping": point.damping, "steps": taken, "rests": rests}
                 state.update(kept)
                 write_json(self.task.file, {"key": self.task.key, **kept})

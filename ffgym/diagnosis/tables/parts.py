@@ -11,7 +11,13 @@ import numpy as np
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.types import Array
 from ffgym.diagnosis.tables.structures import Candidate, FreeNumber, Part, Structure, Values, combine, main_motors
-from ffgym.effects import EFFECTS, Effect
+from ffgym.effects import Effect
+from ffgym.effects.controller.servo_gains import ServoGains
+from ffgym.effects.drive.delay import TorqueDelay
+from ffgym.effects.transmission.backlash import Backlash
+from ffgym.effects.transmission.base_flexibility import BaseFlexibility
+from ffgym.effects.transmission.flexible_load import FlexibleLoad
+from ffgym.effects.transmission.hysteresis import TorsionalHysteresis
 
 _LEVELS = ("coulomb", "static", "bristle_stiffness", "bristle_damping")
 """Parameters of LuGre friction that grow together with its level."""
@@ -31,7 +37,7 @@ def _numbers(candidate: Candidate, values: Values) -> Candidate:
     robot, main = candidate.robot, main_motors(candidate.robot)
     # gain = rate x the gain before it, see scripts/calibrate_nominal.py
     damping, bandwidth, integral = (values[f"{rate} of the main servos"] for rate in _RATES)
-    gains = EFFECTS["servo_gains"](
+    gains = ServoGains(
         velocity=_main(candidate, damping - 1),
         position=_main(candidate, damping * bandwidth - 1),
         integral=_main(candidate, damping * bandwidth * integral - 1),
@@ -69,14 +75,14 @@ def _with_effect(candidate: Candidate, effect: Effect) -> Candidate:
 
 def _backlash(candidate: Candidate, values: Values) -> Candidate:
     gap = _main(candidate, values["half gap"])
-    return _with_effect(candidate, EFFECTS["backlash"](half_gap=gap))
+    return _with_effect(candidate, Backlash(half_gap=gap))
 
 
 def _hysteresis(candidate: Candidate, values: Values) -> Candidate:
     n = candidate.robot.n_joints
     return _with_effect(
         candidate,
-        EFFECTS["torsional_hysteresis"](
+        TorsionalHysteresis(
             lost_motion=_main(candidate, values["half the width of the loop"]),
             width=np.full(n, values["yield deflection"]),
         ),
@@ -85,27 +91,30 @@ def _hysteresis(candidate: Candidate, values: Values) -> Candidate:
 
 def _base(candidate: Candidate, values: Values) -> Candidate:
     tilt, turn = values["compliance of the base in tilt"], values["compliance of the base about its axis"]
-    return _with_effect(candidate, EFFECTS["base_flexibility"](compliance=np.array([tilt, tilt, turn])))
+    return _with_effect(candidate, BaseFlexibility(compliance=np.array([tilt, tilt, turn])))
 
 
 def _delay(candidate: Candidate, values: Values) -> Candidate:
     n = candidate.robot.n_joints
-    return _with_effect(
-        candidate, EFFECTS["torque_delay"](delay=np.full(n, values["delay of the torque"]), lag=np.zeros(n))
-    )
+    return _with_effect(candidate, TorqueDelay(delay=np.full(n, values["delay of the torque"]), lag=np.zeros(n)))
 
 
 def _drive(candidate: Candidate, values: Values) -> Candidate:
-    n = candidate.robot.n_joints
-    effect = EFFECTS["torque_delay"](
-        delay=np.full(n, values["dead time of the drive"]), lag=np.full(n, values["time constant of the torque loop"])
+    """Torque loop of all drives: dead time, lag, and a limit on the rate of its torque."""
+    robot = candidate.robot
+    ones = np.ones(robot.n_joints)
+    drive = replace(
+        robot.drive,
+        torque_delay=values["dead time of the drive"] * ones,
+        torque_lag=values["time constant of the torque loop"] * ones,
+        torque_rate=robot.drive.peak_torque / values["time to peak torque"],
     )
-    return _with_effect(candidate, effect)
+    return replace(candidate, robot=replace(robot, drive=drive))
 
 
 def _third_mass(candidate: Candidate, values: Values) -> Candidate:
     n = candidate.robot.n_joints
-    effect = EFFECTS["flexible_load"](
+    effect = FlexibleLoad(
         inertia=_main(candidate, values["inertia of the third mass"]),
         frequency=np.full(n, values["frequency of the third mass"]),
         damping=np.full(n, values["damping of the third mass"]),
@@ -274,21 +283,28 @@ _LISTED = (
     ),
     Part(
         name="drive",
-        title="drive with dead time and a torque loop of finite bandwidth",
+        title="drive with dead time, a torque loop of finite bandwidth and rate",
         numbers=(
             FreeNumber(
                 name="dead time of the drive",
                 typical=5e-4,
                 spread=0.7,
                 unit="s",
-                source="cycles of drives, 0.25 to 1 ms (effect torque_delay)",
+                source="1 to 2 cycles of a drive, 1e-4 to 1e-3 s (drive.torque_delay)",
             ),
             FreeNumber(
                 name="time constant of the torque loop",
                 typical=3e-4,
                 spread=0.7,
                 unit="s",
-                source="current loops of 300 Hz and more (effect torque_delay)",
+                source="1600 to 160 Hz (drive.torque_lag)",
+            ),
+            FreeNumber(
+                name="time to peak torque",
+                typical=1.6e-3,
+                spread=0.7,
+                unit="s",
+                source="0.5 to 5 ms (drive.torque_rate)",
             ),
         ),
         change=_drive,

@@ -1,4 +1,4 @@
-"""Path errors of candidates: the motions of a table, simulated with the laws of its rows, all candidates side by side."""
+"""Path errors of candidates, which are simulated side by side on the motions of a table with the laws of its rows."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import astuple, dataclass

@@ -1,0 +1,277 @@
+"""Diagnosis from a table: fit every structure, then pairs of the best; rank, judge, separate."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, field
+from functools import partial
+from itertools import combinations
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+
+from ffgym.core.claims import claimed
+from ffgym.core.errors import FFGymError
+from ffgym.core.executors import Executor
+from ffgym.core.files import made_folder
+from ffgym.core.provenance import versions
+from ffgym.core.typed_json import to_json
+from ffgym.diagnosis.tables.error_table import ErrorTable
+from ffgym.diagnosis.tables.fitting import MAX_SPREAD, RMS_SPREAD, SEARCH_DT, FitTask, StructureFit, fit_structure
+from ffgym.diagnosis.tables.parts import PARTS, SINGLE, find_structure
+from ffgym.diagnosis.tables.ranking import RankedStructure, TableVerdict, judge_structures, rank_structures
+from ffgym.diagnosis.tables.separating import SESSIONS, SeparatingSession, find_separating_sessions
+from ffgym.diagnosis.tables.simulated import KNOWN_LAWS, Learn
+from ffgym.diagnosis.tables.structures import extends
+from ffgym.robot import ModelOptions, load_robot
+from ffgym.simulation.plant import Machine
+
+FORMAT, VERSION = "ffgym-table-diagnosis", 1
+"""Entries `format` and `version` of the JSON document."""
+
+STEPS = 8
+"""Default for the most steps of a search: the last of them changed the cost by less than 1 % on the thesis' table."""
+
+BEST = 3
+"""Structures whose pairs are fitted; chosen."""
+
+Report = Callable[[str, float], None]
+"""Called with what was done, and the share of the work that is done."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class TableDiagnosis:
+    """Result of a diagnosis from a table."""
+
+    verdict: TableVerdict
+    sentence: str
+    """The verdict in one sentence."""
+    structure: str
+    """Structure with fewest free numbers among those that no other beats for certain."""
+    ties: tuple[str, ...]
+    """Structures that the best one does not beat for certain, the best first."""
+    ranked: tuple[RankedStructure, ...]
+    """All structures, the best first."""
+    sessions: tuple[SeparatingSession, ...]
+    """Sessions in which the best structure and its first rival differ, the most separating first."""
+    table: ErrorTable
+    seed: int
+    steps: int
+    """Most steps of each search."""
+    fingerprint: str
+    """Fingerprint of the physics of the robot as described."""
+    origin: dict[str, Any] = field(default_factory=dict)
+    """Command and inputs, if a command made it."""
+
+
+def diagnose_table(
+    table: ErrorTable,
+    *,
+    structures: Sequence[str] = (),
+    pairs: bool = True,
+    folder: Path | None = None,
+    executor: Executor | None = None,
+    steps: int = STEPS,
+    seed: int = 0,
+    learn: Learn | None = None,
+    report: Report = lambda text, share: None,
+    search_dt: float = SEARCH_DT,
+    judge_dt: float | None = None,
+    sessions: Sequence[str] = SESSIONS,
+) -> TableDiagnosis:
+    """Fit structures to a table of path errors, and judge which of them explains rows that it was not fitted to.
+
+    Args:
+        table: measured path errors.
+        structures: names of structures; none given is all of one part.
+        pairs: also fit pairs of the best three.
+        folder: place of the state files, one for each structure: a diagnosis goes on where it was, also after kill -9.
+        executor: this machine's cores by default, or a Ray cluster.
+        steps: most steps of each search.
+        seed: of the resamples behind intervals and ties.
+        learn: function that makes laws that learn; needed if a row has one, see `ffgym.agents.table_laws`.
+        report: called with what was done, and the share of the work that is done.
+        search_dt: physics step of the searches [s].
+        judge_dt: physics step of the judgement [s]; None is the robot's own.
+        sessions: names of sessions that may separate the best structure from its first rival.
+
+    Raises:
+        FFGymError: if a structure is unknown, a row cannot be simulated, or a state file is of something else.
+    """
+    names = list(dict.fromkeys(find_structure(name).name for name in structures or SINGLE))
+    learning = {row.law for row in table.rows} - set(KNOWN_LAWS)
+    if learning and learn is None:
+        raise FFGymError(f"Laws {sorted(learning)} learn on the machine; give `learn`, or leave their rows out.")
+    n_pairs = BEST * (BEST - 1) // 2 if pairs else 0
+    with TemporaryDirectory() as temporary:
+        place = Path(temporary) if folder is None else folder
+        with made_folder(place), claimed(place):
+            task = partial(
+                FitTask, table=table, folder=place, steps=steps, learn=learn, search_dt=search_dt, judge_dt=judge_dt
+            )
+            fits = _fit([task(name=name) for name in names], executor, report, 0, len(names) + n_pairs)
+            if pairs:
+                more = [task(name=name, starts=_starts(name, fits)) for name in _pairs(table, fits, seed)]
+                fits += _fit(more, executor, report, len(names), len(names) + n_pairs)
+    return conclude(table, fits, steps=steps, seed=seed, sessions=sessions)
+
+
+def conclude(
+    table: ErrorTable,
+    fits: Sequence[StructureFit],
+    *,
+    steps: int = STEPS,
+    seed: int = 0,
+    sessions: Sequence[str] = SESSIONS,
+) -> TableDiagnosis:
+    """Rank fitted structures, judge them, and find what separates the best from its first rival.
+
+    Args:
+        table: what they were fitted to.
+        fits: one or more.
+        steps: most steps of each search.
+        seed: of the resamples behind intervals and ties.
+        sessions: names of sessions that may separate the best structure from its first rival.
+    """
+    ranked = rank_structures(table, fits, seed)
+    verdict, best = judge_structures(ranked)
+    found = _separate(table, ranked, best, sessions)
+    return TableDiagnosis(
+        verdict=verdict,
+        sentence=_sentence(verdict, best, ranked),
+        structure=best,
+        ties=tuple(one.fit.name for one in ranked if one.is_tied),
+        ranked=tuple(ranked),
+        sessions=tuple(found),
+        table=table,
+        seed=seed,
+        steps=steps,
+        fingerprint=Machine.of(load_robot(table.robot)).physics(ModelOptions(looks=False)),
+    )
+
+
+def _fit(
+    tasks: Sequence[FitTask], executor: Executor | None, report: Report, before: int, total: int
+) -> list[StructureFit]:
+    """Fit structures side by side; report each that is done."""
+    fits: dict[int, StructureFit] = {}
+    for i, fit in (executor or Executor()).run(fit_structure, tasks):
+        fits[i] = fit
+        report(f"{fit.name}: cost {fit.cost:.1f}", (before + len(fits)) / total)
+    return [fits[i] for i in range(len(tasks))]
+
+
+def _pairs(table: ErrorTable, fits: Sequence[StructureFit], seed: int) -> list[str]:
+    """Name pairs of the best structures of one part."""
+    ranked = rank_structures(table, fits, seed)
+    best = [one.fit.name for one in ranked if one.fit.name in PARTS and one.fit.name != "numbers"][:BEST]
+    have = {fit.name for fit in fits}
+    order = list(PARTS)
+    named = ["+".join(sorted(pair, key=order.index)) for pair in combinations(best, 2)]
+    return [name for name in named if name not in have]
+
+
+def _starts(name: str, fits: Sequence[StructureFit]) -> tuple[tuple[tuple[str, float], ...], ...]:
+    """Collect starts of the search of a structure: fits of its parts, with the other part typical or weak.
+
+    Weak is two spreads below typical, where most effects are small.
+    """
+    numbers = find_structure(name).numbers
+    parts = [dict(fit.start) for fit in fits if fit.name in name.split("+")]
+    weak = {number.name: -2.0 * number.spread for number in numbers}
+    return tuple(tuple(start.items()) for part in parts for start in (part, weak | part))
+
+
+def _separate(
+    table: ErrorTable, ranked: Sequence[RankedStructure], best: str, sessions: Sequence[str]
+) -> list[SeparatingSession]:
+    """Find sessions that separate the best structure from the first that is no extension of it."""
+    first = next(one for one in ranked if one.fit.name == best)
+    fitted = [one for one in ranked if one.fit.free_parameters and one is not first]
+    others = [one for one in fitted if not extends(one.fit.name, best)]
+    if not others or not first.fit.free_parameters:
+        return []
+    return find_separating_sessions(load_robot(table.robot), first.fit, others[0].fit, sessions)
+
+
+def _sentence(verdict: TableVerdict, best: str, ranked: Sequence[RankedStructure]) -> str:
+    """Write the verdict in one sentence."""
+    first = next(one for one in ranked if one.fit.name == best)
+    reached = (
+        f"{first.fitted_within_1_5} of {first.fitted_rms} fitted and {first.held_out_within_1_5} of "
+        f"{first.held_out_rms} held-out RMS errors are within a factor 1.5"
+    )
+    title = find_structure(best).title
+    if verdict == "unknown":
+        return f"No structure explains the table; the best is {title}: {reached}."
+    if verdict == "named":
+        return f"Consistent with {title}, beside numbers of the description: {reached}."
+    if verdict == "partly":
+        wrong = first.sign_cells - first.sign_right
+        right = [one for one in ranked if one.sign_right == one.sign_cells]
+        told = f" The best of those with the sign right is {right[0].fit.title}." if right else ""
+        return (
+            f"Sizes are consistent with {title}, beside numbers of the description: {reached}; but in {wrong} of "
+            f"{first.sign_cells} cells it says that the law helps where it harms, or harms where it helps.{told}"
+        )
+    rivals = [one.fit.title for one in ranked if one.is_tied and one is not first]
+    return f"Consistent with {title}: {reached}; as well with {'; '.join(rivals)}."
+
+
+def table_document(diagnosis: TableDiagnosis) -> dict[str, Any]:
+    """Write a diagnosis as a JSON document; docs/diagnosis_tables.md lists its entries."""
+    table = diagnosis.table
+    rows = [
+        {"cell": row.cell, "position": row.motion.position, "motion": row.motion.file}
+        | {"speed_mm_s": row.motion.speed_mm_s}
+        | {name: getattr(row, name) for name in ("table", "use", "radius_mm", "law", "statistic", "value_mm")}
+        for row in table.rows
+    ]
+    return {
+        "format": FORMAT,
+        "version": VERSION,
+        "verdict": diagnosis.verdict,
+        "sentence": diagnosis.sentence,
+        "structure": diagnosis.structure,
+        "ties": list(diagnosis.ties),
+        "structures": [_structure_document(one, table) for one in diagnosis.ranked],
+        "separating_sessions": to_json(diagnosis.sessions),
+        "rows": rows,
+        "table": {"title": table.title, "source": table.source, "robot": table.robot},
+        "sign_of": None if table.sign_of is None else asdict(table.sign_of),
+        "spreads": {"rms": RMS_SPREAD, "max": MAX_SPREAD},
+        "seed": diagnosis.seed,
+        "steps": diagnosis.steps,
+        "versions": versions(),
+        "physics_fingerprint": diagnosis.fingerprint,
+        "provenance": diagnosis.origin,
+    }
+
+
+def _structure_document(one: RankedStructure, table: ErrorTable) -> dict[str, Any]:
+    """Write a structure as an object of the list `structures`."""
+    fit = one.fit
+    found: dict[str, Any] = {
+        name: getattr(fit, name) for name in ("name", "title", "free_parameters", "cost", "prior_cost", "steps")
+    }
+    found |= {name: value for name, value in to_json(one).items() if name != "fit"} | {"fits": one.fits}
+    found["leave_one_position_out"] = [_place_document(fit, table, place) for place in table.places]
+    found["numbers"] = to_json(fit.numbers)
+    found["predicted_mm"] = [_round(value) for value in fit.predicted_mm]
+    found["left_out_mm"] = [_round(value) for value in fit.left_out_mm]
+    found["physics_fingerprint"] = fit.fingerprint
+    return found
+
+
+def _place_document(fit: StructureFit, table: ErrorTable, place: str) -> dict[str, Any]:
+    """Tell what a fit without a place leaves in its RMS rows."""
+    rows = table.at(place) & table.is_rms
+    logs = np.abs(np.log(np.array(fit.left_out_mm)[rows] / table.values[rows]))
+    logs = logs[np.isfinite(logs)]
+    found = {"position": place, "rows": int(rows.sum()), "within_1_5": int(np.sum(logs < np.log(1.5)))}
+    return found | {"median_abs_log": float(np.median(logs)) if len(logs) else None}
+
+
+def _round(value: float) -> float | None:
+    """Round an error to a tenth of a micrometre; None if there is none."""
+    return round(value, 4) if np.isfinite(value) else None
