@@ -23,6 +23,7 @@ from ffgym.diagnosis.replay import predict, replay
 from ffgym.diagnosis.residual_rows import compute_residuals
 from ffgym.diagnosis.settings import settings
 from ffgym.diagnosis.solving import Priors, solve
+from ffgym.effects.effect import LinkBrake
 
 _SIZES = (0.6, 1.0, 1.5, 2.2, 3.3)
 """Multiples of the size of a linear fit at which effects of springs are tried first."""
@@ -117,7 +118,7 @@ def polish(problem: FitProblem, found: Fit) -> Fit:
 def _on_springs(hypothesis: Hypothesis) -> bool:
     """Tell whether an effect changes how springs swing; friction behind them does not, whatever its size."""
     kind = hypothesis.kind
-    return kind.needs_elasticity and kind.side == "link" and not kind.needs_friction
+    return kind.needs_elasticity and kind.side == "link" and not (kind.needs_friction or issubclass(kind, LinkBrake))
 
 
 def _choose_start(problem: FitProblem, hypotheses: Sequence[Hypothesis]) -> list[Hypothesis]:
