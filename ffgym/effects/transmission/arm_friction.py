@@ -1,6 +1,6 @@
 r"""T9: friction behind the elasticity of a joint, and the torque on the link by which models without an engine have it.
 
-The engine has it by the description's `friction.arm_share` alone. A replay, or feed-forward from a model, takes
+The engine has it by the description's `friction.arm_share` alone, as feed-forward from a model has. A replay takes
 `LinkFriction.of(robot)` among the effects that act on the arm.
 """
 
