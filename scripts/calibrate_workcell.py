@@ -56,8 +56,8 @@ def main(config: Config) -> dict[str, float]:
         if config.json is not None:
             write_json(config.json, {"summary": reached, "cells": [vars(cell) for cell in cells]})
         return reached
-    nominal = load_robot("irb4600_60_205")
     calibration = CALIBRATIONS[check_choice("workcell", config.workcell, list(CALIBRATIONS))]
+    nominal = load_robot(calibration.nominal)
     objective = Objective(calibration, nominal, prior_trees(calibration, nominal), config.threads)
 
     def tell(step: int, point: Point) -> None:

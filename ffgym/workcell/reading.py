@@ -41,7 +41,7 @@ _UNITS = {
 
 Tree = dict[str, Any]
 
-INSTANCES = ("thesis", "cold", "worn", "heavy_tool")
+INSTANCES = ("thesis", "thesis_arm", "cold", "worn", "heavy_tool")
 """Names of the workcells that ship with the package, each a file in `data`."""
 
 

@@ -12,7 +12,7 @@ import tomlkit
 
 from ffgym.core.files import write_text
 from ffgym.core.types import Array
-from ffgym.robot import RobotDescription
+from ffgym.robot import RobotDescription, builtin_parameters
 from ffgym.workcell.reading import merge_tables
 
 File = Literal["machine", "controller"]
@@ -55,6 +55,8 @@ class Free:
 class Calibration:
     """Calibration of one workcell: its files, its free numbers, and what its prior has beside that of the others."""
 
+    nominal: str
+    """Robot, or parameters that ship with the package, whose numbers are the prior."""
     machine: Path
     controller: Path
     free: tuple[Free, ...]
@@ -93,8 +95,9 @@ def _free_numbers(workcell: str) -> Iterator[Free]:
             yield free
 
 
-def _calibration(workcell: str, controller: str) -> Calibration:
+def _calibration(workcell: str, controller: str, nominal: str) -> Calibration:
     return Calibration(
+        nominal=nominal,
         machine=Path(f"ffgym/workcell/data/{workcell}.toml"),
         controller=Path(f"ffgym/robot/parameters/{controller}.toml"),
         free=tuple(_free_numbers(workcell)),
@@ -103,8 +106,8 @@ def _calibration(workcell: str, controller: str) -> Calibration:
 
 
 CALIBRATIONS = {
-    "thesis": _calibration("thesis", "irb4600_60_205_commissioned"),
-    "thesis_arm": _calibration("thesis_arm", "irb4600_60_205_commissioned_arm"),
+    "thesis": _calibration("thesis", "irb4600_60_205_commissioned", "irb4600_60_205"),
+    "thesis_arm": _calibration("thesis_arm", "irb4600_60_205_commissioned_arm", "irb4600_60_205_arm_losses"),
 }
 """Calibrations by the name of their workcell."""
 
@@ -177,7 +180,15 @@ def write_result(calibration: Calibration, prior: Trees, x: Array) -> None:
         "robot": "irb4600_60_205",
         "title": "friction as identified when the robot was commissioned, years ago",
     }
-    _write(calibration, "controller", {"parameters": parameters, **trees["controller"]}, prior)
+    # all that the nominal robot has in place of the numbers of that robot, with the friction of commissioning
+    beside = _parameters(calibration.nominal) if calibration.nominal in builtin_parameters() else {}
+    _write(calibration, "controller", {"parameters": parameters, **merge_tables(beside, trees["controller"])}, prior)
+
+
+def _parameters(name: str) -> dict[str, Any]:
+    """Tables of a parameter file that ships with the package, without its head."""
+    tree = tomllib.loads(Path(f"ffgym/robot/parameters/{name}.toml").read_text(encoding="utf-8"))
+    return {group: tables for group, tables in tree.items() if group != "parameters"}
 
 
 def round_entries(calibration: Calibration, trees: Trees) -> dict[File, dict[str, Any]]:

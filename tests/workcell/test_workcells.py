@@ -44,7 +44,7 @@ def test_a_named_workcell_is_what_its_controller_knows_with_other_physics(name):
     cell = workcell(name)
     assert cell.name == name
     assert cell.title
-    known = load_robot("irb4600_60_205_commissioned")
+    known = load_robot("irb4600_60_205_commissioned_arm" if name == "thesis_arm" else "irb4600_60_205_commissioned")
     np.testing.assert_array_equal(cell.robot.friction.coulomb, known.friction.coulomb)
     Plant(cell.machine, 1).check_controller(cell.robot)
     assert cell.machine.effects
