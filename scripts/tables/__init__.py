@@ -15,7 +15,16 @@ from ffgym.core.provenance import versions
 from ffgym.effects import EFFECTS
 from ffgym.report import save_figure
 from ffgym.robot import builtin_robots
-from scripts.tables import definitions, friction, laws, package_pages, physics, recorded, recorded_friction
+from scripts.tables import (
+    definitions,
+    friction,
+    laws,
+    package_pages,
+    physics,
+    published_robot,
+    recorded,
+    recorded_friction,
+)
 from scripts.tables.page import DOCS, DPI, Contents
 
 DEFINED: Mapping[str, Callable[[], Contents]] = {
@@ -40,6 +49,7 @@ COMPUTED: Mapping[str, Callable[[], Contents]] = {
     "identification.md": friction.coverage,
     "narx.md": recorded_friction.narx,
     "physics.md": physics.convergence,
+    "published_robot.md": published_robot.published_robot,
     "rigid_body_identification.md": recorded.rigid_bodies,
     "torque_prediction.md": recorded.torques,
 }
