@@ -59,7 +59,7 @@ def test_the_second_exam_has_a_part_of_its_own(config):
     write_marks(config.out / "independent_seed_12.jsonl", EXAMS["independent"].head(12), MARKS[:1])
     text = main(config)
     assert "--exam independent --seed 12" in text
-    assert "1 of 410 questions (1 of 200 `clean`" in text
+    assert "1 of 460 questions (1 of 200 `clean`" in text
     assert "clean logs: none" in text
     assert "old" in config.page.read_text(encoding="utf-8")
     assert (config.page.parent / "pictures" / "independent.png").exists()

@@ -8,7 +8,7 @@ import pytest
 from ffgym.diagnosis.identification.narx import Errors, Misfit
 from scripts.thesis import ITEMS
 from scripts.thesis.claims import judge
-from scripts.thesis.narx import EXTENDED, PUBLISHED, NarxFit, narx_records, reach_records
+from scripts.thesis.narx import EXTENDED, LINEAR, PUBLISHED, NarxFit, narx_records, reach_records
 
 CLAIMS = {claim.name: claim for item in ITEMS for claim in item.claims}
 ESTIMATION, VALIDATION = "A = 1, f = 1", "A = 1, f = 0.5"
@@ -98,8 +98,9 @@ def test_how_far_the_extension_reaches_is_told_motion_by_motion(studies_with):
     ]
 
 
-def test_the_table_has_a_row_per_network_and_one_of_the_static_curve(studies_with):
+def test_the_table_has_a_row_per_network_and_linear_model_and_one_of_the_static_curve(studies_with):
     [item] = [item for item in ITEMS if item.name == "narx"]
     [table] = item.numbers(studies_with(as_told))
-    assert [row[0] for row in table.rows] == [*(each.label for each in LABELS.values()), "static curve"]
+    labels = [each.label for each in (*LABELS.values(), *LINEAR)]
+    assert [row[0] for row in table.rows] == [*labels, "static curve"]
     assert {len(row) for row in table.rows} == {len(table.headings)}
