@@ -96,7 +96,7 @@ class ArmStep:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class ArmFriction:
+class ReferenceArmFriction:
     """LuGre friction on the links of a robot."""
 
     law: DynamicLuGreExact

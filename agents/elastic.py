@@ -39,7 +39,7 @@ from typing import final
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from ffgym.agents.arm_friction import ArmFriction, ArmStep, Asked
+from ffgym.agents.arm_friction import ArmStep, Asked, ReferenceArmFriction
 from ffgym.agents.declaration import AgentEntry, declare
 from ffgym.agents.elastic_memory import ArmPast, ElasticPast
 from ffgym.agents.flexible_joints import (
@@ -137,12 +137,12 @@ class ElasticLaw(CausalLaw):
         return self.model.robot.drive.joint_damping / self.model.robot.drive.joint_stiffness
 
     @cached_property
-    def arm_friction(self) -> ArmFriction | None:
+    def arm_friction(self) -> ReferenceArmFriction | None:
         """Friction behind the elasticity; None where there is none, or friction is left to the servo."""
         share = self._arm_share
         if self.friction is None or not np.any(share):
             return None
-        return ArmFriction(law=self.friction, drive=self.model.robot.drive, share=share)
+        return ReferenceArmFriction(law=self.friction, drive=self.model.robot.drive, share=share)
 
     @property
     def _arm_share(self) -> Array:
@@ -187,7 +187,7 @@ class ElasticLaw(CausalLaw):
         added = None
         if self.arm_friction is not None:
             arm = self.arm_friction.along(np.pad(reference.motor_dq, ((0, 1), (0, 0)), mode="edge"), dt)
-            asked, added = arm.around(dt), self._added_speed(arm)
+            asked, added = arm.around(dt), self._compute_added_speed(arm)
             links, lead = links + asked.torque, lead + asked.lead
             increments += dt * arm.mean_lead[:-1]
         # friction of the motors, and all lead as the servo integrates it
@@ -250,7 +250,7 @@ class ElasticLaw(CausalLaw):
         asked, arm, added = None, None, None
         if self.arm_friction is not None and past.arm is not None:
             step = self.arm_friction.within(past.arm.state, dq, next_dq, dt)
-            (start, end), added = step.parts(dt), self._added_speed(step)
+            (start, end), added = step.parts(dt), self._compute_added_speed(step)
             asked, arm = past.arm.asked + start, ArmPast(state=step.after, asked=end)
             integral = integral + dt * step.mean_lead
         speeds = self.motor_speed(dq, lead), self.motor_speed(next_dq, next_lead)
@@ -297,7 +297,7 @@ class ElasticLaw(CausalLaw):
         start, end, z = step_friction(self.friction, z, dq, next_dq, dt, added)
         return (1 - self._arm_share) * start, (1 - self._arm_share) * end, z
 
-    def _added_speed(self, arm: ArmStep) -> Array:
+    def _compute_added_speed(self, arm: ArmStep) -> Array:
         """Compute the speed of the motors that friction on the arm asks for within steps [rad/s], (S, ..., N)."""
         return self.model.robot.drive.motor_angle(arm.lead_speed)
 

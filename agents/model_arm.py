@@ -6,7 +6,7 @@ within control steps (`ffgym.agents.arm_friction`).
 
 from dataclasses import dataclass, replace
 
-from ffgym.agents.arm_friction import ArmFriction, ArmStep
+from ffgym.agents.arm_friction import ArmStep, ReferenceArmFriction
 from ffgym.agents.elastic_memory import ArmPast
 from ffgym.agents.flexible_joints import Lead
 from ffgym.agents.model_springs import Carried, Past
@@ -18,7 +18,7 @@ from ffgym.effects import State
 class ModelArm:
     """Friction on the arm within one control step of a law."""
 
-    friction: ArmFriction
+    friction: ReferenceArmFriction
     past: ArmPast
     """Memory at the start of the step."""
     step: ArmStep
@@ -29,7 +29,7 @@ class ModelArm:
 
     @classmethod
     def along(
-        cls, friction: ArmFriction | None, past: Past, motor_dq: Array, next_motor_dq: Array, dt: float
+        cls, friction: ReferenceArmFriction | None, past: Past, motor_dq: Array, next_motor_dq: Array, dt: float
     ) -> "ModelArm | None":
         """Solve a step between motor speeds of the reference [rad/s]; None for a machine without such friction."""
         if friction is None or past.arm is None:
@@ -85,7 +85,7 @@ class AheadOnArm:
 
     @classmethod
     def next(
-        cls, friction: ArmFriction, bristle: Array, motor_dq: Array, next_motor_dq: Array, dt: float
+        cls, friction: ReferenceArmFriction, bristle: Array, motor_dq: Array, next_motor_dq: Array, dt: float
     ) -> "AheadOnArm":
         """Advance from the bristles at a sample to the next one; speeds of the motors along the reference [rad/s]."""
         later = friction.slide(bristle, motor_dq, next_motor_dq, dt)

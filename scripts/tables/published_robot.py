@@ -17,7 +17,7 @@ from ffgym.control import FeedForwardLaw, NoCompensation
 from ffgym.core.files import read_text
 from ffgym.core.types import Array
 from ffgym.diagnosis.tables.parts import find_structure
-from ffgym.diagnosis.tables.structures import Candidate
+from ffgym.diagnosis.tables.structures import CandidateModel
 from ffgym.effects import NativeEffect
 from ffgym.paths import load_motion
 from ffgym.robot import RigidArm, RobotDescription, load_robot
@@ -66,10 +66,10 @@ def fitted_machine(robot: RobotDescription, structure: Mapping[str, Any]) -> Mac
     return Machine(robot=found.machine.physical, effects=beside)
 
 
-def structure_candidate(robot: RobotDescription, structure: Mapping[str, Any]) -> Candidate:
+def structure_candidate(robot: RobotDescription, structure: Mapping[str, Any]) -> CandidateModel:
     """Build the candidate of a structure from its fitted numbers, as the result file has them."""
     values = {number["name"]: number["value"] for number in structure["numbers"]}
-    found = Candidate(robot=robot, known=replace(robot.friction, arm_share=None))
+    found = CandidateModel(robot=robot, known=replace(robot.friction, arm_share=None))
     for part in find_structure(structure["name"]).parts:
         found = part.change(found, values)
     return found

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ffgym.agents.arm_friction import ArmFriction, ArmState
+from ffgym.agents.arm_friction import ArmState, ReferenceArmFriction
 from ffgym.agents.elastic import elastic_feedforward, elastic_law
 from ffgym.control import CausalLaw, DynamicLuGreExact, NoCompensation, Window
 from ffgym.paths import joint_reference, joint_sine
@@ -87,7 +87,7 @@ def test_spring_and_damping_carry_the_friction_within_a_reversal(arm_friction, r
 
 def test_averages_do_not_depend_on_the_sub_steps(shared, reference):
     averages = [
-        ArmFriction(law=DynamicLuGreExact(shared.friction, n), drive=shared.drive, share=shared.arm_share)
+        ReferenceArmFriction(law=DynamicLuGreExact(shared.friction, n), drive=shared.drive, share=shared.arm_share)
         .along(reference.motor_dq, DT)
         .around(DT)
         for n in (16, 32, 64)

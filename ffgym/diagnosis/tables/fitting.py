@@ -26,7 +26,7 @@ from ffgym.diagnosis.fit.batches import Descent, Point
 from ffgym.diagnosis.tables.error_table import ErrorTable
 from ffgym.diagnosis.tables.parts import find_structure
 from ffgym.diagnosis.tables.simulated import Learn, TableSimulator
-from ffgym.diagnosis.tables.structures import Structure
+from ffgym.diagnosis.tables.structures import ModelStructure
 from ffgym.robot import ModelOptions, load_robot
 
 RMS_SPREAD = 0.2
@@ -86,7 +86,7 @@ class FitTask:
 
 
 @dataclass(frozen=True, kw_only=True)
-class FittedNumber:
+class FittedFreeNumber:
     """Free number after the fit."""
 
     name: str
@@ -116,7 +116,7 @@ class StructureFit:
     """Part of it that the distances from typical values have."""
     steps: int
     """Steps of the search."""
-    numbers: tuple[FittedNumber, ...]
+    numbers: tuple[FittedFreeNumber, ...]
     x: tuple[float, ...]
     """Free numbers as they were fitted."""
     predicted_mm: tuple[float, ...]
@@ -178,7 +178,7 @@ class _Problem:
 
     def __init__(self, task: FitTask) -> None:
         self.task, self.table = task, task.table
-        self.structure: Structure = find_structure(task.name)
+        self.structure: ModelStructure = find_structure(task.name)
         self.robot = load_robot(self.table.robot)
         self.simulator = TableSimulator(self.table, self.robot)
         self._fitted = np.flatnonzero(self.table.fitted)
@@ -248,13 +248,13 @@ class _Problem:
             fingerprint=candidate.machine.physics(ModelOptions(looks=False, physics_dt=judge_dt)),
         )
 
-    def _numbers(self, point: Point, jacobian: Array) -> tuple[FittedNumber, ...]:
+    def _numbers(self, point: Point, jacobian: Array) -> tuple[FittedFreeNumber, ...]:
         """Values of the free numbers, with intervals by linear error propagation; priors are rows of the Jacobian."""
         if not len(point.x):
             return ()
         sigma = np.sqrt(np.diag(np.linalg.inv(jacobian.T @ jacobian)))
         return tuple(
-            FittedNumber(
+            FittedFreeNumber(
                 name=number.name,
                 value=number.value(float(x)),
                 unit=number.unit,

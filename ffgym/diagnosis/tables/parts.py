@@ -10,7 +10,15 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.types import Array
-from ffgym.diagnosis.tables.structures import Candidate, FreeNumber, Part, Structure, Values, combine, main_motors
+from ffgym.diagnosis.tables.structures import (
+    CandidateModel,
+    FreeNumber,
+    ModelStructure,
+    StructurePart,
+    Values,
+    combine,
+    main_motors,
+)
 from ffgym.effects import Effect
 from ffgym.effects.controller.servo_gains import ServoGains
 from ffgym.effects.drive.delay import TorqueDelay
@@ -27,12 +35,12 @@ _SERVO = "order of magnitude known, a factor 2, as in scripts/calibrate_nominal.
 _LEVEL = "friction levels of one type of robot differ by 30 % (Bittencourt 2012)"
 
 
-def _main(candidate: Candidate, value: float) -> Array:
+def _main(candidate: CandidateModel, value: float) -> Array:
     """A number on the main motors, 0 on the others, shape (N,)."""
     return np.where(main_motors(candidate.robot), value, 0.0)
 
 
-def _numbers(candidate: Candidate, values: Values) -> Candidate:
+def _numbers(candidate: CandidateModel, values: Values) -> CandidateModel:
     """Servo rates of the main motors, stiffness of their joints, and levels of friction."""
     robot, main = candidate.robot, main_motors(candidate.robot)
     # gain = rate x the gain before it, see scripts/calibrate_nominal.py
@@ -54,7 +62,7 @@ def _numbers(candidate: Candidate, values: Values) -> Candidate:
     return changed.with_friction(**dict.fromkeys(_LEVELS, level), viscous=values["viscous friction"])
 
 
-def _wrong_friction(candidate: Candidate, values: Values) -> Candidate:
+def _wrong_friction(candidate: CandidateModel, values: Values) -> CandidateModel:
     """Levels that the controller knows, relative to those of the machine."""
     level = values["friction level known over true"]
     factors = dict.fromkeys(_LEVELS, level)
@@ -62,23 +70,23 @@ def _wrong_friction(candidate: Candidate, values: Values) -> Candidate:
     return replace(candidate, known=candidate.known.scale(**factors, viscous=values["viscous known over true"]))
 
 
-def _arm_friction(candidate: Candidate, values: Values) -> Candidate:
+def _arm_friction(candidate: CandidateModel, values: Values) -> CandidateModel:
     """One share behind the elasticity of the main joints; laws know the sum."""
     share = _main(candidate, values["share of friction behind the elasticity"])
     robot = replace(candidate.robot, friction=replace(candidate.robot.friction, arm_share=share))
     return replace(candidate, robot=robot)
 
 
-def _with_effect(candidate: Candidate, effect: Effect) -> Candidate:
+def _with_effect(candidate: CandidateModel, effect: Effect) -> CandidateModel:
     return replace(candidate, effects=(*candidate.effects, effect))
 
 
-def _backlash(candidate: Candidate, values: Values) -> Candidate:
+def _backlash(candidate: CandidateModel, values: Values) -> CandidateModel:
     gap = _main(candidate, values["half gap"])
     return _with_effect(candidate, Backlash(half_gap=gap))
 
 
-def _hysteresis(candidate: Candidate, values: Values) -> Candidate:
+def _hysteresis(candidate: CandidateModel, values: Values) -> CandidateModel:
     n = candidate.robot.n_joints
     return _with_effect(
         candidate,
@@ -89,17 +97,17 @@ def _hysteresis(candidate: Candidate, values: Values) -> Candidate:
     )
 
 
-def _base(candidate: Candidate, values: Values) -> Candidate:
+def _base(candidate: CandidateModel, values: Values) -> CandidateModel:
     tilt, turn = values["compliance of the base in tilt"], values["compliance of the base about its axis"]
     return _with_effect(candidate, BaseFlexibility(compliance=np.array([tilt, tilt, turn])))
 
 
-def _delay(candidate: Candidate, values: Values) -> Candidate:
+def _delay(candidate: CandidateModel, values: Values) -> CandidateModel:
     n = candidate.robot.n_joints
     return _with_effect(candidate, TorqueDelay(delay=np.full(n, values["delay of the torque"]), lag=np.zeros(n)))
 
 
-def _drive(candidate: Candidate, values: Values) -> Candidate:
+def _drive(candidate: CandidateModel, values: Values) -> CandidateModel:
     """Torque loop of all drives: dead time, lag, and a limit on the rate of its torque."""
     robot = candidate.robot
     ones = np.ones(robot.n_joints)
@@ -112,7 +120,7 @@ def _drive(candidate: Candidate, values: Values) -> Candidate:
     return replace(candidate, robot=replace(robot, drive=drive))
 
 
-def _third_mass(candidate: Candidate, values: Values) -> Candidate:
+def _third_mass(candidate: CandidateModel, values: Values) -> CandidateModel:
     n = candidate.robot.n_joints
     effect = FlexibleLoad(
         inertia=_main(candidate, values["inertia of the third mass"]),
@@ -128,7 +136,7 @@ def _servo_numbers() -> tuple[FreeNumber, ...]:
     )
 
 
-NUMBERS = Part(
+NUMBERS = StructurePart(
     name="numbers",
     title="numbers of the description",
     numbers=(
@@ -159,7 +167,7 @@ _OLD = "levels of one robot drift by 30 % with temperature, load and wear (Bitte
 
 _LISTED = (
     NUMBERS,
-    Part(
+    StructurePart(
         name="wrong_friction",
         title="wrong friction in the law",
         numbers=(
@@ -169,7 +177,7 @@ _LISTED = (
         ),
         change=_wrong_friction,
     ),
-    Part(
+    StructurePart(
         name="arm_friction",
         title="friction behind the elasticity",
         numbers=(
@@ -184,7 +192,7 @@ _LISTED = (
         ),
         change=_arm_friction,
     ),
-    Part(
+    StructurePart(
         name="delay",
         title="delay of the torque",
         numbers=(
@@ -198,7 +206,7 @@ _LISTED = (
         ),
         change=_delay,
     ),
-    Part(
+    StructurePart(
         name="backlash",
         title="backlash",
         numbers=(
@@ -212,7 +220,7 @@ _LISTED = (
         ),
         change=_backlash,
     ),
-    Part(
+    StructurePart(
         name="base_flexibility",
         title="flexibility of the base",
         numbers=(
@@ -233,7 +241,7 @@ _LISTED = (
         ),
         change=_base,
     ),
-    Part(
+    StructurePart(
         name="torsional_hysteresis",
         title="torsional hysteresis",
         numbers=(
@@ -254,7 +262,7 @@ _LISTED = (
         ),
         change=_hysteresis,
     ),
-    Part(
+    StructurePart(
         name="third_mass",
         title="third mass, a flexible arm",
         numbers=(
@@ -281,7 +289,7 @@ _LISTED = (
         ),
         change=_third_mass,
     ),
-    Part(
+    StructurePart(
         name="drive",
         title="drive with dead time, a torque loop of finite bandwidth and rate",
         numbers=(
@@ -311,21 +319,21 @@ _LISTED = (
     ),
 )
 
-PARTS: Mapping[str, Part] = {part.name: part for part in _LISTED}
+PARTS: Mapping[str, StructurePart] = {part.name: part for part in _LISTED}
 """Parts by name."""
 
 SINGLE = ("description", *PARTS)
 """Structures of one part beside the numbers of the description, in the order of tables."""
 
 
-def find_structure(name: str) -> Structure:
+def find_structure(name: str) -> ModelStructure:
     """Find a structure by its name, such as 'numbers', 'arm_friction' or 'arm_friction+delay'.
 
     Raises:
         FFGymError: if a part is unknown, or named twice.
     """
     if name == "description":
-        return Structure(parts=())
+        return ModelStructure(parts=())
     names = [check_choice("structure", part, list(SINGLE)) for part in name.split("+")]
     if len(set(names)) < len(names) or "description" in names:
         raise FFGymError(f"Structure {name!r} must name different parts of {', '.join(PARTS)}.")

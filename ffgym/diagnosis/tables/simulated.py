@@ -11,7 +11,7 @@ from ffgym.control import DynamicLuGreExact, FeedForwardLaw, NoCompensation, Sta
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
 from ffgym.diagnosis.tables.error_table import ErrorTable, MotionKey, TableRow
-from ffgym.diagnosis.tables.structures import Candidate
+from ffgym.diagnosis.tables.structures import CandidateModel
 from ffgym.paths import Reference, cartesian_reference, circle_test, load_motion
 from ffgym.recordings import Recording
 from ffgym.recordings.metrics import contour_errors, path_errors
@@ -114,7 +114,11 @@ class TableSimulator:
         return cartesian_reference(self.arm, path_of_tool)
 
     def values(
-        self, candidates: Sequence[Candidate], rows: Sequence[TableRow], physics_dt: float, learn: Learn | None = None
+        self,
+        candidates: Sequence[CandidateModel],
+        rows: Sequence[TableRow],
+        physics_dt: float,
+        learn: Learn | None = None,
     ) -> Array:
         """Simulate rows for candidates; errors as the tracker with its noise would give them [mm], shape (C, R).
 
@@ -131,7 +135,7 @@ class TableSimulator:
         return found
 
     def _batch(
-        self, candidates: Sequence[Candidate], rows: Sequence[TableRow], physics_dt: float, learn: Learn | None
+        self, candidates: Sequence[CandidateModel], rows: Sequence[TableRow], physics_dt: float, learn: Learn | None
     ) -> Array:
         try:
             return self._simulate(candidates, rows, physics_dt, learn)
@@ -141,7 +145,7 @@ class TableSimulator:
         return np.concatenate([self._batch([one], rows, physics_dt, learn) for one in candidates])
 
     def _simulate(
-        self, candidates: Sequence[Candidate], rows: Sequence[TableRow], physics_dt: float, learn: Learn | None
+        self, candidates: Sequence[CandidateModel], rows: Sequence[TableRow], physics_dt: float, learn: Learn | None
     ) -> Array:
         found = np.full((len(candidates), len(rows)), np.nan)
         learned: dict[tuple[int, str, float], FeedForwardLaw] = {}
@@ -171,7 +175,7 @@ class TableSimulator:
                 found[c, own] = self._errors(recording, [rows[r] for r in own])
         return found
 
-    def _law(self, name: str, key: MotionKey, candidate: Candidate, learn: Learn | None) -> FeedForwardLaw:
+    def _law(self, name: str, key: MotionKey, candidate: CandidateModel, learn: Learn | None) -> FeedForwardLaw:
         if name in KNOWN_LAWS:
             return self._laws.law(name, candidate.known)
         if learn is None:

@@ -20,7 +20,7 @@ from ffgym.simulation.plant import Machine
 
 
 @dataclass(frozen=True, kw_only=True)
-class Candidate:
+class CandidateModel:
     """Machine that a structure makes of a robot, and what its controller knows."""
 
     robot: RobotDescription
@@ -33,7 +33,7 @@ class Candidate:
         """The machine that is simulated."""
         return Machine(robot=self.robot, effects=self.effects)
 
-    def with_friction(self, **factors: float | Array) -> "Candidate":
+    def with_friction(self, **factors: float | Array) -> "CandidateModel":
         """Return the candidate with friction that is larger by factors (or (N,)), as its controller knows, too."""
         robot = replace(self.robot, friction=self.robot.friction.scale(**factors))
         return replace(self, robot=robot, known=self.known.scale(**factors))
@@ -64,11 +64,11 @@ class FreeNumber:
 
 
 Values = Mapping[str, float]
-Change = Callable[[Candidate, Values], Candidate]
+Change = Callable[[CandidateModel, Values], CandidateModel]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Part:
+class StructurePart:
     """Change of a model with its free numbers."""
 
     name: str
@@ -79,10 +79,10 @@ class Part:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Structure:
+class ModelStructure:
     """Structure of the model: parts that are fitted together."""
 
-    parts: tuple[Part, ...]
+    parts: tuple[StructurePart, ...]
 
     @property
     def name(self) -> str:
@@ -115,10 +115,10 @@ class Structure:
         """Values of the free numbers `x` (K,), by name."""
         return {number.name: number.value(float(value)) for number, value in zip(self.numbers, x, strict=True)}
 
-    def candidate(self, robot: RobotDescription, x: Array) -> Candidate:
+    def candidate(self, robot: RobotDescription, x: Array) -> CandidateModel:
         """Return the candidate of a robot with free numbers `x` (K,)."""
         values = self.values(x)
-        found = Candidate(robot=robot, known=replace(robot.friction, arm_share=None))
+        found = CandidateModel(robot=robot, known=replace(robot.friction, arm_share=None))
         for part in self.parts:
             found = part.change(found, values)
         return found
@@ -141,7 +141,7 @@ def main_motors(robot: RobotDescription) -> Array:
     return np.asarray(inertia > np.sqrt(low * high))
 
 
-def combine(parts: Sequence[Part]) -> Structure:
+def combine(parts: Sequence[StructurePart]) -> ModelStructure:
     """Make the structure of parts.
 
     Raises:
@@ -150,4 +150,4 @@ def combine(parts: Sequence[Part]) -> Structure:
     names = [number.name for part in parts for number in part.numbers]
     if twice := sorted({name for name in names if names.count(name) > 1}):
         raise FFGymError(f"Parts {[part.name for part in parts]} share the free numbers {twice}; rename them.")
-    return Structure(parts=tuple(parts))
+    return ModelStructure(parts=tuple(parts))

@@ -72,7 +72,7 @@ def signals_of(model: Any, joints: Sequence[str]) -> dict[str, Signal]:
     signals: dict[str, Signal] = {
         "motor.position": lambda data: data.actuator_length[servo],
         "motor.velocity": lambda data: data.actuator_velocity[servo],
-        "motor.effort": lambda data: [_commanded(model, data, at) for at in servo],
+        "motor.effort": lambda data: [_read_command(model, data, at) for at in servo],
         "feedback.integral": lambda data: [k * data.act[i] if i >= 0 else 0.0 for k, i in integrals],
         "link.position": lambda data: [data.qpos[at].sum() for at in qpos],
         "link.velocity": lambda data: [data.qvel[at].sum() for at in dof],
@@ -104,7 +104,7 @@ def read_recording(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
     return json.loads("".join(comments[1:])), dict(zip(names, values.T, strict=True))
 
 
-def _commanded(model: Any, data: Any, at: int) -> float:
+def _read_command(model: Any, data: Any, at: int) -> float:
     """Torque that a servo commands: its force, or what goes into its torque loop, if it is a `dcmotor`."""
     if model.actuator_gaintype[at] != mujoco.mjtGain.mjGAIN_DCMOTOR:
         return float(data.actuator_force[at])
