@@ -20,10 +20,12 @@ import tyro
 
 from ffgym.core.errors import check_choice
 from ffgym.core.files import write_json
+from ffgym.diagnosis.fit.batches import Point
+from ffgym.diagnosis.tables.simulated import KNOWN_LAWS
 from ffgym.robot import load_robot
 from ffgym.workcell import workcell
 from scripts.workcell.free import CALIBRATIONS, prior_trees, write_result
-from scripts.workcell.search import LAWS, SPEEDS, Objective, Point, search
+from scripts.workcell.search import SPEEDS, Objective, search
 from scripts.workcell.table import measure_cells, summary, table
 
 
@@ -61,8 +63,8 @@ def main(config: Config) -> dict[str, float]:
     objective = Objective(calibration, nominal, prior_trees(calibration, nominal), config.threads)
 
     def tell(step: int, point: Point) -> None:
-        off = np.abs(np.log(point.sizes / objective.published))
-        by_law = np.median(off[0].reshape(len(LAWS) * len(SPEEDS), -1), axis=1).round(2)
+        off = np.abs(np.log(point.outcome / objective.published))
+        by_law = np.median(off[0].reshape(len(KNOWN_LAWS) * len(SPEEDS), -1), axis=1).round(2)
         prior = float(((point.x / calibration.spread) ** 2).sum())
         print(f"step {step}: cost {point.cost:.1f}, prior {prior:.1f}, median of rms {np.median(off[0]):.3f} {by_law}")
 
@@ -70,7 +72,7 @@ def main(config: Config) -> dict[str, float]:
     for free, x in zip(calibration.free, found.x, strict=True):
         print(f"  {free.name:40s} {x:7.3f}  ({x / free.spread:5.2f} spreads)")
     write_result(calibration, objective.prior, found.x)
-    return {"cost": found.cost, "median": float(np.median(np.abs(np.log(found.sizes[0] / objective.published[0]))))}
+    return {"cost": found.cost, "median": float(np.median(np.abs(np.log(found.outcome[0] / objective.published[0]))))}
 
 
 if __name__ == "__main__":

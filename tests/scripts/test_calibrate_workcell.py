@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from ffgym.core.errors import FFGymError
+from ffgym.diagnosis.tables.fitting import RMS_SPREAD
 from ffgym.paths import RADII
 from ffgym.published import METHODS, published_mm
 from ffgym.robot import load_robot, with_parameters
@@ -22,7 +23,7 @@ from scripts.workcell.free import (
     table_at,
     write_result,
 )
-from scripts.workcell.search import RMS_SPREAD, Objective, search
+from scripts.workcell.search import Objective, search
 from scripts.workcell.table import SPEEDS, summary, table
 
 THESIS = CALIBRATIONS["thesis"]
@@ -117,9 +118,6 @@ class Valley(Objective):
                 for x in candidates
             ]
         )
-
-    def forget(self):
-        pass
 
 
 def test_the_search_goes_down_and_goes_on_where_it_was(tmp_path):

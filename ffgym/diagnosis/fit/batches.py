@@ -1,11 +1,11 @@
 """Damped Gauss-Newton whose candidates are simulated side by side: all columns of a Jacobian, then several steps.
 
 For fits whose model is a simulation of whole motions, without slopes; fits to logs, which have them, descend by
-`ffgym.diagnosis.fit.descent`.
+`ffgym.diagnosis.fit.descent`. A search that was stopped goes on from the state of its last point.
 """
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -28,6 +28,15 @@ class Point:
     """Values that the simulation gave."""
     residuals: Array
     damping: float
+    steps: int = 0
+    """Steps that led here."""
+    rests: bool = False
+    """True if the last of them gained so little that another is not worth its simulations."""
+
+    @property
+    def state(self) -> dict[str, Any]:
+        """Values from which `Descent.search` goes on, for a JSON file."""
+        return {"x": self.x.tolist(), "damping": self.damping, "steps": self.steps, "rests": self.rests}
 
     @property
     def cost(self) -> float:
@@ -58,6 +67,8 @@ class Descent:
 
     def jacobian(self, point: Point) -> Array:
         """Compute the slopes of the residuals about a point, shape (M, K)."""
+        if not len(point.x):
+            return np.zeros((len(point.residuals), 0))
         shifted = self.points(point.x + np.diag(self.steps), point.damping)
         columns = [(p.residuals - point.residuals) / h for p, h in zip(shifted, self.steps, strict=True)]
         return np.stack(columns, axis=1)
@@ -83,7 +94,28 @@ class Descent:
             if found is None:
                 return
             rests = found.cost > (1 - gain) * point.cost
-            point = found
+            point = replace(found, steps=point.steps + 1, rests=rests)
             yield point
             if rests:
                 return
+
+    def search(
+        self, starts: Array, most: int, keep: Callable[[Point], None], state: Mapping[str, Any], gain: float = 0.0
+    ) -> Point:
+        """Search from where a state stands, or else from the best of several starts; return the last point.
+
+        Args:
+            starts: free numbers, shape (S, K).
+            most: most steps, those of the state among them.
+            keep: called with each point, the first among them.
+            state: `Point.state` of a search that was stopped; empty to begin anew.
+            gain: share of the cost below which a step is the last one.
+        """
+        xs = np.array([state["x"]]) if state else starts
+        begun = min(self.points(xs, state.get("damping", 1.0)), key=lambda each: each.cost)
+        point = replace(begun, steps=state.get("steps", 0), rests=state.get("rests", False))
+        keep(point)
+        if not point.rests and len(point.x):
+            for point in self.descend(point, most - point.steps, gain):
+                keep(point)
+        return point

@@ -37,7 +37,7 @@ MAX_SPREAD = 0.4
 SEARCH_DT = 0.001
 """Physics step of the search [s]: a quarter of the time, and errors that differ by 1 % (median)."""
 
-_STEP, _LARGEST_STEP = 0.2, 0.05
+STEP, LARGEST_STEP = 0.2, 0.05
 """Step of finite differences, in spreads, and its largest value; chosen: far above the noise of stick-slip, below where
 the model bends."""
 _DAMPINGS = (0.03, 0.3, 3.0)
@@ -145,9 +145,9 @@ def fit_structure(task: FitTask, tell: Tell = lambda text: None) -> StructureFit
     if "result" in state:
         return parse_fit(state["result"], str(task.file))
     problem = _Problem(task)
-    point, jacobian = problem.search(state, tell)
+    point = problem.search(state, tell)
     tell(f"{task.name}: all rows")
-    fit = problem.judge(point, jacobian, int(state.get("steps", 0)))
+    fit = problem.judge(point)
     write_json(task.file, {"key": task.key, "result": to_json(fit)})
     return fit
 
@@ -173,6 +173,12 @@ def parse_fit(value: Any, where: str) -> StructureFit:
     return fit
 
 
+def weigh_logs(values: Array, measured: Array, is_rms: BoolArray) -> Array:
+    """Compute ln(simulated / measured) in units of its spread, shape (..., R); failed candidates have the worst."""
+    logs: Array = np.log(np.where(np.isfinite(values), values, _FAILED) / measured)
+    return logs / np.where(is_rms, RMS_SPREAD, MAX_SPREAD)
+
+
 class _Problem:
     """Search and judgement of one structure."""
 
@@ -188,14 +194,13 @@ class _Problem:
         self._unique = list(dict.fromkeys(keys))
         self._rows = [twins[keys.index(key)] for key in self._unique]
         self._of_fitted = np.array([self._unique.index(key) for key in keys])
-        self._spread = np.where(self.table.is_rms, RMS_SPREAD, MAX_SPREAD)[self._fitted]
 
     def evaluate(self, xs: Array) -> list[tuple[Array, Array]]:
         """Errors of the fitted rows [mm], and residuals, of candidates (C, K)."""
         candidates = [self.structure.candidate(self.robot, x) for x in xs]
         values = self.simulator.values(candidates, self._rows, self.task.search_dt)[:, self._of_fitted]
-        logs = np.log(np.where(np.isfinite(values), values, _FAILED) / self.table.values[self._fitted])
-        residuals = np.concatenate([logs / self._spread, xs / self.structure.spread], axis=1)
+        misfits = weigh_logs(values, self.table.values[self._fitted], self.table.is_rms[self._fitted])
+        residuals = np.concatenate([misfits, xs / self.structure.spread], axis=1)
         return list(zip(values, residuals, strict=True))
 
     @property
@@ -204,33 +209,27 @@ class _Problem:
         spread, reach = self.structure.spread, self.structure.reach
         return Descent(
             evaluate=self.evaluate,
-            steps=np.minimum(_STEP * spread, _LARGEST_STEP),
+            steps=np.minimum(STEP * spread, LARGEST_STEP),
             spread=spread,
             clip=lambda x: np.clip(x, -reach, reach),
             dampings=_DAMPINGS,
         )
 
-    def search(self, state: dict[str, Any], tell: Tell) -> tuple[Point, Array]:
-        """Search from where the state stands; return the optimum and the slopes about it."""
-        descent, n = self.descent, len(self.structure.numbers)
-        taken = int(state.get("steps", 0))
+    def search(self, state: dict[str, Any], tell: Tell) -> Point:
+        """Search from where the state stands."""
         names = [number.name for number in self.structure.numbers]
         starts = [[dict(start).get(name, 0.0) for name in names] for start in ((), *self.task.starts)]
-        xs = np.array([state["x"]] if "x" in state else starts, dtype=np.float64)
-        point = min(descent.points(xs, state.get("damping", 1.0)), key=lambda each: each.cost)
-        tell(f"{self.task.name}: step {taken}, cost {point.cost:.1f}")
-        if n and not state.get("rests"):
-            for better in descent.descend(point, self.task.steps - taken, _GAIN):
-                taken += 1
-                rests, point = better.cost > (1 - _GAIN) * point.cost, better
-                kept = {"x": point.x.tolist(), "damping": point.damping, "steps": taken, "rests": rests}
-                state.update(kept)
-                write_json(self.task.file, {"key": self.task.key, **kept})
-                tell(f"{self.task.name}: step {taken}, cost {point.cost:.1f}")
-        return point, descent.jacobian(point) if n else np.zeros((len(point.residuals), 0))
 
-    def judge(self, point: Point, jacobian: Array, steps: int) -> StructureFit:
+        def keep(point: Point) -> None:
+            write_json(self.task.file, {"key": self.task.key, "search": point.state})
+            tell(f"{self.task.name}: step {point.steps}, cost {point.cost:.1f}")
+
+        begun = state.get("search", {})
+        return self.descent.search(np.array(starts, dtype=np.float64), self.task.steps, keep, begun, _GAIN)
+
+    def judge(self, point: Point) -> StructureFit:
         """Simulate all rows, and leave each place out."""
+        jacobian = self.descent.jacobian(point)
         candidate = self.structure.candidate(self.robot, point.x)
         judge_dt = self.task.judge_dt or self.robot.physics_dt
         predicted = self.simulator.values([candidate], self.table.rows, judge_dt, self.task.learn)[0]
@@ -240,7 +239,7 @@ class _Problem:
             free_parameters=len(point.x),
             cost=point.cost,
             prior_cost=float(np.sum((point.x / self.structure.spread) ** 2)),
-            steps=steps,
+            steps=point.steps,
             numbers=self._numbers(point, jacobian),
             x=tuple(point.x.tolist()),
             predicted_mm=tuple(predicted.tolist()),

@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import astuple, dataclass
 from itertools import product
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 
@@ -11,7 +12,6 @@ from ffgym.control import DynamicLuGreExact, FeedForwardLaw, NoCompensation, Sta
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
 from ffgym.diagnosis.tables.error_table import ErrorTable, MotionKey, TableRow
-from ffgym.diagnosis.tables.structures import CandidateModel
 from ffgym.paths import Reference, cartesian_reference, circle_test, load_motion
 from ffgym.recordings import Recording
 from ffgym.recordings.metrics import contour_errors, path_errors
@@ -31,6 +31,18 @@ Learn = Callable[[str, Machine, RigidArm, Sequence[Reference]], FeedForwardLaw]
 
 _BATCH = 8
 """Candidates simulated side by side; chosen: their recordings fit into 1 GB."""
+
+
+class Candidate(Protocol):
+    """Model that is simulated."""
+
+    @property
+    def machine(self) -> Machine:
+        """The machine."""
+
+    @property
+    def known(self) -> LuGreParameters:
+        """Friction that the laws of its controller are computed from."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -115,7 +127,7 @@ class TableSimulator:
 
     def values(
         self,
-        candidates: Sequence[CandidateModel],
+        candidates: Sequence[Candidate],
         rows: Sequence[TableRow],
         physics_dt: float,
         learn: Learn | None = None,
@@ -135,7 +147,7 @@ class TableSimulator:
         return found
 
     def _batch(
-        self, candidates: Sequence[CandidateModel], rows: Sequence[TableRow], physics_dt: float, learn: Learn | None
+        self, candidates: Sequence[Candidate], rows: Sequence[TableRow], physics_dt: float, learn: Learn | None
     ) -> Array:
         try:
             return self._simulate(candidates, rows, physics_dt, learn)
@@ -145,7 +157,7 @@ class TableSimulator:
         return np.concatenate([self._batch([one], rows, physics_dt, learn) for one in candidates])
 
     def _simulate(
-        self, candidates: Sequence[CandidateModel], rows: Sequence[TableRow], physics_dt: float, learn: Learn | None
+        self, candidates: Sequence[Candidate], rows: Sequence[TableRow], physics_dt: float, learn: Learn | None
     ) -> Array:
         found = np.full((len(candidates), len(rows)), np.nan)
         learned: dict[tuple[int, str, float], FeedForwardLaw] = {}
@@ -175,7 +187,7 @@ class TableSimulator:
                 found[c, own] = self._errors(recording, [rows[r] for r in own])
         return found
 
-    def _law(self, name: str, key: MotionKey, candidate: CandidateModel, learn: Learn | None) -> FeedForwardLaw:
+    def _law(self, name: str, key: MotionKey, candidate: Candidate, learn: Learn | None) -> FeedForwardLaw:
         if name in KNOWN_LAWS:
             return self._laws.law(name, candidate.known)
         if learn is None:
