@@ -21,6 +21,7 @@ from scipy.optimize import least_squares
 from ffgym.control import NoCompensation
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
+from ffgym.diagnosis.tables.structures import main_motors
 from ffgym.published import published_mm
 from ffgym.recordings.metrics import path_errors
 from ffgym.robot import RigidArm, RobotDescription, load_robot, resonances
@@ -84,8 +85,7 @@ def prior_robot(robot: RobotDescription) -> RobotDescription:
 def apply(robot: RobotDescription, factors: Sequence[float] | Array) -> RobotDescription:
     """The prior robot with each free parameter multiplied by its factor, in the order of FREE."""
     f = np.asarray(factors)
-    inertia, servo, drive = robot.drive.rotor_inertia, robot.servo, robot.drive
-    main = inertia > np.sqrt(inertia.min() * inertia.max())  # two motor sizes
+    inertia, servo, drive, main = robot.drive.rotor_inertia, robot.servo, robot.drive, main_motors(robot)
     damping = _group_mean(servo.velocity_gain / inertia, main) * np.where(main, f[0], f[3])
     bandwidth = _group_mean(servo.position_gain / servo.velocity_gain, main) * np.where(main, f[1], f[4])
     integral = _group_mean(servo.integral_gain / servo.position_gain, main) * np.where(main, f[2], f[5])

@@ -122,7 +122,7 @@ def _check(config: Diagnose) -> None:
         raise FFGymError("Name the model that the logs are compared with: --robot ROBOT.")
     if not config.logs and (given := given_options(config, ("columns",))):
         raise FFGymError(f"{given[0]} has no effect on the example logs. Leave it out, or name logs.")
-    if given := given_options(config, ("structures", "pairs", "steps", "executor", "address", "jobs")):
+    if given := given_options(config, ("structures", "pairs", "refits", "steps", "executor", "address", "jobs")):
         raise FFGymError(f"{given[0]} has no effect on logs. Leave it out, or give --table FILE.")
     accept_findings(config.accept)
     check_whole("--seed", config.seed, low=0)

@@ -69,6 +69,7 @@ def _diagnose(config: Diagnose, table: ErrorTable, executor: Executor, folder: P
             table,
             structures=config.structures,
             pairs=config.pairs,
+            left_out_by="refit" if config.refits else "one step",
             folder=folder,
             executor=executor,
             steps=config.steps,

@@ -194,6 +194,9 @@ class Diagnose:
     part."""
     pairs: bool = True
     """Also fit pairs of the best three structures."""
+    refits: bool = True
+    """Fit each structure again without each position of the table; else one Gauss-Newton step predicts its rows, in
+    less time."""
     steps: int = 8
     """Most steps of the search of each structure."""
     executor: Literal["local", "ray"] = "local"

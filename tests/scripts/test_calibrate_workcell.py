@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ffgym.core.errors import FFGymError
-from ffgym.diagnosis.tables.fitting import RMS_SPREAD
+from ffgym.diagnosis.tables.problem import RMS_SPREAD
 from ffgym.paths import RADII
 from ffgym.published import METHODS, published_mm
 from ffgym.robot import load_robot, with_parameters

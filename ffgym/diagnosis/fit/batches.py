@@ -112,10 +112,10 @@ class Descent:
             gain: share of the cost below which a step is the last one.
         """
         xs = np.array([state["x"]]) if state else starts
-        begun = min(self.points(xs, state.get("damping", 1.0)), key=lambda each: each.cost)
-        point = replace(begun, steps=state.get("steps", 0), rests=state.get("rests", False))
-        keep(point)
-        if not point.rests and len(point.x):
-            for point in self.descend(point, most - point.steps, gain):
-                keep(point)
-        return point
+        found = min(self.points(xs, state.get("damping", 1.0)), key=lambda each: each.cost)
+        begun = found = replace(found, steps=state.get("steps", 0), rests=state.get("rests", False))
+        keep(begun)
+        if not begun.rests and len(begun.x):
+            for found in self.descend(begun, most - begun.steps, gain):
+                keep(found)
+        return found

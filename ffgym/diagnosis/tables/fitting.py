@@ -1,11 +1,9 @@
-"""Fit of one structure to a table, in stages that can be resumed: search, judgement of all rows, places left out.
+"""Fit of one structure to a table, in stages that can be resumed: search, places left out, judgement of all rows.
 
 1. Search: damped Gauss-Newton from the description, or from fits of its parts, at SEARCH_DT, on the fitted rows.
-2. Judgement: all rows at the robot's own physics step, learned laws among them.
-3. Each place left out: one Gauss-Newton step from the optimum without its rows, and what that leaves in them.
-
-Lowered is the sum of squares of logarithms of simulated over measured errors, in units of their spreads, and of the
-distances of free numbers from their typical values, in units of theirs.
+2. Each place left out: a search of its own from the optimum without its rows, or one step of it, and what that leaves
+   in them.
+3. Judgement: all rows at the robot's own physics step, learned laws among them.
 """
 
 import hashlib
@@ -13,7 +11,7 @@ import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -21,31 +19,20 @@ from ffgym.core.errors import FFGymError
 from ffgym.core.files import read_text, write_json
 from ffgym.core.provenance import versions
 from ffgym.core.typed_json import from_json, to_json
-from ffgym.core.types import Array, BoolArray
-from ffgym.diagnosis.fit.batches import Descent, Point
+from ffgym.core.types import Array
+from ffgym.diagnosis.fit.batches import Point
 from ffgym.diagnosis.tables.error_table import ErrorTable
 from ffgym.diagnosis.tables.parts import find_structure
-from ffgym.diagnosis.tables.simulated import Learn, TableSimulator
+from ffgym.diagnosis.tables.problem import Keep, TableProblem
+from ffgym.diagnosis.tables.simulated import Learn
 from ffgym.diagnosis.tables.structures import ModelStructure
-from ffgym.robot import ModelOptions, load_robot
-
-RMS_SPREAD = 0.2
-"""Chosen: a simulated RMS error that is off by 20 % costs as much as a free number that is off by its spread."""
-MAX_SPREAD = 0.4
-"""Chosen: largest errors hang on single events, and weigh a quarter."""
+from ffgym.robot import ModelOptions
 
 SEARCH_DT = 0.001
 """Physics step of the search [s]: a quarter of the time, and errors that differ by 1 % (median)."""
 
-STEP, LARGEST_STEP = 0.2, 0.05
-"""Step of finite differences, in spreads, and its largest value; chosen: far above the noise of stick-slip, below where
-the model bends."""
-_DAMPINGS = (0.03, 0.3, 3.0)
-"""Factors on the damping of the last step that are tried."""
-_GAIN = 0.005
-"""Relative gain of a step below which another is not worth its simulations."""
-_FAILED = 1e3
-"""Error of a candidate that cannot be simulated [mm]: worse than any other, and no reason to stop the search."""
+LeftOutBy = Literal["refit", "one step"]
+"""Fit without the rows of a place: a search of its own, or one Gauss-Newton step from the optimum, for less work."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,6 +49,8 @@ class FitTask:
     starts: tuple[tuple[tuple[str, float], ...], ...] = ()
     """Free numbers x by name to begin at, beside 0; the search begins at the start of the lowest cost, and numbers that
     a start does not name begin at 0."""
+    left_out_by: LeftOutBy = "refit"
+    """Fit of all rows but those of a place, which predicts these."""
     learn: Learn | None = None
     search_dt: float = SEARCH_DT
     judge_dt: float | None = None
@@ -79,7 +68,7 @@ class FitTask:
         parts = (
             repr(self.table),
             repr([(n.name, n.typical, n.spread, n.scale, n.reach) for n in structure.numbers]),
-            repr((self.steps, self.search_dt, self.judge_dt, self.starts)),
+            repr((self.steps, self.search_dt, self.judge_dt, self.starts, self.left_out_by)),
             repr(versions()),
         )
         return hashlib.sha256("|".join(parts).encode()).hexdigest()[:16]
@@ -123,6 +112,8 @@ class StructureFit:
     """Error of each row of the table at the optimum."""
     left_out_mm: tuple[float, ...]
     """Error of each fitted row, predicted without the rows of its place, at the step of the search; nan for others."""
+    left_out_by: LeftOutBy
+    """Fit that these predictions come from."""
     fingerprint: str
     """Fingerprint of the physics of the fitted machine."""
 
@@ -144,10 +135,12 @@ def fit_structure(task: FitTask, tell: Tell = lambda text: None) -> StructureFit
     state = _read_state(task)
     if "result" in state:
         return parse_fit(state["result"], str(task.file))
-    problem = _Problem(task)
-    point = problem.search(state, tell)
+    work = _Work(task, state, tell)
+    point = work.search()
+    jacobian = work.problem.descent.jacobian(point)
+    left_out = work.leave_places_out(point, jacobian)
     tell(f"{task.name}: all rows")
-    fit = problem.judge(point)
+    fit = work.judge(point, jacobian, left_out)
     write_json(task.file, {"key": task.key, "result": to_json(fit)})
     return fit
 
@@ -173,113 +166,91 @@ def parse_fit(value: Any, where: str) -> StructureFit:
     return fit
 
 
-def weigh_logs(values: Array, measured: Array, is_rms: BoolArray) -> Array:
-    """Compute ln(simulated / measured) in units of its spread, shape (..., R); failed candidates have the worst."""
-    logs: Array = np.log(np.where(np.isfinite(values), values, _FAILED) / measured)
-    return logs / np.where(is_rms, RMS_SPREAD, MAX_SPREAD)
+class _Work:
+    """Stages of a fit, which keep their state in the file of their task."""
 
+    def __init__(self, task: FitTask, state: dict[str, Any], tell: Tell) -> None:
+        self.task, self.table, self._state, self._tell = task, task.table, state, tell
+        self.problem = TableProblem(task.table, task.name, task.search_dt)
 
-class _Problem:
-    """Search and judgement of one structure."""
-
-    def __init__(self, task: FitTask) -> None:
-        self.task, self.table = task, task.table
-        self.structure: ModelStructure = find_structure(task.name)
-        self.robot = load_robot(self.table.robot)
-        self.simulator = TableSimulator(self.table, self.robot)
-        self._fitted = np.flatnonzero(self.table.fitted)
-        # rows that a search simulates in the place of the fitted ones
-        twins = [self.table.twin(self.table.rows[i]) for i in self._fitted]
-        keys = [(row.motion, row.radius_mm, row.law, row.statistic) for row in twins]
-        self._unique = list(dict.fromkeys(keys))
-        self._rows = [twins[keys.index(key)] for key in self._unique]
-        self._of_fitted = np.array([self._unique.index(key) for key in keys])
-
-    def evaluate(self, xs: Array) -> list[tuple[Array, Array]]:
-        """Errors of the fitted rows [mm], and residuals, of candidates (C, K)."""
-        candidates = [self.structure.candidate(self.robot, x) for x in xs]
-        values = self.simulator.values(candidates, self._rows, self.task.search_dt)[:, self._of_fitted]
-        misfits = weigh_logs(values, self.table.values[self._fitted], self.table.is_rms[self._fitted])
-        residuals = np.concatenate([misfits, xs / self.structure.spread], axis=1)
-        return list(zip(values, residuals, strict=True))
-
-    @property
-    def descent(self) -> Descent:
-        """The search."""
-        spread, reach = self.structure.spread, self.structure.reach
-        return Descent(
-            evaluate=self.evaluate,
-            steps=np.minimum(STEP * spread, LARGEST_STEP),
-            spread=spread,
-            clip=lambda x: np.clip(x, -reach, reach),
-            dampings=_DAMPINGS,
-        )
-
-    def search(self, state: dict[str, Any], tell: Tell) -> Point:
-        """Search from where the state stands."""
-        names = [number.name for number in self.structure.numbers]
-        starts = [[dict(start).get(name, 0.0) for name in names] for start in ((), *self.task.starts)]
+    def _keeper(self, stage: str, title: str) -> Keep:
+        """Return a function that keeps and tells each point of a search."""
 
         def keep(point: Point) -> None:
-            write_json(self.task.file, {"key": self.task.key, "search": point.state})
-            tell(f"{self.task.name}: step {point.steps}, cost {point.cost:.1f}")
+            self._state[stage] = point.state
+            write_json(self.task.file, self._state | {"key": self.task.key})
+            self._tell(f"{title}: step {point.steps}, cost {point.cost:.1f}")
 
-        begun = state.get("search", {})
-        return self.descent.search(np.array(starts, dtype=np.float64), self.task.steps, keep, begun, _GAIN)
+        return keep
 
-    def judge(self, point: Point) -> StructureFit:
-        """Simulate all rows, and leave each place out."""
-        jacobian = self.descent.jacobian(point)
-        candidate = self.structure.candidate(self.robot, point.x)
-        judge_dt = self.task.judge_dt or self.robot.physics_dt
-        predicted = self.simulator.values([candidate], self.table.rows, judge_dt, self.task.learn)[0]
-        return StructureFit(
-            name=self.task.name,
-            title=self.structure.title,
-            free_parameters=len(point.x),
-            cost=point.cost,
-            prior_cost=float(np.sum((point.x / self.structure.spread) ** 2)),
-            steps=point.steps,
-            numbers=self._numbers(point, jacobian),
-            x=tuple(point.x.tolist()),
-            predicted_mm=tuple(predicted.tolist()),
-            left_out_mm=tuple(self._leave_places_out(point, jacobian).tolist()),
-            fingerprint=candidate.machine.physics(ModelOptions(looks=False, physics_dt=judge_dt)),
-        )
+    def search(self) -> Point:
+        """Search from where the state stands."""
+        names = [number.name for number in self.problem.structure.numbers]
+        starts = [[dict(start).get(name, 0.0) for name in names] for start in ((), *self.task.starts)]
+        keep = self._keeper("search", self.task.name)
+        begun = self._state.get("search", {})
+        return self.problem.search(np.array(starts, dtype=np.float64), self.task.steps, keep, begun)
 
-    def _numbers(self, point: Point, jacobian: Array) -> tuple[FittedFreeNumber, ...]:
-        """Values of the free numbers, with intervals by linear error propagation; priors are rows of the Jacobian."""
-        if not len(point.x):
-            return ()
-        sigma = np.sqrt(np.diag(np.linalg.inv(jacobian.T @ jacobian)))
-        return tuple(
-            FittedFreeNumber(
-                name=number.name,
-                value=number.value(float(x)),
-                unit=number.unit,
-                low=number.value(float(x - 1.645 * s)),
-                high=number.value(float(x + 1.645 * s)),
-                typical=number.typical,
-                spreads=float(x / number.spread),
-                source=number.source,
-            )
-            for number, x, s in zip(self.structure.numbers, point.x, sigma, strict=True)
-        )
-
-    def _leave_places_out(self, point: Point, jacobian: Array) -> Array:
-        """Predict the fitted rows of each place by numbers that one step from the optimum fits to all others."""
+    def leave_places_out(self, point: Point, jacobian: Array) -> Array:
+        """Predict the fitted rows of each place by numbers that are fitted to all others [mm], nan elsewhere, (R,)."""
         found = np.full(len(self.table.rows), np.nan)
         places = self.table.places
         if len(places) < 2:
             return found
-        outs: list[BoolArray] = [self.table.at(place) for place in places]
-        xs = []
-        for out in outs:
-            kept = np.concatenate([~out[self._fitted], np.ones(len(point.x), dtype=np.bool_)])
-            own, slopes = point.residuals[kept], jacobian[kept]
-            step = np.linalg.solve(slopes.T @ slopes, slopes.T @ own) if len(point.x) else np.zeros(0)
-            reach = self.structure.reach
-            xs.append(np.clip(point.x - step, -reach, reach) if len(point.x) else point.x)
-        for out, (values, _) in zip(outs, self.evaluate(np.array(xs)), strict=True):
-            found[out] = values[out[self._fitted]]
+        if self.task.left_out_by == "refit":
+            values = [self._refit(place, point.x) for place in places]
+        else:
+            xs = np.array([self.problem.step_without(place, point, jacobian) for place in places])
+            values = [each for each, _ in self.problem.evaluate(xs)]
+        for place, each in zip(places, values, strict=True):
+            found[self.table.at(place)] = each[self.problem.rows_at(place)]
         return found
+
+    def _refit(self, place: str, start: Array) -> Array:
+        """Fit without a place, from the optimum with it; errors of all fitted rows [mm]."""
+        stage = f"without {place}"
+        keep = self._keeper(stage, f"{self.task.name} {stage}")
+        begun = self._state.get(stage, {})
+        values: Array = self.problem.search_without(place, start, self.task.steps, keep, begun).outcome
+        return values
+
+    def judge(self, point: Point, jacobian: Array, left_out: Array) -> StructureFit:
+        """Simulate all rows, and describe the fit."""
+        structure, robot = self.problem.structure, self.problem.robot
+        candidate = structure.candidate(robot, point.x)
+        judge_dt = self.task.judge_dt or robot.physics_dt
+        predicted = self.problem.simulator.values([candidate], self.table.rows, judge_dt, self.task.learn)[0]
+        return StructureFit(
+            name=self.task.name,
+            title=structure.title,
+            free_parameters=len(point.x),
+            cost=point.cost,
+            prior_cost=float(np.sum((point.x / structure.spread) ** 2)),
+            steps=point.steps,
+            numbers=_describe_numbers(structure, point.x, jacobian),
+            x=tuple(point.x.tolist()),
+            predicted_mm=tuple(predicted.tolist()),
+            left_out_mm=tuple(left_out.tolist()),
+            left_out_by=self.task.left_out_by,
+            fingerprint=candidate.machine.physics(ModelOptions(looks=False, physics_dt=judge_dt)),
+        )
+
+
+def _describe_numbers(structure: ModelStructure, x: Array, jacobian: Array) -> tuple[FittedFreeNumber, ...]:
+    """Values of the free numbers, with intervals by linear error propagation; priors are rows of the Jacobian."""
+    if not len(x):
+        return ()
+    sigma = np.sqrt(np.diag(np.linalg.inv(jacobian.T @ jacobian)))
+    return tuple(
+        FittedFreeNumber(
+            name=number.name,
+            value=number.value(float(at)),
+            unit=number.unit,
+            low=number.value(float(at - 1.645 * s)),
+            high=number.value(float(at + 1.645 * s)),
+            typical=number.typical,
+            spreads=float(at / number.spread),
+            source=number.source,
+        )
+        for number, at, s in zip(structure.numbers, x, sigma, strict=True)
+    )

@@ -17,8 +17,9 @@ from ffgym.core.files import made_folder
 from ffgym.core.provenance import versions
 from ffgym.core.typed_json import to_json
 from ffgym.diagnosis.tables.error_table import ErrorTable
-from ffgym.diagnosis.tables.fitting import MAX_SPREAD, RMS_SPREAD, SEARCH_DT, FitTask, StructureFit, fit_structure
+from ffgym.diagnosis.tables.fitting import SEARCH_DT, FitTask, LeftOutBy, StructureFit, fit_structure
 from ffgym.diagnosis.tables.parts import PARTS, SINGLE, find_structure
+from ffgym.diagnosis.tables.problem import MAX_SPREAD, RMS_SPREAD
 from ffgym.diagnosis.tables.ranking import RankedStructure, TableVerdict, judge_structures, rank_structures
 from ffgym.diagnosis.tables.separating import SESSIONS, SeparatingSession, find_separating_sessions
 from ffgym.diagnosis.tables.simulated import KNOWN_LAWS, Learn
@@ -73,6 +74,7 @@ def diagnose_table(
     executor: Executor | None = None,
     steps: int = STEPS,
     seed: int = 0,
+    left_out_by: LeftOutBy = "refit",
     learn: Learn | None = None,
     report: Report = lambda text, share: None,
     search_dt: float = SEARCH_DT,
@@ -89,6 +91,7 @@ def diagnose_table(
         executor: this machine's cores by default, or a Ray cluster.
         steps: most steps of each search.
         seed: of the resamples behind intervals and ties.
+        left_out_by: fit that predicts the rows of a place that is left out: a search of its own, or one step.
         learn: function that makes laws that learn; needed if a row has one, see `ffgym.agents.table_laws`.
         report: called with what was done, and the share of the work that is done.
         search_dt: physics step of the searches [s].
@@ -107,7 +110,14 @@ def diagnose_table(
         place = Path(temporary) if folder is None else folder
         with made_folder(place), claimed(place):
             task = partial(
-                FitTask, table=table, folder=place, steps=steps, learn=learn, search_dt=search_dt, judge_dt=judge_dt
+                FitTask,
+                table=table,
+                folder=place,
+                steps=steps,
+                left_out_by=left_out_by,
+                learn=learn,
+                search_dt=search_dt,
+                judge_dt=judge_dt,
             )
             fits = _fit([task(name=name) for name in names], executor, report, 0, len(names) + n_pairs)
             if pairs:
@@ -255,6 +265,7 @@ def _structure_document(one: RankedStructure, table: ErrorTable) -> dict[str, An
         name: getattr(fit, name) for name in ("name", "title", "free_parameters", "cost", "prior_cost", "steps")
     }
     found |= {name: value for name, value in to_json(one).items() if name != "fit"} | {"fits": one.fits}
+    found["left_out_by"] = fit.left_out_by
     found["leave_one_position_out"] = [_place_document(fit, table, place) for place in table.places]
     found["numbers"] = to_json(fit.numbers)
     found["predicted_mm"] = [_round(value) for value in fit.predicted_mm]

@@ -92,11 +92,16 @@ class TableSimulator:
     """Simulated path errors of the rows of a table.
 
     Raises:
-        FFGymError: if the robot cannot make a motion of the table.
+        FFGymError: if the robot has no tool, or cannot make a motion of the table.
     """
 
     def __init__(self, table: ErrorTable, robot: RobotDescription, *, n_threads: int = 1) -> None:
         """Plan the motions of a table for a robot, whose rigid-body feed-forward all candidates have."""
+        if robot.tool is None:
+            raise FFGymError(
+                f"Robot {robot.name!r} of the table {table.title!r} has no tool, so it has no path error; describe one "
+                f"in the description of the robot."
+            )
         self.table, self.robot, self._n_threads = table, robot, n_threads
         self.arm = RigidArm(robot)
         self.references = {key: self._plan(key) for key in table.motions}

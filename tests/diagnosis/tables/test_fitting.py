@@ -145,6 +145,7 @@ def fit_of(name, table, factor, free=1, seed=0):
         x=(),
         predicted_mm=predicted,
         left_out_mm=left_out,
+        left_out_by="refit",
         fingerprint="",
     )
 
