@@ -37,6 +37,26 @@ def test_its_counts_follow_from_its_rows(result):
         assert abs(int(right[table.is_rms & ~table.fitted].sum()) - one["held_out_within_1_5"]) <= 1
 
 
+def test_its_scores_follow_from_rows_that_a_fit_did_not_see(result):
+    table = thesis_table()
+    for one in result["structures"]:
+        unseen = np.where(table.fitted, np.array(one["left_out_mm"], dtype=float), one["predicted_mm"])
+        logs = np.abs(np.log(unseen / table.values))[table.is_rms]
+        assert np.mean(logs**2) == pytest.approx(one["score"], rel=5e-3)
+        assert abs(int(np.sum(logs[table.fitted[table.is_rms]] < np.log(1.5))) - one["left_out_within_1_5"]) <= 1
+    scores = [one["score"] for one in result["structures"]]
+    assert scores == sorted(scores)
+
+
+def test_its_signs_follow_from_its_rows(result):
+    pairs = thesis_table().sign_pairs()
+    for one in result["structures"]:
+        ratios = [one["predicted_mm"][law] / one["predicted_mm"][none] for law, none in pairs]
+        assert ratios == pytest.approx(one["sign_ratios"], rel=2e-3)
+        right = [(a < 1) == (b < 1) for a, b in zip(one["sign_ratios"], one["sign_measured"], strict=True)]
+        assert one["sign_right"] == sum(right)
+
+
 def test_the_verdict_names_no_structure_with_the_wrong_sign(result):
     best = next(one for one in result["structures"] if one["name"] == result["structure"])
     assert result["verdict"] != "named" or 2 * best["sign_right"] > best["sign_cells"]
