@@ -41,18 +41,16 @@ from ffgym.agents.elastic import ElasticLaw, elastic_law
 from ffgym.agents.elastic_memory import ArmPast
 from ffgym.agents.flexible_joints import Lead, bristles_within, given_torque, in_parts, limit_integral, motion_at
 from ffgym.agents.model_arm import AheadOnArm, ModelArm
-from ffgym.agents.model_springs import Carried, Past, SpringEffects, Start, unpack_past
-from ffgym.agents.model_states import MotorEffects, state_between
+from ffgym.agents.model_memory import Carried, Past, Start, unpack_past
+from ffgym.agents.model_springs import SpringEffects
+from ffgym.agents.model_states import ModelStates, MotorEffects, state_between
 from ffgym.control import CausalLaw, DynamicLuGreExact, LawStyle, Window
 from ffgym.core.types import Array
-from ffgym.effects import Effect, NativeEffect, ResolverEffect, State, TorqueEffect
+from ffgym.effects import Effect, NativeEffect, ResolverEffect, TorqueEffect
 from ffgym.robot import RigidArm
 from ffgym.robot.drive import Drive
 from ffgym.simulation.plant import Machine, load_machine
 from ffgym.simulation.plant.machine import check_same_controller
-
-_ROUNDS = 20
-"""Rounds of the search for the angle that a resolver reads as a given one, as in a plant."""
 
 
 def model_law(
@@ -114,6 +112,10 @@ class ModelLaw(CausalLaw):
     @cached_property
     def _springs(self) -> SpringEffects:
         return SpringEffects(machine=self.machine)
+
+    @cached_property
+    def _states(self) -> ModelStates:
+        return ModelStates(machine=self.machine)
 
     @cached_property
     def _motors(self) -> MotorEffects:
@@ -185,8 +187,8 @@ class ModelLaw(CausalLaw):
         motion, next_motion, lead = motion_at(window, k), motion_at(window, k + 1), self._lead(rows, start, dt)
         arm = ModelArm.along(self.elastic.arm_friction, past, motion[1], next_motion[1], dt)
         leads = (past.lead, lead) if arm is None else arm.leads(past.lead, lead)
-        here = self._state(motion, rows[middle - 1], leads[0], start, past.time)
-        after = self._state(next_motion, rows[middle], leads[1], start, past.time + dt)
+        here = self._states.at(motion, rows[middle - 1], leads[0], start, past.time)
+        after = self._states.at(next_motion, rows[middle], leads[1], start, past.time + dt)
         # friction less torque of effects, in the middle of sub-steps
         law, between = self._friction, state_between(here, after, self._friction.shares)
         more = None if arm is None else arm.motor_speed
@@ -196,7 +198,7 @@ class ModelLaw(CausalLaw):
         added, motors = self._motors.within(between, friction, past.motors, dt)
         lost, next_lost = in_parts(friction - added)
         # lead as the servo sees it, and its integral
-        seen, next_seen = self._seen(here, past.lead, start), self._seen(after, lead, start)
+        seen, next_seen = self._states.seen(here, past.lead, start), self._states.seen(after, lead, start)
         later = Past(
             start=start,
             carried=rows[1:],
@@ -237,14 +239,12 @@ class ModelLaw(CausalLaw):
 
     def _rest(self, q: Array) -> tuple[Start, list[Array], list[Array]]:
         """Find the equilibrium at `q`, and the memories of effects on springs and on motors there."""
-        still, motor_q = np.zeros_like(q), self._drive.motor_angle(q)
+        still = np.zeros_like(q)
         carried, springs = self._springs.rest(self.elastic.links(q, still, still), q)
-        error = still
-        for _ in range(_ROUNDS):  # the servo rests where the resolver reads `q`
-            error = self.machine.read_by_resolver(motor_q - error, still)[0] - (motor_q - error)
+        error = self._states.reading_error(q)
         none = Lead(angle=still, speed=still, acceleration=still)
         start = Start(load=carried.load, bend=carried.bend, added=carried.reaction, error=error)
-        added, motors = self._motors.rest(self._state((q, still, still), carried, none, start, still))
+        added, motors = self._motors.rest(self._states.at((q, still, still), carried, none, start, still))
         return replace(start, added=carried.reaction + added), springs, motors
 
     def _carry(
@@ -274,39 +274,6 @@ class ModelLaw(CausalLaw):
     def _lead(self, rows: Sequence[Carried], start: Start, dt: float) -> Lead:
         """Compute the lead at the middle one of an odd number of samples."""
         return self.elastic.lead(np.stack([row.bend - start.bend for row in rows], axis=-2), dt)
-
-    @cached_property
-    def _still(self) -> State:
-        """State of the machine but for its motion."""
-        robot = self.machine.physical
-        none = np.zeros(robot.n_joints)
-        return State.of(robot, self.machine.climate, bristle=none, feedback_torque=none)
-
-    def _state(
-        self, sample: tuple[Array, Array, Array], carried: Carried, lead: Lead, start: Start, time: Array
-    ) -> State:
-        """Build the state at a sample; its command keeps motors and links there, but for friction and effects."""
-        (q, motor_dq, motor_ddq), drive = sample, self._drive
-        rotor = drive.rotor_inertia * (motor_ddq + drive.motor_angle(lead.acceleration))
-        return self._still.with_values(
-            time=time,
-            joint_angle=q + lead.angle - drive.joint_angle(start.error),
-            joint_speed=drive.joint_angle(motor_dq) + lead.speed,
-            command=drive.motor_torque(carried.load) + rotor - carried.reaction,
-            deflection=-(lead.angle + start.bend / drive.joint_stiffness),
-            deflection_rate=-lead.speed,
-            load=carried.load,
-        )
-
-    def _seen(self, state: State, lead: Lead, start: Start) -> Lead:
-        """Compute the lead as the resolver shows it to the servo."""
-        angle, speed = state.motor_angle, state.motor_speed
-        read_angle, read_speed = self.machine.read_by_resolver(angle, speed)
-        return Lead(
-            angle=lead.angle + self._drive.joint_angle(read_angle - angle - start.error),
-            speed=lead.speed + self._drive.joint_angle(read_speed - speed),
-            acceleration=lead.acceleration,
-        )
 
 
 FITTED = "model_fitted"

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from ffgym.agents.arm_friction import ArmStep, ReferenceArmFriction
 from ffgym.agents.elastic_memory import ArmPast
 from ffgym.agents.flexible_joints import Lead
-from ffgym.agents.model_springs import Carried, Past
+from ffgym.agents.model_memory import Carried, Past
 from ffgym.core.types import Array
 from ffgym.effects import State
 

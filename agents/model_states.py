@@ -1,4 +1,4 @@
-"""Effects on the motors in model feed-forward, at states where a law puts the arm."""
+"""States where model feed-forward puts the arm, as its resolvers read them, and effects on the motors there."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,6 +6,8 @@ from functools import cached_property
 
 import numpy as np
 
+from ffgym.agents.flexible_joints import Lead
+from ffgym.agents.model_memory import Carried, Start
 from ffgym.core.types import Array
 from ffgym.effects import State, TorqueEffect
 from ffgym.effects.along import iterate_samples
@@ -21,6 +23,56 @@ def state_between(here: State, after: State, shares: Array) -> State:
     across = shares.reshape(-1, *[1] * here.load.ndim)
     ends = {name: (getattr(here, name), getattr(after, name)) for name in _MOTION}
     return here.with_values(**{name: start + (end - start) * across for name, (start, end) in ends.items()})
+
+
+_READING_ROUNDS = 20
+"""Rounds of the search for the angle that a resolver reads as a given one, as in a plant."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ModelStates:
+    """States of one machine at samples of a motion, (..., N) each."""
+
+    machine: Machine
+
+    @cached_property
+    def _still(self) -> State:
+        """State of the machine but for its motion."""
+        robot = self.machine.physical
+        none = np.zeros(robot.n_joints)
+        return State.of(robot, self.machine.climate, bristle=none, feedback_torque=none)
+
+    def reading_error(self, q: Array) -> Array:
+        """Compute the error of the resolvers where the servo rests, as they read `q` there [rad], motor side."""
+        still, motor_q = np.zeros_like(q), self.machine.physical.drive.motor_angle(q)
+        error = still
+        for _ in range(_READING_ROUNDS):
+            error = self.machine.read_by_resolver(motor_q - error, still)[0] - (motor_q - error)
+        return error
+
+    def at(self, sample: tuple[Array, Array, Array], carried: Carried, lead: Lead, start: Start, time: Array) -> State:
+        """Build the state at a sample; its command keeps motors and links there, but for friction and effects."""
+        (q, motor_dq, motor_ddq), drive = sample, self.machine.physical.drive
+        rotor = drive.rotor_inertia * (motor_ddq + drive.motor_angle(lead.acceleration))
+        return self._still.with_values(
+            time=time,
+            joint_angle=q + lead.angle - drive.joint_angle(start.error),
+            joint_speed=drive.joint_angle(motor_dq) + lead.speed,
+            command=drive.motor_torque(carried.load) + rotor - carried.reaction,
+            deflection=-(lead.angle + start.bend / drive.joint_stiffness),
+            deflection_rate=-lead.speed,
+            load=carried.load,
+        )
+
+    def seen(self, state: State, lead: Lead, start: Start) -> Lead:
+        """Compute the lead as the resolver shows it to the servo."""
+        drive, angle, speed = self.machine.physical.drive, state.motor_angle, state.motor_speed
+        read_angle, read_speed = self.machine.read_by_resolver(angle, speed)
+        return Lead(
+            angle=lead.angle + drive.joint_angle(read_angle - angle - start.error),
+            speed=lead.speed + drive.joint_angle(read_speed - speed),
+            acceleration=lead.acceleration,
+        )
 
 
 ROUNDS = 5

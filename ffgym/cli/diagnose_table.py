@@ -11,7 +11,6 @@ from ffgym.core.errors import FFGymError, check_whole
 from ffgym.core.executors import Executor
 from ffgym.core.files import made_folder, write_json, write_text
 from ffgym.diagnosis.tables.error_table import ErrorTable, load_table, write_table
-from ffgym.diagnosis.tables.parts import find_structure
 from ffgym.diagnosis.tables.procedure import TableDiagnosis, diagnose_table, table_document
 from ffgym.diagnosis.tables.published import thesis_table
 from ffgym.report.diagnosis import format_table_diagnosis
@@ -35,8 +34,6 @@ def run(config: Diagnose) -> None:
         raise FFGymError(f"--table takes no {what}: a table names its robot and has its own rows. Leave {what} out.")
     check_whole("--seed", config.seed, low=0)
     check_whole("--steps", config.steps, low=1, high=100)
-    for name in config.structures:
-        find_structure(name)
     executor = Executor(kind=config.executor, jobs=config.jobs, address=config.address)
     table = thesis_table() if config.table == THESIS else load_table(config.table)
     inputs = () if config.table == THESIS else (config.table,)

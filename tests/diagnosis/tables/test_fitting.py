@@ -192,6 +192,7 @@ def test_pairs_extend_their_parts():
     assert extends("delay+backlash", "delay")
     assert extends("delay", "numbers")
     assert not extends("delay", "backlash")
+    assert not extends("description", "numbers")
     with pytest.raises(FFGymError, match="must name different parts"):
         find_structure("delay+delay")
 
