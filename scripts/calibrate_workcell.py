@@ -21,7 +21,7 @@ import tyro
 from ffgym.core.errors import check_choice
 from ffgym.core.files import write_json
 from ffgym.diagnosis.fit.batches import Point
-from ffgym.diagnosis.tables.simulated import KNOWN_LAWS
+from ffgym.diagnosis.tables.known_laws import KNOWN_LAWS
 from ffgym.robot import load_robot
 from ffgym.workcell import workcell
 from scripts.workcell.free import CALIBRATIONS, prior_trees, write_result

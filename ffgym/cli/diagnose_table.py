@@ -10,9 +10,11 @@ from ffgym.cli.progress import progress_bar
 from ffgym.core.errors import FFGymError, check_whole
 from ffgym.core.executors import Executor
 from ffgym.core.files import made_folder, write_json, write_text
-from ffgym.diagnosis.tables.error_table import ErrorTable, load_table, write_table
-from ffgym.diagnosis.tables.procedure import TableDiagnosis, diagnose_table, table_document
+from ffgym.diagnosis.tables.document import table_document
+from ffgym.diagnosis.tables.error_table import ErrorTable
+from ffgym.diagnosis.tables.procedure import TableDiagnosis, diagnose_table
 from ffgym.diagnosis.tables.published import thesis_table
+from ffgym.diagnosis.tables.table_file import load_table, write_table
 from ffgym.report.diagnosis import format_table_diagnosis
 
 THESIS = "thesis"

@@ -16,10 +16,10 @@ from ffgym.core.files import read_text, write_json
 from ffgym.core.types import Array
 from ffgym.diagnosis.fit.batches import Descent, Point
 from ffgym.diagnosis.tables.error_table import TableRow
-from ffgym.diagnosis.tables.fitting import SEARCH_DT
-from ffgym.diagnosis.tables.problem import LARGEST_STEP, STEP, weigh_logs
+from ffgym.diagnosis.tables.known_laws import KNOWN_LAWS
+from ffgym.diagnosis.tables.problem import LARGEST_STEP, SEARCH_DT, STEP, weigh_logs
 from ffgym.diagnosis.tables.published import POSITIONS, STATISTICS, thesis_table
-from ffgym.diagnosis.tables.simulated import KNOWN_LAWS, TableSimulator
+from ffgym.diagnosis.tables.simulated import TableSimulator
 from ffgym.paths import RADII
 from ffgym.robot import RigidArm, RobotDescription
 from ffgym.robot.friction import LuGreParameters

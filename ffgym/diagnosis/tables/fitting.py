@@ -11,28 +11,23 @@ import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import read_text, write_json
 from ffgym.core.provenance import versions
-from ffgym.core.typed_json import from_json, to_json
+from ffgym.core.typed_json import to_json
 from ffgym.core.types import Array
 from ffgym.diagnosis.fit.batches import Point
 from ffgym.diagnosis.tables.error_table import ErrorTable
 from ffgym.diagnosis.tables.parts import find_structure
-from ffgym.diagnosis.tables.problem import Keep, TableProblem
+from ffgym.diagnosis.tables.problem import SEARCH_DT, Keep, TableProblem
 from ffgym.diagnosis.tables.simulated import Learn
-from ffgym.diagnosis.tables.structures import ModelStructure
-from ffgym.robot import ModelOptions
-
-SEARCH_DT = 0.001
-"""Physics step of the search [s]: a quarter of the time, and errors that differ by 1 % (median)."""
-
-LeftOutBy = Literal["refit", "one step"]
-"""Fit without the rows of a place: a search of its own, or one Gauss-Newton step from the optimum, for less work."""
+from ffgym.diagnosis.tables.structure_fit import LeftOutBy, StructureFit, describe_numbers, parse_fit
+from ffgym.robot import ModelOptions, load_robot
+from ffgym.simulation.plant import Machine
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,63 +59,16 @@ class FitTask:
     @property
     def key(self) -> str:
         """Digest of everything that the result depends on."""
-        structure = find_structure(self.name)
+        structure, machine = find_structure(self.name), Machine.of(load_robot(self.table.robot))
         parts = (
             repr(self.table),
+            machine.physics(ModelOptions(looks=False)),
+            *self.table.motion_texts,
             repr([(n.name, n.typical, n.spread, n.scale, n.reach) for n in structure.numbers]),
             repr((self.steps, self.search_dt, self.judge_dt, self.starts, self.left_out_by)),
             repr(versions()),
         )
         return hashlib.sha256("|".join(parts).encode()).hexdigest()[:16]
-
-
-@dataclass(frozen=True, kw_only=True)
-class FittedFreeNumber:
-    """Free number after the fit."""
-
-    name: str
-    value: float
-    unit: str
-    low: float
-    """Lower end of the interval of 90 %, by linear error propagation about the optimum."""
-    high: float
-    typical: float
-    """Value before the fit."""
-    spreads: float
-    """Distance from the typical value, in standard deviations of the prior."""
-    source: str
-    """Origin of the prior."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class StructureFit:
-    """Structure with its fitted numbers, and what it says of every row."""
-
-    name: str
-    title: str
-    free_parameters: int
-    cost: float
-    """Sum of squares at the optimum, priors among them."""
-    prior_cost: float
-    """Part of it that the distances from typical values have."""
-    steps: int
-    """Steps of the search."""
-    numbers: tuple[FittedFreeNumber, ...]
-    x: tuple[float, ...]
-    """Free numbers as they were fitted."""
-    predicted_mm: tuple[float, ...]
-    """Error of each row of the table at the optimum."""
-    left_out_mm: tuple[float, ...]
-    """Error of each fitted row, predicted without the rows of its place, at the step of the search; nan for others."""
-    left_out_by: LeftOutBy
-    """Fit that these predictions come from."""
-    fingerprint: str
-    """Fingerprint of the physics of the fitted machine."""
-
-    @property
-    def start(self) -> tuple[tuple[str, float], ...]:
-        """Free numbers x by name, for a search of a structure that extends this one."""
-        return tuple((number.name, x) for number, x in zip(self.numbers, self.x, strict=True))
 
 
 Tell = Callable[[str], None]
@@ -130,7 +78,7 @@ def fit_structure(task: FitTask, tell: Tell = lambda text: None) -> StructureFit
     """Fit a structure, or go on where its state file stands; a finished one is read.
 
     Raises:
-        FFGymError: if the state file is of another table, structure or version.
+        FFGymError: if the state file is of another table, robot, motion, structure or version.
     """
     state = _read_state(task)
     if "result" in state:
@@ -154,16 +102,10 @@ def _read_state(task: FitTask) -> dict[str, Any]:
         raise FFGymError(f"{task.file}: is no valid JSON: {error}. Remove it to begin anew.") from error
     if state.get("key") != task.key:
         raise FFGymError(
-            f"{task.file}: is of another table, structure, number of steps or version of a program. Name another "
-            f"folder, or remove it to begin anew."
+            f"{task.file}: is of another table, robot, motion, structure, number of steps or version of a program. "
+            f"Name another folder, or remove it to begin anew."
         )
     return state
-
-
-def parse_fit(value: Any, where: str) -> StructureFit:
-    """Parse a fit that `to_json` wrote."""
-    fit: StructureFit = from_json(StructureFit, value, where)
-    return fit
 
 
 class _Work:
@@ -227,30 +169,10 @@ class _Work:
             cost=point.cost,
             prior_cost=float(np.sum((point.x / structure.spread) ** 2)),
             steps=point.steps,
-            numbers=_describe_numbers(structure, point.x, jacobian),
+            numbers=describe_numbers(structure, point.x, jacobian),
             x=tuple(point.x.tolist()),
             predicted_mm=tuple(predicted.tolist()),
             left_out_mm=tuple(left_out.tolist()),
             left_out_by=self.task.left_out_by,
             fingerprint=candidate.machine.physics(ModelOptions(looks=False, physics_dt=judge_dt)),
         )
-
-
-def _describe_numbers(structure: ModelStructure, x: Array, jacobian: Array) -> tuple[FittedFreeNumber, ...]:
-    """Values of the free numbers, with intervals by linear error propagation; priors are rows of the Jacobian."""
-    if not len(x):
-        return ()
-    sigma = np.sqrt(np.diag(np.linalg.inv(jacobian.T @ jacobian)))
-    return tuple(
-        FittedFreeNumber(
-            name=number.name,
-            value=number.value(float(at)),
-            unit=number.unit,
-            low=number.value(float(at - 1.645 * s)),
-            high=number.value(float(at + 1.645 * s)),
-            typical=number.typical,
-            spreads=float(at / number.spread),
-            source=number.source,
-        )
-        for number, at, s in zip(structure.numbers, x, sigma, strict=True)
-    )

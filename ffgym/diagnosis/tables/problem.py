@@ -22,6 +22,9 @@ RMS_SPREAD = 0.2
 MAX_SPREAD = 0.4
 """Chosen: largest errors hang on single events, and weigh a quarter."""
 
+SEARCH_DT = 0.001
+"""Physics step of the search [s]: a quarter of the time, and errors that differ by 1 % (median)."""
+
 STEP, LARGEST_STEP = 0.2, 0.05
 """Step of finite differences, in spreads, and its largest value; chosen: far above the noise of stick-slip, below where
 the model bends."""

@@ -14,7 +14,7 @@ import numpy as np
 from ffgym.core.types import Array
 from ffgym.diagnosis.resampling import Pool, bootstrap, intervals
 from ffgym.diagnosis.tables.error_table import ErrorTable
-from ffgym.diagnosis.tables.fitting import StructureFit
+from ffgym.diagnosis.tables.structure_fit import StructureFit
 from ffgym.diagnosis.tables.structures import extends
 
 FACTOR = 1.5

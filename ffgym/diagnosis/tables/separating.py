@@ -19,8 +19,9 @@ from ffgym.core.errors import FFGymError
 from ffgym.core.measures import rms
 from ffgym.core.types import Array
 from ffgym.diagnosis.sessions import SessionProposal, propose_sessions
-from ffgym.diagnosis.tables.fitting import SEARCH_DT, StructureFit
 from ffgym.diagnosis.tables.parts import find_structure
+from ffgym.diagnosis.tables.problem import SEARCH_DT
+from ffgym.diagnosis.tables.structure_fit import StructureFit
 from ffgym.diagnosis.tables.structures import main_motors
 from ffgym.logs.preparation import read_joint_side
 from ffgym.robot import ModelOptions, RigidArm, RobotDescription

@@ -1,17 +1,16 @@
 """Path errors of candidates, which are simulated side by side on the motions of a table with the laws of its rows."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import astuple, dataclass
 from itertools import product
-from pathlib import Path
 from typing import Protocol
 
 import numpy as np
 
-from ffgym.control import DynamicLuGreExact, FeedForwardLaw, NoCompensation, StaticLuGre
+from ffgym.control import FeedForwardLaw
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
 from ffgym.diagnosis.tables.error_table import ErrorTable, MotionKey, TableRow
+from ffgym.diagnosis.tables.known_laws import KNOWN_LAWS, LawCache
 from ffgym.paths import Reference, cartesian_reference, circle_test, load_motion
 from ffgym.recordings import Recording
 from ffgym.recordings.metrics import contour_errors, path_errors
@@ -22,9 +21,6 @@ from ffgym.simulation.plant import Machine
 
 SEEN_MAX = 3.0
 """Largest of thousands of samples of noise, in standard deviations, as far as it adds up with an error in squares."""
-
-KNOWN_LAWS = ("none", "lugre_static", "lugre_dynamic")
-"""Laws that follow from the friction that a controller knows; all others learn on the machine."""
 
 Learn = Callable[[str, Machine, RigidArm, Sequence[Reference]], FeedForwardLaw]
 """Function that makes a law by its name: it learns on a machine along references, which are of the controller's arm."""
@@ -43,49 +39,6 @@ class Candidate(Protocol):
     @property
     def known(self) -> LuGreParameters:
         """Friction that the laws of its controller are computed from."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class PlayedLaw(FeedForwardLaw):
-    """Law whose torques along some references are computed already."""
-
-    torques: dict[int, Array]
-    """Torques by `id` of the reference [N m], shape (T, N) each."""
-    name: str = "played"
-
-    def torque(self, reference: Reference) -> Array:
-        """Return the torque along a reference."""
-        return self.torques[id(reference)]
-
-
-def make_known_law(name: str, known: LuGreParameters) -> FeedForwardLaw:
-    """Make a law that needs no more than the friction that the controller knows."""
-    if name == "none":
-        return NoCompensation()
-    return StaticLuGre(known) if name == "lugre_static" else DynamicLuGreExact(known)
-
-
-class LawCache:
-    """Torques of laws along the motions of a table; candidates that know the same friction share them."""
-
-    def __init__(self, references: Sequence[Reference]) -> None:
-        """Begin without torques."""
-        self._references = references
-        self._torques: dict[tuple[str, bytes], dict[int, Array]] = {}
-
-    def law(self, name: str, known: LuGreParameters) -> FeedForwardLaw:
-        """Return the law, which knows its torques along the references."""
-        if name == "none":
-            return NoCompensation()
-        key = (name, np.concatenate([part for part in astuple(known) if part is not None]).tobytes())
-        if key not in self._torques:
-            law = make_known_law(name, known)
-            self._torques[key] = {id(r): law.torque(r) for r in self._references}
-        return PlayedLaw(name=name, torques=self._torques[key])
-
-    def forget(self) -> None:
-        """Drop torques of candidates that are done with."""
-        self._torques.clear()
 
 
 class TableSimulator:
@@ -111,8 +64,7 @@ class TableSimulator:
     def _plan(self, key: MotionKey) -> Reference:
         """Plan a motion; circles of all radii that the table has at that place and speed run in one motion."""
         if key.file:
-            path = Path(key.file) if self.table.folder is None else self.table.folder / key.file
-            return load_motion(self.arm, str(path)).reference
+            return load_motion(self.arm, str(self.table.motion_file(key))).reference
         radii = sorted({row.radius_mm * 1e-3 for row in self.table.rows if row.motion == key})
         area = self.robot.work_area
         if area is None:

@@ -3,8 +3,8 @@
 import pytest
 
 from ffgym.core.errors import FFGymError
-from ffgym.diagnosis.tables.error_table import load_table, write_table
 from ffgym.diagnosis.tables.published import thesis_table
+from ffgym.diagnosis.tables.table_file import load_table, write_table
 
 HEAD = 'robot = "irb4600_60_205"\nrows = "rows.csv"\n'
 COLUMNS = "use,motion,position,speed_mm_s,radius_mm,law,statistic,value_mm"

@@ -8,12 +8,14 @@ import pytest
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.executors import Executor
+from ffgym.diagnosis.tables.document import table_document
 from ffgym.diagnosis.tables.error_table import ErrorTable, MotionKey, SignQuestion, TableRow
-from ffgym.diagnosis.tables.fitting import FitTask, StructureFit, fit_structure
+from ffgym.diagnosis.tables.fitting import FitTask, fit_structure
 from ffgym.diagnosis.tables.parts import SINGLE, find_structure
-from ffgym.diagnosis.tables.procedure import diagnose_table, table_document
+from ffgym.diagnosis.tables.procedure import diagnose_table
 from ffgym.diagnosis.tables.ranking import judge_structures, rank_structures
 from ffgym.diagnosis.tables.simulated import TableSimulator
+from ffgym.diagnosis.tables.structure_fit import StructureFit
 from ffgym.diagnosis.tables.structures import extends
 from ffgym.robot import load_robot
 
@@ -126,7 +128,7 @@ def test_a_search_that_is_stopped_goes_on_with_the_same_bits(table, tmp_path):
 def test_a_state_of_another_search_is_refused(table, tmp_path):
     task = FitTask(table=table, name="description", folder=tmp_path, steps=1, judge_dt=DT)
     fit_structure(task)
-    with pytest.raises(FFGymError, match="is of another table, structure"):
+    with pytest.raises(FFGymError, match="is of another table, robot, motion, structure"):
         fit_structure(replace(task, steps=2))
 
 

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from ffgym.core.executors import Executor
+from ffgym.diagnosis.tables.document import table_document
 from ffgym.diagnosis.tables.fitting import FitTask, fit_structure
 from ffgym.diagnosis.tables.problem import TableProblem
-from ffgym.diagnosis.tables.procedure import diagnose_table, table_document
+from ffgym.diagnosis.tables.procedure import diagnose_table
 from tests.diagnosis.tables.small_table import DT, FAST, SLOW, small_table
 
 STEPS = 3

@@ -3,17 +3,22 @@
 import json
 import multiprocessing
 import os
+import shutil
 import signal
 import subprocess
 import sys
+from dataclasses import replace
+from importlib import resources
 
 import pytest
 
+from ffgym.core.errors import FFGymError
 from ffgym.core.executors import Executor
 from ffgym.core.provenance import is_installed
-from ffgym.diagnosis.tables.error_table import write_table
+from ffgym.diagnosis.tables.document import table_document
 from ffgym.diagnosis.tables.fitting import FitTask, fit_structure
-from ffgym.diagnosis.tables.procedure import diagnose_table, table_document
+from ffgym.diagnosis.tables.procedure import diagnose_table
+from ffgym.diagnosis.tables.table_file import write_table
 from tests.diagnosis.tables.small_table import DT, FAST, SLOW, small_table
 from tests.processes import waited
 
@@ -68,6 +73,25 @@ def test_a_fit_that_is_killed_goes_on_with_the_same_bits(table, whole, tmp_path,
         first = next(text for text in told if text.startswith(f"{title(stage)}:"))
         assert first.startswith(f"{title(stage)}: step {state[stage]['steps']},")
     assert again.file.read_bytes() == whole
+
+
+@pytest.mark.parametrize(("file", "old", "new"), [(SLOW, "0.7", "0.6"), ("arm.toml", "500000.0", "400000.0")])
+def test_a_state_of_files_that_changed_is_refused(tmp_path, file, old, new):
+    with resources.as_file(resources.files("ffgym.robot") / "data" / "two_link.toml") as built_in:
+        shutil.copyfile(built_in, tmp_path / "arm.toml")
+    table = replace(small_table(tmp_path), robot=str(tmp_path / "arm.toml"))
+    one = FitTask(table=table, name="description", folder=tmp_path, steps=1, judge_dt=DT)
+    fit_structure(one)
+    text = (tmp_path / file).read_text()
+    assert old in text
+    (tmp_path / file).write_text(text.replace(old, new))
+    with pytest.raises(FFGymError, match="is of another table, robot, motion, structure"):
+        fit_structure(one)
+
+
+def test_a_robot_without_a_tool_is_refused(table):
+    with pytest.raises(FFGymError, match="'one_axis' of the table 'small' has no tool"):
+        fit_structure(task(replace(table, robot="one_axis"), table.folder))
 
 
 def diagnosed(table, folder, executor):
