@@ -23,7 +23,7 @@ beside its own control, as the last trial shows it; the torque that did best is 
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from itertools import chain
 from pathlib import Path
 from types import MappingProxyType
@@ -35,6 +35,7 @@ from ffgym.agents.declaration import AgentEntry, AgentSetting, declare
 from ffgym.agents.elastic import elastic_law
 from ffgym.agents.law_files import StateFile, digest
 from ffgym.agents.lugre import dynamic_lugre
+from ffgym.agents.practice import LearningHistory, Practice, circle_names, read_practices, write_practices
 from ffgym.agents.task_torques import MotionTorque, TaskTorques, same_motion
 from ffgym.agents.torque_response import (
     TARGETS,
@@ -49,40 +50,13 @@ from ffgym.agents.trials import Trial, run_trial
 from ffgym.control import FeedForwardLaw, LawStyle, NoCompensation
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
 from ffgym.core.measures import rms_length
-from ffgym.core.types import Array, IntArray
+from ffgym.core.types import Array
 from ffgym.logs.preparation import read_motor_torque
 from ffgym.paths import Reference
 from ffgym.recordings import Recording
 from ffgym.robot import RigidArm
 from ffgym.simulation import Run
 from ffgym.simulation.run import Progress
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Practice:
-    """One motion after J trials."""
-
-    torque: Array
-    """Torque of the next trial, motor side [N m], shape (T, N)."""
-    best: Array
-    """Torque of the trial with the least error, shape (T, N)."""
-    motion_error: Array
-    """RMS length of the error over the motion, shape (J,)."""
-    circle_error: Array
-    """RMS length of the error on each circle, shape (J, C)."""
-
-    @classmethod
-    def begin(cls, torque: Array, n_circles: int) -> "Practice":
-        """Begin with the torque of the first trial."""
-        first = torque.copy()
-        first[0] = 0.0  # no torque is computed before t = 0
-        return cls(torque=first, best=first, motion_error=np.zeros(0), circle_error=np.zeros((0, n_circles)))
-
-    @property
-    def trials(self) -> int:
-        """Number of trials J."""
-        return len(self.motion_error)
-
 
 TRIALS = 10
 """Trials of the catalogue's members. Chosen: even from zero torque, every circle of the thesis then has a path error
@@ -92,26 +66,6 @@ TOLERANCES: Mapping[Target, float] = MappingProxyType({"motor": 4e-3, "tcp": 2e-
 """Default epsilon by target [rad, motor side] and [m]. Chosen: `tcp` is the noise of the laser tracker (thesis 2.2.4);
 with `motor` every circle of the thesis improves in every trial, while less asks for more torque than the drives have on
 the smallest circle at 100 mm/s. docs/agents/iterative.md shows the effect of others."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class LearningHistory:
-    """Errors and robot time of J trials on M motions with C circles."""
-
-    motions: tuple[str, ...]
-    circles: tuple[str, ...]
-    """Motion and circle; the motion alone where it has no circle."""
-    motion_error: Array
-    """RMS length of the error of each motion [rad] or [m], shape (J, M)."""
-    circle_error: Array
-    """RMS length of the error on each circle [rad] or [m], shape (J, C)."""
-    robot_seconds: Array
-    """Robot time up to the end of each trial [s], shape (J,)."""
-
-    @property
-    def best(self) -> IntArray:
-        """Trial whose torque is kept for each motion, shape (M,)."""
-        return np.argmin(self.motion_error, axis=0)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -176,15 +130,14 @@ class IterativeLearning:
         _check_motions(references, self.arm.robot.n_joints)
         # corrections by the model, and practices, from the state file if there is one
         steps = [self._step(reference) for reference in references]
-        practices = [Practice.begin(self.base.torque(reference), len(_circles(reference))) for reference in references]
+        practices = [
+            Practice.begin(self.base.torque(reference), len(circle_names(reference))) for reference in references
+        ]
         file = None
         if state is not None:
             settings = self._settings(references, steps, practices)
             file = StateFile(path=Path(state), kind="practice", settings=settings)
-            kept = file.read()
-            if kept is not None:
-                names = range(len(practices))
-                practices = [Practice(**{f.name: kept[f"{f.name}_{i}"] for f in fields(Practice)}) for i in names]
+            practices = read_practices(file) or practices
         # one trial of all motions, then a correction of each torque
         for number in range(practices[0].trials, trials):
             runs = [
@@ -198,20 +151,12 @@ class IterativeLearning:
             ]
             # state after each trial, so that an interrupted practice can go on
             if file is not None:
-                rows = ((f.name, i, practice) for i, practice in enumerate(practices) for f in fields(Practice))
-                file.write({f"{name}_{i}": getattr(practice, name) for name, i, practice in rows})
+                write_practices(file, practices)
             if progress is not None:
                 progress(number + 1, trials)
         # law of the best torques, and history
         best = self._law(references, [practice.best for practice in practices])
-        history = LearningHistory(
-            motions=tuple(reference.name for reference in references),
-            circles=tuple(name for reference in references for name in _circles(reference)),
-            motion_error=np.stack([practice.motion_error for practice in practices], axis=1),
-            circle_error=np.concatenate([practice.circle_error for practice in practices], axis=1),
-            robot_seconds=np.arange(1.0, practices[0].trials + 1) * sum(each.duration for each in references),
-        )
-        return Learned(law=best, history=history)
+        return Learned(law=best, history=LearningHistory.of(references, practices))
 
     def _step(self, reference: Reference) -> NormOptimalStep:
         """Make the correction by the model at the middle of the motion's joint angles."""
@@ -270,12 +215,6 @@ def _check_motions(references: Sequence[Reference], n_joints: int) -> None:
             )
         if any(same_motion(one.q, other.q) for other in references[:i]):
             raise FFGymError(f"The motion {one.name!r} is among the references twice; give each once.")
-
-
-def _circles(reference: Reference) -> tuple[str, ...]:
-    """Name the circles whose errors are logged beside that of the motion."""
-    labels = circle_rms(np.zeros((len(reference.t), 1)), reference)
-    return tuple(f"{reference.name}, {label}" for label in labels)
 
 
 def _practise(setting: AgentSetting, target: Target, base: FeedForwardLaw) -> TaskTorques:

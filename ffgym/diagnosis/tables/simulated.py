@@ -29,7 +29,7 @@ _BATCH = 8
 """Candidates simulated side by side; chosen: their recordings fit into 1 GB."""
 
 
-class Candidate(Protocol):
+class TableModel(Protocol):
     """Model that is simulated."""
 
     @property
@@ -84,7 +84,7 @@ class TableSimulator:
 
     def values(
         self,
-        candidates: Sequence[Candidate],
+        candidates: Sequence[TableModel],
         rows: Sequence[TableRow],
         physics_dt: float,
         learn: Learn | None = None,
@@ -104,7 +104,7 @@ class TableSimulator:
         return found
 
     def _batch(
-        self, candidates: Sequence[Candidate], rows: Sequence[TableRow], physics_dt: float, learn: Learn | None
+        self, candidates: Sequence[TableModel], rows: Sequence[TableRow], physics_dt: float, learn: Learn | None
     ) -> Array:
         try:
             return self._simulate(candidates, rows, physics_dt, learn)
@@ -114,7 +114,7 @@ class TableSimulator:
         return np.concatenate([self._batch([one], rows, physics_dt, learn) for one in candidates])
 
     def _simulate(
-        self, candidates: Sequence[Candidate], rows: Sequence[TableRow], physics_dt: float, learn: Learn | None
+        self, candidates: Sequence[TableModel], rows: Sequence[TableRow], physics_dt: float, learn: Learn | None
     ) -> Array:
         found = np.full((len(candidates), len(rows)), np.nan)
         learned: dict[tuple[int, str, float], FeedForwardLaw] = {}
@@ -144,7 +144,7 @@ class TableSimulator:
                 found[c, own] = self._errors(recording, [rows[r] for r in own])
         return found
 
-    def _law(self, name: str, key: MotionKey, candidate: Candidate, learn: Learn | None) -> FeedForwardLaw:
+    def _law(self, name: str, key: MotionKey, candidate: TableModel, learn: Learn | None) -> FeedForwardLaw:
         if name in KNOWN_LAWS:
             return self._laws.law(name, candidate.known)
         if learn is None:
