@@ -1,5 +1,4 @@
 from .bspline import ExtendedBSN as ExtendedBSN
-from .bspline import SplineBasis as SplineBasis
 from .bspline import StaticBSN as StaticBSN
 from .catalogue import CATALOGUE as CATALOGUE
 from .catalogue import make_law as make_law
@@ -31,6 +30,7 @@ from .residual.plan import Training as Training
 from .residual.policy import load_policy as load_policy
 from .residual.training import train as train
 from .residual_torque import learn_residual_torque as learn_residual_torque
+from .spline_basis import SplineBasis as SplineBasis
 from .stability import LearningStability as LearningStability
 from .supervised import MotorRecord as MotorRecord
 from .tensor_bspline import TensorBSN as TensorBSN

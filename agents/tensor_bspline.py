@@ -24,7 +24,8 @@ from typing import Any, ClassVar, Self, final
 
 import numpy as np
 
-from ffgym.agents.bspline import BSplineNetwork, SplineBasis
+from ffgym.agents.bspline import BSplineNetwork
+from ffgym.agents.spline_basis import SplineBasis
 from ffgym.core.errors import FFGymError, check_shape, check_whole
 from ffgym.core.types import Array, IntArray
 from ffgym.paths import Reference

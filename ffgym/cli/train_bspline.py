@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from ffgym.agents.bspline import BSplineNetwork, ExtendedBSN, SplineBasis, StaticBSN
+from ffgym.agents.bspline import BSplineNetwork, ExtendedBSN, StaticBSN
 from ffgym.agents.changing_motions import TRIALS, ChangingMotions
 from ffgym.agents.coulomb_prior import CoulombPrior
 from ffgym.agents.law_files import save_law
 from ffgym.agents.lffc import LFFC, Learning, relative, robot_seconds, thesis_training
+from ffgym.agents.spline_basis import SplineBasis
 from ffgym.agents.stability import STABLE_GROWTH, LearningStability, learning_curves
 from ffgym.agents.tensor_bspline import TensorBSN, even_positions
 from ffgym.agents.trials import RigTrial, SimulatedTrial, training_motions

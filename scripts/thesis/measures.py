@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import BSpline
 
-from ffgym.agents.bspline import FINE_RANGE, SplineBasis
+from ffgym.agents.spline_basis import FINE_RANGE, SplineBasis
 from ffgym.core.measures import rms
 from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.identification.narx import Misfit

@@ -5,7 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ffgym.agents.bspline import FINE_RANGE, SplineBasis, StaticBSN
+from ffgym.agents.bspline import StaticBSN
+from ffgym.agents.spline_basis import FINE_RANGE, SplineBasis
 from ffgym.agents.stability import learning_curves
 from ffgym.agents.trials import SimulatedTrial, thesis_motions
 from ffgym.paths import SPEEDS

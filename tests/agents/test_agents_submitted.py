@@ -5,10 +5,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from ffgym.agents.bspline import SplineBasis, StaticBSN
+from ffgym.agents.bspline import StaticBSN
 from ffgym.agents.law_files import save_law
 from ffgym.agents.residual.actor import Actor, LinearLayer
 from ffgym.agents.residual.policy import ResidualPolicy, save_policy
+from ffgym.agents.spline_basis import SplineBasis
 from ffgym.agents.submission import SUBMITTED, load, resolve_agent
 from ffgym.core.errors import FFGymError
 from ffgym.robot import load_robot

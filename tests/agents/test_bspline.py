@@ -10,8 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ffgym.agents.bspline import ExtendedBSN, SplineBasis, StaticBSN, thesis_knots
+from ffgym.agents.bspline import ExtendedBSN, StaticBSN
 from ffgym.agents.law_files import load_law, save_law
+from ffgym.agents.spline_basis import SplineBasis, thesis_knots
 from ffgym.core.errors import FFGymError
 from ffgym.studies import sine_references
 from tests.agents.lesson_samples import lesson

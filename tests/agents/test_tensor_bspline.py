@@ -5,8 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ffgym.agents.bspline import SplineBasis, StaticBSN
+from ffgym.agents.bspline import StaticBSN
 from ffgym.agents.law_files import load_law, save_law
+from ffgym.agents.spline_basis import SplineBasis
 from ffgym.agents.stability import LearningStability, learning_curves
 from ffgym.agents.tensor_bspline import TensorBSN, even_positions
 from ffgym.agents.trials import SimulatedTrial
