@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.sparse import csr_array
 
-from ffgym.agents import stability
+from ffgym.agents import learned_motion
 from ffgym.agents.bspline import ExtendedBSN, StaticBSN
 from ffgym.agents.stability import STABLE_GROWTH, LearningMap, LearningStability, learning_curves
 from ffgym.agents.trials import Lesson, SimulatedTrial
@@ -185,7 +185,7 @@ def test_weights_that_compensate_friction_leave_little_to_learn(axis, sines):
 def test_finer_steps_of_the_model_change_limits_by_less_than_half_a_percent(arm, circles, monkeypatch):
     limits = []
     for steps in (4, 16):
-        monkeypatch.setattr(stability, "_STEPS", steps)
+        monkeypatch.setattr(learned_motion, "_STEPS", steps)
         limits.append(LearningStability.of(ExtendedBSN.zero(6), arm, [circles[0.1]], record_dt=0.004).largest_rate)
     np.testing.assert_allclose(limits[0], limits[1], rtol=5e-3)
     assert np.abs(limits[0] - limits[1]).max() > 0  # the steps were taken
