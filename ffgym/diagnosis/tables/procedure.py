@@ -17,11 +17,12 @@ from ffgym.diagnosis.tables.fitting import FitTask, fit_structure
 from ffgym.diagnosis.tables.known_laws import KNOWN_LAWS
 from ffgym.diagnosis.tables.parts import PARTS, SINGLE, find_structure
 from ffgym.diagnosis.tables.problem import SEARCH_DT
-from ffgym.diagnosis.tables.ranking import RankedStructure, TableVerdict, judge_structures, rank_structures
+from ffgym.diagnosis.tables.ranking import RankedStructure, rank_structures
 from ffgym.diagnosis.tables.separating import SESSIONS, SeparatingSession, find_separating_sessions
 from ffgym.diagnosis.tables.simulated import Learn
 from ffgym.diagnosis.tables.structure_fit import LeftOutBy, StructureFit
 from ffgym.diagnosis.tables.structures import extends
+from ffgym.diagnosis.tables.verdict import TableVerdict, judge_structures, write_sentence
 from ffgym.robot import ModelOptions, load_robot
 from ffgym.simulation.plant import Machine
 
@@ -143,7 +144,7 @@ def conclude(
     found = _separate(table, ranked, best, sessions)
     return TableDiagnosis(
         verdict=verdict,
-        sentence=_sentence(verdict, best, ranked),
+        sentence=write_sentence(verdict, best, ranked),
         structure=best,
         ties=tuple(one.fit.name for one in ranked if one.is_tied),
         ranked=tuple(ranked),
@@ -197,27 +198,3 @@ def _separate(
     if not others or not first.fit.free_parameters:
         return []
     return find_separating_sessions(load_robot(table.robot), first.fit, others[0].fit, sessions)
-
-
-def _sentence(verdict: TableVerdict, best: str, ranked: Sequence[RankedStructure]) -> str:
-    """Write the verdict in one sentence."""
-    first = next(one for one in ranked if one.fit.name == best)
-    reached = (
-        f"{first.fitted_within_1_5} of {first.fitted_rms} fitted and {first.held_out_within_1_5} of "
-        f"{first.held_out_rms} held-out RMS errors are within a factor 1.5"
-    )
-    title = find_structure(best).title
-    if verdict == "unknown":
-        return f"No structure explains the table; the best is {title}: {reached}."
-    if verdict == "named":
-        return f"Consistent with {title}, beside numbers of the description: {reached}."
-    if verdict == "partly":
-        wrong = first.sign_cells - first.sign_right
-        right = [one for one in ranked if one.sign_right == one.sign_cells]
-        told = f" The best of those with the sign right is {right[0].fit.title}." if right else ""
-        return (
-            f"Sizes are consistent with {title}, beside numbers of the description: {reached}; but in {wrong} of "
-            f"{first.sign_cells} cells it says that the law helps where it harms, or harms where it helps.{told}"
-        )
-    rivals = [one.fit.title for one in ranked if one.is_tied and one is not first]
-    return f"Consistent with {title}: {reached}; as well with {'; '.join(rivals)}."

@@ -7,7 +7,6 @@ their causes, so cells are the blocks of the bootstrap.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
@@ -15,17 +14,12 @@ from ffgym.core.types import Array
 from ffgym.diagnosis.resampling import Pool, bootstrap, intervals
 from ffgym.diagnosis.tables.error_table import ErrorTable
 from ffgym.diagnosis.tables.structure_fit import StructureFit
-from ffgym.diagnosis.tables.structures import extends
 
 FACTOR = 1.5
 """Factor within which a predicted error counts as right; chosen by the exam of this project."""
 
 FITS = 0.8
 """Share of RMS rows within that factor, fitted and held out each, from which a structure fits; chosen."""
-
-TableVerdict = Literal["named", "partly", "ambiguous", "unknown"]
-"""`named`: one structure leaves less than all others, but for those that contain it; `partly`: it does, but gets the
-sign that is asked about wrong in half of the cells or more; `ambiguous`: several tie; `unknown`: none fits."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -105,18 +99,6 @@ def rank_structures(table: ErrorTable, fits: Sequence[StructureFit], seed: int) 
         for i, fit in enumerate(fits)
     ]
     return sorted(ranked, key=lambda one: one.score)
-
-
-def judge_structures(ranked: Sequence[RankedStructure]) -> tuple[TableVerdict, str]:
-    """Judge a ranking: verdict, and the structure with fewest free numbers among those that tie, or the best."""
-    tied = [one for one in ranked if one.is_tied]
-    least = min(tied, key=lambda one: (one.fit.free_parameters, one.score))
-    if not any(one.fits for one in tied):
-        return "unknown", least.fit.name
-    others = [one for one in tied if one is not least and not extends(one.fit.name, least.fit.name)]
-    if others:
-        return "ambiguous", least.fit.name
-    return ("named" if 2 * least.sign_right > least.sign_cells or not least.sign_cells else "partly"), least.fit.name
 
 
 def _logs(table: ErrorTable, predicted: Sequence[float] | Array) -> Array:

@@ -13,10 +13,11 @@ from ffgym.diagnosis.tables.error_table import ErrorTable, MotionKey, SignQuesti
 from ffgym.diagnosis.tables.fitting import FitTask, fit_structure
 from ffgym.diagnosis.tables.parts import SINGLE, find_structure
 from ffgym.diagnosis.tables.procedure import diagnose_table
-from ffgym.diagnosis.tables.ranking import judge_structures, rank_structures
+from ffgym.diagnosis.tables.ranking import rank_structures
 from ffgym.diagnosis.tables.simulated import TableSimulator
 from ffgym.diagnosis.tables.structure_fit import StructureFit
 from ffgym.diagnosis.tables.structures import extends
+from ffgym.diagnosis.tables.verdict import judge_structures
 from ffgym.robot import load_robot
 
 DT = 0.001
