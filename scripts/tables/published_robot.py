@@ -94,7 +94,7 @@ def describe_structures(result: Mapping[str, Any]) -> str:
             f"{each['free_parameters']}",
             f"{each['fitted_within_1_5']}",
             f"{each['held_out_within_1_5']}",
-            f"{each['left_out_within_1_5']}",
+            f"{each['left_out_within_1_5']}" + ("" if each["left_out_by"] == "refit" else " (one step)"),
             f"{each['sign_right']}",
             f"{each['score']:.3f}",
             "tie" if each["is_tied"] else f"{each['behind_low']:.3f} to {each['behind_high']:.3f}",

@@ -36,6 +36,16 @@ def test_tables_of_the_page_are_those_of_the_result(result):
         assert f"\n{part}\n" in page
 
 
+def test_positions_that_one_step_left_out_are_marked(result):
+    first = result["structures"][0]
+    kinds = {
+        "refit": f"| {first['left_out_within_1_5']} |",
+        "one step": f"| {first['left_out_within_1_5']} (one step) |",
+    }
+    for kind, words in kinds.items():
+        assert words in describe_structures(result | {"structures": [first | {"left_out_by": kind}]})
+
+
 def test_numbers_of_the_text_are_those_of_the_result(result):
     page = read_text(DOCS / "published_robot.md")
     backlash, arm, wrong = (fit_of(result, name) for name in ("backlash", "arm_friction", "wrong_friction"))
