@@ -130,11 +130,11 @@ def _record(log: Log, run: Replay, fine: Replay, every: int, i: int) -> Recordin
     columns |= {
         f"{family}.{joint}": x[:, j] for family, x in families.items() for j, joint in enumerate(log.robot.joints)
     }
-    # TCP, turned with the base where it tilts
+    # TCP, moved with base and links where they give way
     if log.tool is not None:
         position = run.arm.tcp_position(link)
-        if fine.tilt is not None:
-            position = position + np.cross(fine.tilt.angle[rows, i], position)
+        if fine.sway is not None and fine.sway.tool is not None:
+            position = position + fine.sway.tool[rows, i]
         columns |= {f"tcp.position.{axis}": position[:, k] for k, axis in enumerate("xyz")}
     # sensor faults of the model, as they are part of the record
     header = replace(recording.header, position_side="motor", torque_semantics="motor_side", hold="sampled", phases=())

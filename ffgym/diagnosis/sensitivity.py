@@ -82,7 +82,6 @@ def compute_sensitivities(run: Replay, kinds: Iterable[type[Effect]], cycles: Cy
 
 def _compute_without_springs(run: Replay, variant: Variant) -> list[tuple[str, Parts]] | None:
     """Compute the change by a variant that bends no springs of the arm, by joint; None if it bends them."""
-    limits = settings().screening
     effect, log, joints = variant.effect, run.log, run.robot.joints
     # tracker and clock: the motion stays as it is, only its record changes
     if isinstance(effect, TrackerEffect):
@@ -90,12 +89,8 @@ def _compute_without_springs(run: Replay, variant: Variant) -> list[tuple[str, P
     if isinstance(effect, ClockEffect):
         written = shift_clocks(run, [], [effect])
         return [("", written)] if written else []
-    # joints of its own swing: a small effect is more like one of any size
     if isinstance(effect, ModelEffect):
-        values = effect.values()
-        small = type(effect)(**values | {variant.parameter: limits.small_step * values[variant.parameter]})
-        parts = replay_change(run, add_effect(run.machine, small))
-        return [("", {key: rows / limits.small_step for key, rows in parts.items()})]
+        return _compute_changes_by_own_joints(run, variant)
     # controller: torque that it would ask for at the same measured motion
     if effect.side == "controller":
         if not log.shows_servo or not isinstance(effect, NativeEffect):
@@ -110,6 +105,22 @@ def _compute_without_springs(run: Replay, variant: Variant) -> list[tuple[str, P
         rows = log.sampling(motor)
         return [(joints[j], {("torque", j): rows[..., j]}) for j in variant.joints]
     return None
+
+
+def _compute_changes_by_own_joints(run: Replay, variant: Variant) -> list[tuple[str, Parts]]:
+    """Compute the change by an effect whose own joints swing: a small one is more like one of any size."""
+    kind, small, found = type(variant.effect), settings().screening.small_step, list[tuple[str, Parts]]()
+    values, before = variant.effect.values(), predict(run)
+    size = small * values[variant.parameter]
+    for j in variant.joints or (None,):
+        alone = size if j is None else np.where(np.arange(len(size)) == j, size, 0.0)
+        try:
+            parts = replay_change(run, add_effect(run.machine, kind(**values | {variant.parameter: alone})), before)
+        except FAILED:
+            continue  # a joint that cannot have it
+        joint = "" if j is None else run.robot.joints[j]
+        found.append((joint, {key: rows / small for key, rows in parts.items()}))
+    return found
 
 
 def compute_machine_sensitivities(

@@ -68,6 +68,7 @@ NAMED = {
     "shear thinning, another equation": ("vogel_oil", "j3", {"share": 0.5, "vogel": 900.0}),
     "slip elements, another equation": ("maxwell_slip", "j6", {"share": 0.8, "travel": 0.03}),
     "efficiency, another equation": ("directional_efficiency", "j2", {"share": 0.05, "ratio": 1.4, "slow": 0.3}),
+    "bending link": ("link_flexibility", "j2", {"compliance": 5e-7}),
 }
 
 

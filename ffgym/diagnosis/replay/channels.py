@@ -59,7 +59,7 @@ def predict_tracker(run: Replay, machine: Machine | None = None, every: int = 1)
     """
     q = run.link_q[::every]
     position = run.arm.tcp_position(q.reshape(-1, q.shape[-1])).reshape(*q.shape[:2], 3)
-    position = position if run.tilt is None else run.tilt.move(position, every)
+    position = position if run.sway is None else run.sway.move(position, every)
     effects = [effect for effect in (machine or run.machine).effects if isinstance(effect, TrackerEffect)]
     for i, recording in enumerate(run.log.recordings) if effects else ():
         n = -(-len(recording) // every)

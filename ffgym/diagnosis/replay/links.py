@@ -1,4 +1,4 @@
-r"""Equations of motion of the links along measured motions, on a base that stands or gives way.
+r"""Equations of motion of the links along measured motions.
 
 Where joints bend, the links move a little otherwise than the motors. To first order they then ask for
 
@@ -9,14 +9,6 @@ more: while a joint swings, Coriolis torques couple and damp it by a tenth of wh
 
 MuJoCo evaluates them at every n-th sample, fast enough to follow poses, and between those they are interpolated; the
 accelerations, which change fast, are multiplied in at every sample.
-
-.. math::
-    \begin{pmatrix} M_{bb} & M_{bj} \\ M_{jb} & M_{jj} \end{pmatrix}
-    \begin{pmatrix} \ddot\varphi \\ \ddot q + \ddot\delta \end{pmatrix} + h(\varphi, q, \dot q) =
-    \begin{pmatrix} -\varphi / c - t_d \dot\varphi / c \\ -K \delta - d \dot\delta \end{pmatrix}
-
-It is the replay's balance with three more joints, whose motors stand. What they ask of the joints of the arm is then
-a torque like any other, which springs and motors bear.
 """
 
 from dataclasses import dataclass
@@ -24,14 +16,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ffgym.core.types import Array, IntArray
-from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.replay.recursions import along, places_of
-from ffgym.diagnosis.replay.springs import Bending, Springs
+from ffgym.diagnosis.replay.springs import Bending
 from ffgym.diagnosis.settings import settings
-from ffgym.effects.transmission.base_flexibility import BaseFlexibility
-from ffgym.robot import RigidArm, RobotDescription
-from ffgym.robot.dynamics.arm import RIGID
-from ffgym.simulation.plant import Machine
+from ffgym.robot import RigidArm
 
 _STEP = 1e-4
 """Change of an angle [rad], or a speed [rad/s], over which terms are differentiated; chosen: some springs' bending."""
@@ -132,70 +120,3 @@ def terms_beside(
         bending=bending,
         bent=known.bent,
     )
-
-
-_AXES = 3
-
-_LEAN = 1e-3
-"""Angle by which the base is turned for differences of its torques [rad]; chosen: little, and far from rounding."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Tilt:
-    """Tilt of a base, along M motions of T samples."""
-
-    angle: Array
-    """About the axes of the world [rad], shape (T, M, 3)."""
-    torque: Array
-    """Torque that the motion of the base takes of the joints of the arm, link side [N m], shape (T, M, N)."""
-
-    def move(self, points: Array, every: int = 1) -> Array:
-        """Move points (T', M, 3) [m] of the arm with the base; `every` so many samples."""
-        return points + np.cross(self.angle[::every], points)
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class BaseTerms:
-    """Terms of the links on a base that may turn about three axes; joints of the base come first."""
-
-    upright: LinkTerms
-    """(T, M, 3 + N)."""
-    lean: Array
-    """Torque that the joints of the arm take more for each radian that the base leans [N m/rad], shape (T, M, N, 3)."""
-
-
-def base_terms(log: Log, robot: RobotDescription) -> BaseTerms:
-    """Terms along measured motions; poses are those of the motors: what joints bend hardly loads a base otherwise."""
-    # the links on a base that turns about all three axes, whatever holds it
-    anyhow = BaseFlexibility(compliance=np.ones(_AXES), relaxation=np.array(0.0))
-    arm = RigidArm(robot, Machine(robot=robot, effects=(anyhow,)).spec(RIGID).compile())
-    q, dq = _beside_base(log.q), _beside_base(log.dq)
-    upright, lean = link_terms(arm, q, dq, log.dt), np.empty((*log.q.shape, _AXES))
-    for axis in range(_AXES):
-        leaning = q.copy()
-        leaning[..., axis] = _LEAN
-        lean[..., axis] = (link_terms(arm, leaning, dq, log.dt).bias - upright.bias)[..., _AXES:] / _LEAN
-    return BaseTerms(upright=upright, lean=lean)
-
-
-def tilt_of(log: Log, robot: RobotDescription, base: BaseFlexibility, terms: BaseTerms) -> Tilt:
-    """Compute the tilt of a base under a robot whose motors move as measured."""
-    # stiffness [N m/rad] and damping [N m s/rad] about each axis; inf and 0 where nothing gives way
-    gives_way = base.compliance > 0
-    stiffness = np.divide(1.0, base.compliance, out=np.full(_AXES, np.inf), where=gives_way)
-    damping = np.where(gives_way, float(base.relaxation) * np.where(gives_way, stiffness, 0.0), 0.0)
-    springs = Springs(
-        mass=terms.upright.mass,
-        stiffness=np.concatenate([stiffness, robot.drive.joint_stiffness]),
-        damping=np.concatenate([damping, robot.drive.joint_damping]),
-        dt=log.dt,
-    )
-    bent = springs.bent_by(-terms.upright.torque(_beside_base(log.ddq))[..., None])
-    shaken = np.matmul(terms.upright.mass[..., _AXES:, :_AXES], bent.acceleration[..., :_AXES, :])
-    leant = np.matmul(terms.lean, bent.angle[..., :_AXES, :])
-    return Tilt(angle=bent.angle[..., :_AXES, 0], torque=(shaken + leant)[..., 0])
-
-
-def _beside_base(values: Array) -> Array:
-    """Values (T, M, N) of joints behind those of a base that stands."""
-    return np.concatenate([np.zeros((*values.shape[:2], _AXES)), values], axis=2)

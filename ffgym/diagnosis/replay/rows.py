@@ -17,16 +17,7 @@ import numpy as np
 
 from ffgym.core.types import Array
 from ffgym.diagnosis.log import Log
-from ffgym.diagnosis.replay.links import (
-    BaseTerms,
-    LinkTerms,
-    Tilt,
-    base_terms,
-    bending_of,
-    link_terms,
-    terms_beside,
-    tilt_of,
-)
+from ffgym.diagnosis.replay.links import LinkTerms, bending_of, link_terms, terms_beside
 from ffgym.diagnosis.replay.springs import Deflection, Springs
 from ffgym.diagnosis.replay.states import (
     Bristles,
@@ -36,13 +27,20 @@ from ffgym.diagnosis.replay.states import (
     friction_on_motors,
     state_of,
 )
+from ffgym.diagnosis.replay.structure import (
+    StructureKey,
+    StructureTerms,
+    Sway,
+    find_structure,
+    structure_terms,
+    sway_of,
+)
 from ffgym.diagnosis.settings import settings
 from ffgym.effects import State, TorqueEffect
 from ffgym.effects.along import torques_along
 from ffgym.effects.effect import LinkBrake
 from ffgym.effects.together import add, sum_along
 from ffgym.effects.transmission.arm_friction import LinkFriction
-from ffgym.effects.transmission.base_flexibility import BaseFlexibility
 from ffgym.logs.preparation import differentiate_motions
 from ffgym.robot import RigidArm, RobotDescription
 from ffgym.simulation.plant import Machine
@@ -87,8 +85,8 @@ class Replay:
     """States of all joints; `motor_torque` is the model's."""
     torque: Array
     """Motor torque that the motion takes [N m], motor side."""
-    tilt: Tilt | None = None
-    """Tilt of a base that gives way."""
+    sway: Sway | None = None
+    """Motion of a base or links that give way."""
 
     @cached_property
     def coarse_springs(self) -> tuple[int, Springs]:
@@ -120,9 +118,14 @@ class Replay:
         return self.link_torque(self.robot)
 
     @cached_property
-    def base_terms(self) -> BaseTerms:
-        """Terms of the links on a base that gives way."""
-        return base_terms(self.log, self.robot)
+    def _structures(self) -> dict[StructureKey, StructureTerms]:
+        return {}
+
+    def structure_terms(self, parts: StructureKey) -> StructureTerms:
+        """Terms of the links on a structure of which some parts give way; they are kept."""
+        if parts not in self._structures:
+            self._structures[parts] = structure_terms(self.log, self.robot, parts, self.links.bent)
+        return self._structures[parts]
 
     @cached_property
     def arm(self) -> RigidArm:
@@ -185,19 +188,19 @@ def replay(
     # motors with their friction
     if bristles is None:
         bristles = friction_on_motors(robot, log.slip_dq, log.dq, log.dt)
-    state, on_arm, tilt = state_of(log, machine, bristles), arm_effects(machine), None
-    # springs under what links ask for, on a base that may give way
+    state, on_arm, sway = state_of(log, machine, bristles), arm_effects(machine), None
+    # springs under what links ask for, on a structure that may give way
     if alike_driven is not None:
         springs = alike_driven.springs
     else:
         stiffness, damping = drive.joint_stiffness, drive.joint_damping
         springs = Springs(mass=links.mass, stiffness=stiffness, damping=damping, dt=log.dt, bending=links.bending)
-    bases = [one for one in machine.effects if isinstance(one, BaseFlexibility) and not one.is_null]
-    if bases:
-        tilt = tilt_of(log, robot, bases[0], base_terms(log, robot) if like is None else like.base_terms)
-    rigid_torque = links.torque(log.ddq) + (0.0 if tilt is None else tilt.torque)
+    if (parts := find_structure(machine)) is not None:
+        terms = structure_terms(log, robot, parts, links.bent) if like is None else like.structure_terms(parts)
+        sway = sway_of(log, machine, terms)
+    rigid_torque = links.torque(log.ddq) + (0.0 if sway is None else sway.torque)
     # deflections of another replay hold if nothing that acts on the arm differs
-    stands = tilt is None and alike_driven is not None and alike_driven.tilt is None
+    stands = sway is None and alike_driven is not None and alike_driven.sway is None
     if alike_driven is not None and stands and _bend_alike(on_arm, arm_effects(alike_driven.machine)):
         deflection = alike_driven.deflection
     else:
@@ -233,7 +236,7 @@ def replay(
         bristles=bristles,
         state=state,
         torque=torque,
-        tilt=tilt,
+        sway=sway,
     )
 
 

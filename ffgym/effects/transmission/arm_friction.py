@@ -24,6 +24,9 @@ class ArmFriction(NativeEffect):
 
     Each part has bristles of its own, on the motor's motion and on the link's in units of the motor. Of what a
     description has on the motor's side, the share moves: :math:`1 - s \to (1 - a)(1 - s)`.
+
+    There is no effect of hysteresis on the arm beside it: presliding of these bristles is a loop on the link that does
+    not depend on the rate, from which another could not be told within the 80 urad or so of travel that it takes.
     """
 
     name = "arm_friction"
@@ -36,7 +39,7 @@ class ArmFriction(NativeEffect):
     side = "link"
     signature = "tool: a loop of the friction over the stiffness, turned by the link's motion; torque: hardly any"
     way_in = "native: a second LuGre friction, on the angle of the link"
-    confusable_with = ("F1", "F4", "T3", "T4", "T10")
+    confusable_with = ("F1", "F4", "T3", "T4", "T10", "T11")
     alike_in_torque = ("F4",)
     separating_motions = ("slow_triangles", "speed_ladder")
     needs_elasticity = True

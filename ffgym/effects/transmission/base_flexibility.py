@@ -28,7 +28,7 @@ class BaseFlexibility(ModelEffect):
     side = "link"
     signature = "tool: off the axes of the joints, and at a frequency that torque hardly shows"
     way_in = "joints of the base in the MuJoCo model, about those axes whose compliance is not 0"
-    confusable_with = ("T1", "T8", "X2")
+    confusable_with = ("T1", "T8", "T11", "X2")
     separating_motions = ("excitation", "holds")
 
     compliance: Array = parameter(

@@ -31,7 +31,7 @@ class FlexibleLoad(TorqueEffect):
     side = "link"
     signature = "torque: rings at one frequency after each change of acceleration; below it, more inertia"
     way_in = "torque at every physics step on the link, with memory"
-    confusable_with = ("G2", "M5", "T1", "T7")
+    confusable_with = ("G2", "M5", "T1", "T7", "T11")
     separating_motions = ("excitation",)
 
     inertia: Array = parameter(

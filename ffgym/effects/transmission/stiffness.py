@@ -23,7 +23,7 @@ class JointStiffness(NativeEffect):
     side = "link"
     signature = "tool: proportional to the load of each joint, over its stiffness; torque: near resonance"
     way_in = "native: stiffness and damping of the deflection joint"
-    confusable_with = ("G1", "T2", "T7", "T8", "X1", "X2")
+    confusable_with = ("G1", "T2", "T7", "T8", "T11", "X1", "X2")
     separating_motions = ("holds", "excitation")
     needs_elasticity = True
 

@@ -85,7 +85,7 @@ class RigidArm:
         self._gravity = self._batch.expand("opt.gravity")
         self._tcp = self._model.site("tcp").id if robot.tool is not None else None
         self._chain = () if self._tcp is None else _chain_to_site(self._model, self._tcp)
-        self._slides = np.flatnonzero(robot.kinematics.is_sliding)
+        self._slides = np.flatnonzero(self._model.jnt_type == mujoco.mjtJoint.mjJNT_SLIDE)
         self._rows = np.repeat(np.arange(self._n), self._model.M_rownnz)
         self._columns = self._model.M_colind
 
