@@ -3,6 +3,7 @@
 import json
 import tomllib
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -144,7 +145,21 @@ def test_the_objective_pays_for_misfit_and_for_distance_from_the_prior():
     assert not exact.any()
     off = valley.residuals(SPREAD, valley.published * np.exp(RMS_SPREAD))
     assert off[: valley.published.size // 2] == pytest.approx(1.0)
+    largest = off[valley.published.size // 2 : valley.published.size]
+    assert largest**2 == pytest.approx(0.25)  # largest errors weigh a quarter
     assert off[valley.published.size :] == pytest.approx(1.0)
+
+
+def test_published_errors_are_by_statistic_law_speed_position_and_radius(prior, irb4600):
+    published = Objective(THESIS, irb4600, prior, 1).published
+    for (s, statistic), (k, law), (v, speed), (p, position), (r, radius) in product(
+        enumerate(("rms", "max")),
+        enumerate(("none", "lugre_static", "lugre_dynamic")),
+        enumerate((0.010, 0.040)),
+        enumerate(("p1", "p2", "p3", "p4")),
+        enumerate(RADII),
+    ):
+        assert published[s, k, v, p, r] == published_mm(law, statistic, speed, radius, position)
 
 
 @pytest.mark.slow

@@ -79,12 +79,13 @@ def test_machines_that_ship_are_those_of_the_fits(result, tmp_path):
         np.testing.assert_allclose(robot.friction.arm_share, fitted.friction.arm_share, rtol=1e-3)
         np.testing.assert_allclose(robot.servo.position_gain, fitted.servo.position_gain, rtol=1e-3)
         np.testing.assert_allclose(robot.drive.joint_stiffness, fitted.drive.joint_stiffness, rtol=1e-3)
-    backlash = structure_candidate(load_robot("irb4600_60_205"), fit_of(result, "backlash"))
-    gaps = [
-        next(effect.half_gap for effect in effects if effect.name == "backlash")
-        for effects in (load_machine(DOCS / "backlash.toml").effects, backlash.effects)
-    ]
+    fitted = structure_candidate(load_robot("irb4600_60_205"), fit_of(result, "backlash")).machine
+    shipped = load_machine(DOCS / "backlash.toml")
+    gaps = [next(effect.half_gap for effect in each.effects if effect.name == "backlash") for each in (shipped, fitted)]
     np.testing.assert_allclose(gaps[0], gaps[1], rtol=1e-9)
+    for group, name in (("drive", "joint_stiffness"), ("servo", "velocity_gain"), ("friction", "coulomb")):
+        ours, theirs = (getattr(getattr(each.physical, group), name) for each in (shipped, fitted))
+        np.testing.assert_allclose(ours, theirs, rtol=1e-9)
 
 
 def test_the_slow_triangle_shows_a_loop_with_friction_behind_the_elasticity_alone(result):
