@@ -26,6 +26,7 @@ from ffgym.effects.transmission.backlash import Backlash
 from ffgym.effects.transmission.base_flexibility import BaseFlexibility
 from ffgym.effects.transmission.flexible_load import FlexibleLoad
 from ffgym.effects.transmission.hysteresis import TorsionalHysteresis
+from ffgym.effects.transmission.link_flexibility import LinkFlexibility
 
 _LEVELS = ("coulomb", "static", "bristle_stiffness", "bristle_damping")
 """Parameters of LuGre friction that grow together with its level."""
@@ -121,6 +122,13 @@ def _drive(candidate: CandidateModel, values: Values) -> CandidateModel:
 
 
 def _third_mass(candidate: CandidateModel, values: Values) -> CandidateModel:
+    """Links of the first joints that bend behind their own mass."""
+    compliance = np.zeros(candidate.robot.n_joints)
+    compliance[:3] = [values[f"compliance of link {j}"] for j in range(1, 1 + len(compliance[:3]))]
+    return _with_effect(candidate, LinkFlexibility(compliance=compliance))
+
+
+def _flexible_load(candidate: CandidateModel, values: Values) -> CandidateModel:
     n = candidate.robot.n_joints
     effect = FlexibleLoad(
         inertia=_main(candidate, values["inertia of the third mass"]),
@@ -264,7 +272,22 @@ _LISTED = (
     ),
     StructurePart(
         name="third_mass",
-        title="third mass, a flexible arm",
+        title="third mass, links that bend",
+        numbers=tuple(
+            FreeNumber(
+                name=f"compliance of link {j}",
+                typical=2e-7,
+                spread=1.0,
+                unit="rad/(N m)",
+                source="up to 1e-6 rad/(N m) (effect link_flexibility); a fifth is usual",
+            )
+            for j in (1, 2, 3)
+        ),
+        change=_third_mass,
+    ),
+    StructurePart(
+        name="flexible_load",
+        title="flexible load without weight",
         numbers=(
             FreeNumber(
                 name="inertia of the third mass",
@@ -287,7 +310,7 @@ _LISTED = (
                 source="1 to 20 % of critical damping (effect flexible_load)",
             ),
         ),
-        change=_third_mass,
+        change=_flexible_load,
     ),
     StructurePart(
         name="drive",
