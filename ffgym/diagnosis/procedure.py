@@ -170,10 +170,21 @@ def examine(
         if about is not None and explains_all(ready, about):
             report("diagnosing about numbers within their calibration", 0.0)
             found, _ = look(about).search()
+        elif len(causes) > 1 and (beside := fit_within_prior(ready, known, rng, causes)) is not None:
+            # a cause that numbers beside the others make up for is none
+            report("diagnosing about numbers fitted beside the causes", 0.0)
+            fewer, _ = look(beside).search()
+            found = fewer if names_fewer(fewer.diagnosis, causes) else found
     # name the motions that were used, in the order in which they were given
     used = {recording.header.segment for recording in recordings}
     motions = tuple(name for name in names if name in used)
     return replace(found, diagnosis=replace(found.diagnosis, motions=motions))
+
+
+def names_fewer(found: Diagnosis, causes: Sequence[Hypothesis]) -> bool:
+    """Tell whether a diagnosis names some of these causes without reserve, fewer and no others."""
+    named = {(cause.effect, cause.joint) for cause in found.causes}
+    return found.verdict == "named" and named < {(cause.kind.name, cause.joint) for cause in causes}
 
 
 @dataclass(frozen=True, eq=False)
