@@ -145,7 +145,16 @@ def test_a_swinging_link_keeps_its_energy_but_for_its_damping(relaxation, two_li
     assert (lost > 0.1 * energy[0]) == (relaxation > 0)
 
 
-def test_a_last_link_without_tool_has_nothing_to_bend_under():
+@pytest.mark.parametrize("tool", ["none", "without mass"])
+def test_a_last_link_that_carries_nothing_does_not_bend(tool, two_link):
     robot = load_robot("one_axis")
-    with pytest.raises(FFGymError, match="has no tool"):
-        machine_of(robot, "j1", 1e-7)
+    if tool == "without mass":
+        robot = replace(two_link, tool=replace(two_link.tool, mass=0.0, inertia=np.zeros(6)))
+    with pytest.raises(FFGymError, match="has no tool that weighs something"):
+        machine_of(robot, robot.joints[-1], 1e-7)
+
+
+def test_a_link_before_it_bends_whatever_the_tool_weighs(two_link):
+    robot = replace(two_link, tool=replace(two_link.tool, mass=0.0, inertia=np.zeros(6)))
+    _, data = at_rest(machine_of(robot, "shoulder", 1e-6), [0.0, 0.0])
+    assert abs(data.joint("shoulder_bend").qpos[0]) == pytest.approx(1e-6 * 9.81 * 50 * (1.5 - 1 / 3), rel=1e-3)

@@ -68,16 +68,17 @@ class LinkFlexibility(ModelEffect):
     )
 
     def check_fits(self, robot: RobotDescription) -> None:
-        """Check also that the last link carries a tool where it bends.
+        """Check also that the last link carries a tool that weighs something where it bends.
 
         Raises:
             FFGymError: if it carries nothing.
         """
         super().check_fits(robot)
-        if self.compliance[-1] > 0 and robot.tool is None:
+        tool = robot.tool
+        if self.compliance[-1] > 0 and (tool is None or tool.mass == 0):
             raise FFGymError(
-                f"Robot {robot.name!r} has no tool, so effect {self.name} of {robot.joints[-1]} has nothing to carry. "
-                f"Leave its compliance at 0, or give the robot a tool."
+                f"Robot {robot.name!r} has no tool that weighs something, so effect {self.name} of "
+                f"{robot.joints[-1]} has nothing to carry. Leave its compliance at 0, or give the robot such a tool."
             )
 
     def in_model(self, spec: mujoco.MjSpec, robot: RobotDescription) -> None:
