@@ -13,7 +13,7 @@ carry gravity and effects. Effects are evaluated at the motion that the law brin
 and speed, at bristles that this speed bends, at the torque that the gearbox passes on.
 
 A torque compensates what acts on motors, springs and links, and errors of the resolver. It cannot compensate a tool or
-a tracker that is elsewhere than believed, nor a base that gives way: `left_alone` lists these effects. A gap
+a tracker that is elsewhere than believed, nor a base or link that gives way: `left_alone` lists these effects. A gap
 between teeth is crossed within some samples, as a motor cannot jump.
 
 Source: as `ffgym.agents.elastic`, and the equations of `ffgym.effects` (docs/effects). Departures: springs with effects
@@ -79,7 +79,7 @@ def model_law(
 
 
 def left_alone(machine: Machine) -> tuple[Effect, ...]:
-    """List effects of a machine that no torque compensates: misplaced or late sensors, a base that gives way."""
+    """List effects of a machine that no torque compensates: misplaced or late sensors, base or link that gives way."""
     known = NativeEffect | TorqueEffect | ResolverEffect
     return tuple(effect for effect in machine.effects if not isinstance(effect, known))
 
