@@ -21,6 +21,7 @@ from ffgym.diagnosis.computing import FAILED
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.log_columns import build_reference, widen_limits
 from ffgym.diagnosis.replay import Replay, predict_feedback
+from ffgym.diagnosis.replay.channels import servo_errors
 from ffgym.diagnosis.residual_rows import find_valid_rows
 from ffgym.diagnosis.settings import settings
 from ffgym.logs.preparation import read_motor_side
@@ -42,10 +43,12 @@ def has_servo(robot: RobotDescription) -> bool:
 
 
 def has_foreign_servo(log: Log) -> bool:
-    """Tell whether the feedback torque of most joints is not that of the documented servo on the measured error."""
+    """Tell whether the feedback torque of most joints is not that of the documented servo on the measured error.
+
+    Neither with the documented gains, by some factor, nor with the three that suit best.
+    """
     if log.feedback is None or not log.shows_servo:
         return False
-    # correlation of measured and predicted feedback torque, whatever the gains
     rows, valid = log.sampling, find_valid_rows(log)
 
     def about_mean(values: Array) -> Array:
@@ -58,7 +61,22 @@ def has_foreign_servo(log: Log) -> bool:
     pairs = (measured, foretold), (measured, measured), (foretold, foretold)
     both, one, other = (np.einsum("sn,sn->n", a, b) for a, b in pairs)
     share = np.divide(both**2, one * other, out=np.ones_like(both), where=one * other > 0)
-    return bool(np.median(np.where(both > 0, share, 0.0)) < settings().replay.servo_explains)
+    limits = settings().replay
+    if np.median(np.where(both > 0, share, 0.0)) < limits.servo_explains:
+        return True
+    # share that error, rate and integral leave with any gains
+    errors = np.stack([about_mean(part) for part in servo_errors(log, log.robot)], axis=-1)
+    left = [
+        _leave_least(torque, regressors) for torque, regressors in zip(measured.T, errors.swapaxes(0, 1), strict=True)
+    ]
+    return bool(np.median(left) > limits.servo_leaves)
+
+
+def _leave_least(values: Array, regressors: Array) -> float:
+    """Share of the energy of values (S,) that a sum of regressors (S, P) leaves at least; 0 of values without any."""
+    scaled = regressors / np.maximum(rms(regressors, axis=0), np.finfo(float).tiny)
+    left = values - scaled @ np.linalg.lstsq(scaled, values)[0]
+    return float(left @ left) / energy if (energy := float(values @ values)) > 0 else 0.0
 
 
 _SAME_TIME = 1e-4
@@ -165,5 +183,5 @@ def is_same_motion(log: Log, exact: Sequence[Recording]) -> bool:
         angle = read_motor_side(log.robot, recording)[:n]
         missed = (angle - drive.motor_angle(log.q[:n, i]))[log.recordings[i].valid[:n].any(axis=1)]
         if rms(missed, 0).max() > settings().replay.same_motion:
-            return False
+            return bool(np.median(left) > limits.servo_leaves)
     return True

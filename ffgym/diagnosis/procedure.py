@@ -37,7 +37,7 @@ from ffgym.diagnosis.residual_rows import assemble_residual, check_length
 from ffgym.diagnosis.result import Diagnosis, Miswiring
 from ffgym.diagnosis.search.candidates import draw_surrogates
 from ffgym.diagnosis.search.generator import CandidateGenerator
-from ffgym.diagnosis.search.rounds import SearchResult
+from ffgym.diagnosis.search.rounds import SearchResult, leave_out
 from ffgym.diagnosis.search.search import Report, search
 from ffgym.diagnosis.search.significance import is_within_prior
 from ffgym.diagnosis.separation import propose_next_motion
@@ -237,16 +237,26 @@ class _Pass:
         self.report("computing what each effect would change", 0.1)
         null_residuals = draw_surrogates(ready.null.draws, problem.blocks, problem.nuisance_columns, rng)
         found = search(problem, CandidateGenerator(ready, kinds, cache), null_residuals, rng, self.report, self.most)
-        # write causes and fitted numbers as one model
         causes = tuple(one for one in found.whole.fit.hypotheses if not is_within_prior(problem, one))
+        examined = self._conclude_written(found)
+        # causes that may as well not be there, beside the others or with the numbers fitted, are none
+        while absent := [
+            one
+            for one, cause in zip(found.final.fit.hypotheses, examined.diagnosis.causes, strict=False)
+            if not is_there(cause)
+        ]:
+            found = leave_out(problem, found, absent)
+            examined = self._conclude_written(found)
+        return examined, causes
+
+    def _conclude_written(self, found: SearchResult) -> Examination:
+        """Write causes and fitted numbers as one model, and conclude."""
+        problem = self.ready.problem
         model = build_extended_model(problem, found.final.fit, self.prior) if found.final.fit.hypotheses else None
         if model is not None and any(one.is_null or is_within_prior(problem, one) for one in model.hypotheses):
             # numbers within their calibration do what the causes seemed to do
             found, model = found.without_causes, None
-        examined = self.conclude(found, model)
-        if (named := examined.diagnosis.causes) and not any(is_there(cause) for cause in named):
-            examined = self.conclude(found.without_causes, None)
-        return examined, causes
+        return self.conclude(found, model)
 
     def conclude(self, found: SearchResult, model: Trial | None) -> Examination:
         """Turn the outcome of a search into a diagnosis, with what it was made from."""

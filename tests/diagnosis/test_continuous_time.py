@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ffgym.diagnosis import diagnose
-from ffgym.diagnosis.clean_recordings import FOREIGN, UNKNOWN, make_clean_recordings
+from ffgym.diagnosis.clean_recordings import FOREIGN, UNKNOWN, has_foreign_servo, make_clean_recordings
 from ffgym.diagnosis.log import assemble_log
 from ffgym.diagnosis.nuisance import ParameterPrior
 from ffgym.diagnosis.prepare import prepare
@@ -94,6 +94,26 @@ def test_the_torque_of_a_servo_that_nobody_described_is_not_compared(is_describe
     assert ready.no_servo == reason
     assert not ready.simulated
     assert "servo" not in ready.floor
+
+
+@pytest.mark.parametrize(
+    ("gains", "limit", "is_foreign"),
+    [
+        (Gains(), np.inf, False),
+        (Gains(position=0.5, velocity=0.7, integral=0.3), np.inf, False),
+        (Gains(), 1.0, True),
+    ],
+    ids=["as documented", "other gains", "a limit of its own"],
+)
+def test_a_servo_is_foreign_if_no_gains_explain_its_torque(gains, limit, is_foreign, one_axis, logs):
+    """Torque within a limit, a multiple of its RMS, correlates with the documented one: gains explain most of it."""
+    limited = []
+    for recording in logs(NOISE, 4.0, columns=EVERYTHING, gains=gains):
+        torque = recording.columns["feedback.effort.j1"]
+        most = limit * float(np.sqrt(np.mean(torque**2)))
+        torque = np.clip(torque, -most, most)
+        limited.append(Recording(dict(recording.columns) | {"feedback.effort.j1": torque}, recording.header))
+    assert has_foreign_servo(assemble_log(one_axis, limited)) == is_foreign
 
 
 def test_a_machine_that_moves_as_measured_has_all_channels():

@@ -74,7 +74,12 @@ def predict_tracker(run: Replay, machine: Machine | None = None, every: int = 1)
 
 
 def predict_feedback(log: Log, robot: RobotDescription) -> Array:
-    """Feedback torque of the documented servo on the measured error [N m], motor side, (T, M, N).
+    """Feedback torque of the documented servo on the measured error [N m], motor side, (T, M, N)."""
+    return servo_torque(robot.servo, *servo_errors(log, robot)).u_fb
+
+
+def servo_errors(log: Log, robot: RobotDescription) -> tuple[Array, Array, Array]:
+    """Measured error of the motors [rad], its rate and its integral, which a servo acts on, (T, M, N) each.
 
     The integral is that since the motion began; what it held before is a constant that was not recorded.
     """
@@ -84,5 +89,4 @@ def predict_feedback(log: Log, robot: RobotDescription) -> Array:
     error = position - robot.drive.motor_angle(log.q)
     error_rate = rate - robot.drive.motor_angle(log.dq)
     steps = 0.5 * log.dt * (error[1:] + error[:-1])
-    integral = np.concatenate([np.zeros_like(error[:1]), np.cumsum(steps, axis=0)])
-    return servo_torque(robot.servo, error, error_rate, integral).u_fb
+    return error, error_rate, np.concatenate([np.zeros_like(error[:1]), np.cumsum(steps, axis=0)])

@@ -99,6 +99,26 @@ def fit_and_score(
     return score(problem, fit(problem, hypotheses, begun=begun, like=like))
 
 
+def leave_out(problem: FitProblem, found: SearchResult, absent: Sequence[Hypothesis]) -> SearchResult:
+    """Leave causes out of a result, and fit the others again."""
+
+    def without(model: ScoredFit) -> ScoredFit:
+        """Fit the others of a model from where they are."""
+        return fit_and_score(problem, [one for one in model.fit.hypotheses if one not in absent], begun=True)
+
+    kept = [one for one in found.final.fit.hypotheses if one not in absent]
+    if not kept:
+        return found.without_causes
+    final = without(found.final)
+    gone = {one.label for one in absent}
+    return replace(
+        found,
+        final=final,
+        whole=final if found.whole is found.final else without(found.whole),
+        rivals=tuple(rival for rival in found.rivals if rival.against not in gone),
+    )
+
+
 def score(problem: FitProblem, found: Fit) -> ScoredFit:
     """Score a fit by what it leaves in held-out blocks."""
     return ScoredFit(fit=found, rss_by_block=compute_held_out_rss(problem, found, found.priors))

@@ -49,6 +49,29 @@ def test_a_cause_without_which_slopes_leave_much_is_kept_unreplayed(search):
     assert search({"bc": 2.1, "ac": 2.1}, {"abc": 1.0}) == (("a", "b", "c"), [])
 
 
+def test_causes_that_are_left_out_of_a_result_take_their_rivals_along(monkeypatch):
+    """The others are fitted again without them; without all of them nothing was found."""
+
+    def model(*names):
+        causes = tuple(SimpleNamespace(label=name) for name in names)
+        return SimpleNamespace(fit=SimpleNamespace(hypotheses=causes))
+
+    monkeypatch.setattr(module, "fit_and_score", lambda setting, causes, begun: model(*(one.label for one in causes)))
+    nominal, final = model(), model("a", "b", "c")
+    rivals = tuple(SimpleNamespace(against=name) for name in "abb")
+    found = module.SearchResult(
+        nominal=nominal, candidates=None, final=final, whole=final, rounds=(), rivals=rivals, unsure=(), rows=1.0
+    )
+    a, b, c = final.fit.hypotheses
+    left = module.leave_out(SETTING, found, [b])
+    assert [one.label for one in left.final.fit.hypotheses] == ["a", "c"]
+    assert left.whole is left.final
+    assert [rival.against for rival in left.rivals] == ["a"]
+    none = module.leave_out(SETTING, found, [a, b, c])
+    assert none.final is nominal
+    assert not none.rivals
+
+
 SIZES = {"viscous", "coulomb", "breakaway"}
 
 
