@@ -183,5 +183,5 @@ def is_same_motion(log: Log, exact: Sequence[Recording]) -> bool:
         angle = read_motor_side(log.robot, recording)[:n]
         missed = (angle - drive.motor_angle(log.q[:n, i]))[log.recordings[i].valid[:n].any(axis=1)]
         if rms(missed, 0).max() > settings().replay.same_motion:
-            return bool(np.median(left) > limits.servo_leaves)
+            return False
     return True

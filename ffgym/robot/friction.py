@@ -1,6 +1,7 @@
 """LuGre friction, motor side, its share behind the elasticity, and slip elements, the memory of presliding."""
 
 from dataclasses import dataclass, fields
+from functools import cached_property
 from typing import Self
 
 import numpy as np
@@ -112,21 +113,30 @@ class LuGreParameters:
             dt: time of the way [s].
         """
         stiffness, damping = self.bristle_stiffness, self.bristle_damping
+        coulomb, peak, per_velocity, rubbing = self._lengths
         # deflection in steady sliding, and the way to it that is left
-        bent = self.stribeck_level(mean_dq) / stiffness
-        ahead, keep = np.copysign(bent, mean_dq), np.exp(-np.abs(mean_dq) * dt / bent)
-        left = keep * (z - ahead)
+        bent = mean_dq * per_velocity
+        bent = coulomb + peak * np.exp(-bent * bent)
+        ahead = np.copysign(bent, mean_dq)
+        left = np.exp(-dt * mean_dq / ahead) * (z - ahead)
         bristle, slope = ahead + left, -0.5 * dt * left / ahead
         # damping sees the rate at the end of the way
-        slipping = np.abs(dq) / bent
-        torque = stiffness * bristle + damping * (dq - slipping * bristle) + self.viscous * dq
-        by_damping = damping * (1 - slipping * slope - np.copysign(bristle / bent, bristle * dq))
+        ahead = np.copysign(bent, dq)
+        stiff = stiffness - damping * dq / ahead
+        torque_slope = stiff * slope + rubbing - damping * bristle / ahead
         return BentBristles(
             bristle=bristle,
-            torque=torque,
+            torque=stiff * bristle + rubbing * dq,
             bristle_slope=slope,
-            torque_slope=np.maximum(stiffness * slope + by_damping + self.viscous, 0.0),
+            torque_slope=np.maximum(torque_slope, 0.0, out=torque_slope),
         )
+
+    @cached_property
+    def _lengths(self) -> tuple[Array, Array, Array, Array]:
+        """Deflections in sliding and beyond that at rest [rad], one over the Stribeck velocity, and all damping."""
+        stiffness = self.bristle_stiffness
+        peak = (self.static - self.coulomb) / stiffness
+        return self.coulomb / stiffness, peak, 1 / self.stribeck_velocity, self.bristle_damping + self.viscous
 
     def exact_bristle_factors(self, dq: Array, dt: float | Array) -> tuple[Array, Array]:
         r"""Exact solution of the bristle equation over `dt` [s] at frozen motor speed `dq` [rad/s].

@@ -240,6 +240,12 @@ def replay(
     )
 
 
+def lends_deflection(run: Replay, log: Log, machine: Machine) -> bool:
+    """Tell whether joints bend in a replay as they would in one of a log on another machine."""
+    alike = run.log is log and run.tilt is None and have_same_numbers(run.robot.drive, machine.physical.drive)
+    return alike and _bend_alike(arm_effects(run.machine), arm_effects(machine))
+
+
 def _bend_alike(some: Sequence[TorqueEffect], others: Sequence[TorqueEffect]) -> bool:
     """Tell whether joints bend alike under effects: under none, or under the same friction on the links."""
     if not all(isinstance(effect, LinkFriction) for effect in (*some, *others)):

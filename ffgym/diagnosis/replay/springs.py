@@ -253,74 +253,127 @@ class Springs:
         linear about that in the rate (Rosenbrock 1963), so that bristles of light links may be stiff.
         """
         e, dt, shape, n = self.elastic, self.dt, torque.shape, len(self.elastic)
-        found = Deflection(angle=np.zeros(shape), rate=np.zeros(shape), acceleration=np.zeros(shape))
+        angles, rates, accelerations = np.zeros(shape), np.zeros(shape), np.zeros(shape)
         # matrices of all steps; rows of the state that they act on: load, place and rate
-        steps, every = np.concatenate(self._step(slice(None)), axis=-1), slice(None) if n == shape[2] else e
+        steps, every = np.concatenate(self._step(slice(None)), axis=-1), _slice_of(e)
         np.negative(steps[..., n:], out=steps[..., n:])  # place and rate pull back
         if push is not None:
             push(0, start, np.zeros_like(start))
         moved = np.zeros((shape[1], 3 * n, 1))  # load, place and rate that the step before leads to
         load, x, rate = (moved[:, k * n : (k + 1) * n, 0] for k in range(3))
         x[:], change = start[:, e], np.zeros((shape[1], n))
-        found.angle[0][:, every] = x
+        angles[0][:, every] = x
         expected, expected_rate = start.copy(), np.zeros_like(start)
-        held_at = e[:0] if brake is None else brake.joints
-        faster, one, held = np.zeros_like(start), np.ones_like(start), np.searchsorted(e, held_at)
-        by_brake = steps[..., held]
+        held = None if brake is None else _Held.of(brake, e, steps, dt)
         # predict place and rate, evaluate the push there, solve for the acceleration
+        most = settings().replay.largest_deflection
         for k in range(1, shape[0]):
             rate += dt * change
             x += dt * rate
-            if not (bent := float(np.abs(x).max(initial=0.0))) < settings().replay.largest_deflection:
-                raise FlownAwayError(f"An arm does not stay where its motors are: it bends by {bent:g} rad.")
+            if k % _CHECKED == 0:
+                _check_bent(x, most)
             expected[:, every], expected_rate[:, every] = x + dt**2 / 4 * change, rate + dt / 2 * change
             load[:] = (torque[k] if push is None else torque[k] + push(k, expected, expected_rate))[:, every]
-            if brake is None:
-                change = np.matmul(steps[k], moved)[..., 0]
-            else:
-                before, about = change, expected_rate
-                scale, last = one, one
-                free = np.matmul(steps[k], moved)[..., 0]
-                # Newton's method about the expected rate, which mostly is as good as the one after the step at once
-                for iteration in range(_ITERATIONS):
-                    braked, slope = brake.expect(k, expected, about)
-                    force, falls = braked[:, held_at], slope[:, held_at]
-                    force += falls * (dt / 2 * before[:, held])
-                    if iteration:
-                        force += falls * (about - expected_rate)[:, held_at]
-                    pushed = free + np.matmul(by_brake[k], force[..., None])[..., 0]
-                    change = _hold_back(pushed, by_brake[k], dt / 2 * falls, held)
-                    faster[:, every] = dt / 2 * (change - before)
-                    if iteration:
-                        faster -= about - expected_rate
-                    if brake.is_near(faster):
-                        break
-                    # joints that turn back go half as far
-                    scale = np.where((faster * last < 0) & (iteration > 0), 0.5 * scale, scale)
-                    last, about = faster.copy(), about + scale * faster
-                brake.conclude(k, faster)
-            found.angle[k][:, every], found.rate[k][:, every], found.acceleration[k][:, every] = x, rate, change
+            free = np.matmul(steps[k], moved)[..., 0]
+            change = free if held is None else held.hold(k, free, change, expected, expected_rate)
+            angles[k][:, every], rates[k][:, every], accelerations[k][:, every] = x, rate, change
+        _check_bent(x, most)
         # correct place and rate by the acceleration at the sample
-        np.add(found.angle, dt**2 / 4 * found.acceleration, out=found.angle)
-        np.add(found.rate, dt / 2 * found.acceleration, out=found.rate)
-        return found
+        angles += dt**2 / 4 * accelerations
+        rates += dt / 2 * accelerations
+        return Deflection(angle=angles, rate=rates, acceleration=accelerations)
 
 
-def _hold_back(free: Array, per_torque: Array, falls: Array, held: IntArray) -> Array:
+_CHECKED = 16
+"""Steps between two looks at where an arm is; chosen: one that flies away is not far by then."""
+
+
+def _check_bent(x: Array, most: float) -> None:
+    """Raise an error where deflections are beyond the largest that springs have, or no numbers."""
+    if not (bent := float(np.abs(x).max(initial=0.0))) < most:
+        raise FlownAwayError(f"An arm does not stay where its motors are: it bends by {bent:g} rad.")
+
+
+def _slice_of(places: IntArray) -> slice | IntArray:
+    """Places as a slice if they are consecutive, which indexing is faster with."""
+    if len(places) and places[-1] - places[0] + 1 == len(places):
+        return slice(int(places[0]), int(places[-1]) + 1)
+    return places
+
+
+@dataclass(kw_only=True, eq=False)
+class _Held:
+    """Joints that a brake holds back in steps which are implicit in its torque."""
+
+    brake: Brake
+    joints: slice | IntArray
+    """Those that it holds, of all joints."""
+    among: slice | IntArray
+    """The same, of those that bend."""
+    bends: slice | IntArray
+    """Joints that bend."""
+    per_torque: Array
+    """Acceleration of joints that bend per torque on those that are held, (T, M, E, H)."""
+    dt: float
+
+    @classmethod
+    def of(cls, brake: Brake, elastic: IntArray, steps: Array, dt: float) -> "_Held":
+        """Joints of a brake in the matrices (T, M, E, 3E) of all steps."""
+        among = np.searchsorted(elastic, brake.joints)
+        return cls(
+            brake=brake,
+            joints=_slice_of(brake.joints),
+            among=_slice_of(among),
+            bends=_slice_of(elastic),
+            per_torque=steps[..., among],
+            dt=dt,
+        )
+
+    def hold(self, k: int, free: Array, before: Array, angle: Array, expected: Array) -> Array:
+        """Accelerations (M, E) that a step leads to where it would be `free`, and was `before`.
+
+        Newton's method about the expected rate (M, N), which mostly is as good as the one after the step at once.
+        """
+        half, per_torque, joints = self.dt / 2, self.per_torque[k], self.joints
+        was = half * before[:, self.among]
+        about, scale, last = expected, 1.0, 0.0
+        faster = np.zeros_like(expected)
+        for iteration in range(_ITERATIONS):
+            braked, slope = self.brake.expect(k, angle, about)
+            falls = slope[:, joints]
+            force = braked[:, joints] + falls * was
+            if iteration:
+                force += falls * (about - expected)[:, joints]
+            pushed = free + np.matmul(per_torque, force[..., None])[..., 0]
+            change = _hold_back(pushed, per_torque, half * falls, self.among)
+            faster[:, self.bends] = half * (change - before)
+            if iteration:
+                faster -= about - expected
+            if self.brake.is_near(faster):
+                break
+            # joints that turn back go half as far
+            scale = np.where(faster * last < 0, 0.5 * scale, scale)
+            last, about = faster.copy(), about + scale * faster
+        self.brake.conclude(k, faster)
+        return change
+
+
+def _hold_back(free: Array, per_torque: Array, falls: Array, held: slice | IntArray) -> Array:
     """Solve for accelerations (M, E) of joints of which some are `held` by torques that fall with their acceleration.
 
     Args:
         free: accelerations without that, (M, E).
         per_torque: acceleration of all joints per torque on each of those that are held, (M, E, H).
         falls: torque by which they are held per acceleration [kg m^2], (M, H).
-        held: their places, (H,).
+        held: their places.
     """
-    # one joint after the other (Sherman and Morrison 1950); accelerations per torque on the others change with each
-    columns = np.concatenate([per_torque, free[..., None]], axis=-1)
-    for i, joint in enumerate(held.tolist()):
-        share = falls[:, i] / (1 + falls[:, i] * columns[:, joint, i])
-        columns -= columns[:, :, i, None] * (share[:, None] * columns[:, joint])[:, None]
-    found: Array = columns[..., -1]
+    # accelerations of those that are held, and by them of all
+    system, there = per_torque[:, held] * falls[:, None], free[:, held]
+    if falls.shape[1] == 1:
+        there = there / (1 + system[:, 0])
+    else:
+        there = np.linalg.solve(system + np.eye(falls.shape[1]), there[..., None])[..., 0]
+    found: Array = free - np.matmul(per_torque, (falls * there)[..., None])[..., 0]
     return found
 
 
