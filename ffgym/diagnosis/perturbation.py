@@ -19,6 +19,7 @@ from ffgym.core.types import Array
 from ffgym.diagnosis.replay import Replay, predict, replay
 from ffgym.diagnosis.replay.channels import delay
 from ffgym.diagnosis.replay.rows import have_same_links, have_same_numbers
+from ffgym.diagnosis.replay.springs import Deflection
 from ffgym.diagnosis.replay.states import along_links, friction_on_motors
 from ffgym.diagnosis.residual import Channel
 from ffgym.effects import Effect, NativeEffect, TorqueEffect
@@ -228,10 +229,15 @@ def shift_clocks(run: Replay, gone: Sequence[Effect], come: Sequence[Effect]) ->
     return found
 
 
-def replay_change(run: Replay, machine: Machine, before: Mapping[Channel, Array] | None = None) -> Parts:
+def replay_change(
+    run: Replay,
+    machine: Machine,
+    before: Mapping[Channel, Array] | None = None,
+    deflection: Deflection | None = None,
+) -> Parts:
     """Replay the log on another machine for the change of all channels: of effects with joints of their own.
 
-    `before` is what the replay itself predicts, if it is known.
+    `before` is what the replay itself predicts, and `deflection` how joints of the other machine bend, if it is known.
     """
-    before, after = before or predict(run), predict(replay(run.log, machine, run))
+    before, after = before or predict(run), predict(replay(run.log, machine, run, deflection=deflection))
     return {(c, k): after[c][..., k] - rows[..., k] for c, rows in before.items() for k in range(rows.shape[2])}

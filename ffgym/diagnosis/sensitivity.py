@@ -5,7 +5,7 @@ is a tenth lower, and after five swings its slope points elsewhere. What a log s
 about as soft a spring, from where a fit finds the rest.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -22,11 +22,14 @@ from ffgym.diagnosis.perturbation import (
     shift_clocks,
 )
 from ffgym.diagnosis.replay import Replay, predict, predict_feedback, predict_tracker
+from ffgym.diagnosis.replay.rows import bend_with_shares
+from ffgym.diagnosis.replay.springs import Deflection
 from ffgym.diagnosis.settings import settings
 from ffgym.diagnosis.variant import Cycles, Variant, add_effect, list_variants
 from ffgym.effects import ClockEffect, Effect, ModelEffect, NativeEffect, ResolverEffect, TrackerEffect
 from ffgym.effects.transmission.arm_friction import ArmFriction
 from ffgym.effects.transmission.stiffness import JointStiffness
+from ffgym.simulation.plant import Machine
 
 _TOGETHER = 24
 """Pushes on the springs that are solved for at once; chosen: more gain little, and each array of them takes 50 MB for
@@ -213,22 +216,31 @@ def compute_share_sensitivities(run: Replay, joints: Iterable[int]) -> list[Sens
     Slopes are those of links that turn with their motors. With much friction behind a soft spring they stand while it
     is wound up, and what a log shows of it is far from the slope.
     """
-    return _compute_by_replays(run, ArmFriction, "share", _SHARES, joints)
+    return _compute_by_replays(run, ArmFriction, "share", _SHARES, joints, bend_with_shares)
 
 
 def _compute_by_replays(
-    run: Replay, kind: type[Effect], parameter: str, sizes: Sequence[float], joints: Iterable[int]
+    run: Replay,
+    kind: type[Effect],
+    parameter: str,
+    sizes: Sequence[float],
+    joints: Iterable[int],
+    bend: Callable[[Replay, Sequence[Machine]], Sequence[Deflection | None]] | None = None,
 ) -> list[Sensitivity]:
-    """Compute sensitivities by replays with an effect of several sizes, on one joint after the other."""
-    found, here = [], predict(run)
-    for j in joints:
-        for choice, size in enumerate(sizes, start=1):
-            other = add_effect(run.machine, kind(**{parameter: size * np.eye(run.robot.n_joints)[j]}))
-            try:
-                change = replay_change(run, other, here)
-            except FAILED:
-                continue  # a machine that cannot be so
-            parts = {key: rows / size for key, rows in change.items()}
-            joint = run.robot.joints[j]
-            found.append(Sensitivity(effect=kind, joint=joint, parameter=parameter, choice=choice, parts=parts))
+    """Compute sensitivities by replays with an effect of several sizes, on one joint after the other.
+
+    `bend` computes deflections of all machines together, where that is faster.
+    """
+    found, here, each = [], predict(run), np.eye(run.robot.n_joints)
+    tried = [(j, choice, size) for j in joints for choice, size in enumerate(sizes, start=1)]
+    others = [add_effect(run.machine, kind(**{parameter: size * each[j]})) for j, _, size in tried]
+    bent = [None] * len(others) if bend is None else bend(run, others)
+    for (j, choice, size), other, deflection in zip(tried, others, bent, strict=True):
+        try:
+            change = replay_change(run, other, here, deflection)
+        except FAILED:
+            continue  # a machine that cannot be so
+        parts = {key: rows / size for key, rows in change.items()}
+        joint = run.robot.joints[j]
+        found.append(Sensitivity(effect=kind, joint=joint, parameter=parameter, choice=choice, parts=parts))
     return found

@@ -9,6 +9,7 @@ derivative of the motor angle is needed. An effect acts by its own code, as it d
 """
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -16,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from ffgym.core.types import Array
+from ffgym.diagnosis.computing import FAILED
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.replay.links import LinkTerms, bending_of, link_terms, terms_beside
 from ffgym.diagnosis.replay.springs import Deflection, Springs
@@ -24,6 +26,7 @@ from ffgym.diagnosis.replay.states import (
     along_links,
     arm_effects,
     deflect,
+    deflect_by_shares,
     friction_on_motors,
     state_of,
 )
@@ -148,6 +151,7 @@ def replay(
     *,
     beside: Replay | None = None,
     bristles: Bristles | None = None,
+    deflection: Deflection | None = None,
     exact: bool = False,
 ) -> Replay:
     """Replay a log on a machine.
@@ -161,6 +165,7 @@ def replay(
         beside: replay of the same log on a machine whose masses differ by errors of calibration: what that changes in
             the terms of the links is small, and is known well enough at fewer samples.
         bristles: friction along the motion, if it is known already.
+        deflection: of the joints, if it is known already.
         exact: whether links that bend ask for what they do there, not for what slopes about the measured motion say;
             it takes a little longer.
     """
@@ -203,7 +208,7 @@ def replay(
     stands = sway is None and alike_driven is not None and alike_driven.sway is None
     if alike_driven is not None and stands and _bend_alike(on_arm, arm_effects(alike_driven.machine)):
         deflection = alike_driven.deflection
-    else:
+    elif deflection is None:
         deflection = deflect(springs, state, on_arm, -rigid_torque, rough, log.dt)
     if exact and len(springs.elastic):
         deflection, beyond = _beyond_slopes(log, robot, links, springs, deflection)
@@ -240,9 +245,25 @@ def replay(
     )
 
 
+def bend_with_shares(run: Replay, machines: Sequence[Machine]) -> Sequence[Deflection | None]:
+    """Deflections of machines that have other shares of the friction of a run on their links, side by side.
+
+    None for each that a replay must bend by itself: they differ by more, or one does not stay where its motors are.
+    """
+    drive, others = run.robot.drive, [machine.physical for machine in machines]
+    acting = [effect for machine in machines for effect in arm_effects(machine)]
+    alike = all(have_same_numbers(one.drive, drive) for one in others) and run.sway is None
+    if machines and alike and all(isinstance(effect, LinkFriction) for effect in acting):
+        asked, start = -run.links.torque(run.log.ddq), run.deflection.angle[0]
+        shares = np.stack([one.arm_share for one in others])
+        with suppress(*FAILED):
+            return deflect_by_shares(run.springs, run.state, run.robot, asked, start, shares)
+    return [None] * len(machines)
+
+
 def lends_deflection(run: Replay, log: Log, machine: Machine) -> bool:
     """Tell whether joints bend in a replay as they would in one of a log on another machine."""
-    alike = run.log is log and run.tilt is None and have_same_numbers(run.robot.drive, machine.physical.drive)
+    alike = run.log is log and run.sway is None and have_same_numbers(run.robot.drive, machine.physical.drive)
     return alike and _bend_alike(arm_effects(run.machine), arm_effects(machine))
 
 

@@ -247,22 +247,24 @@ class Springs:
         return cubics(places), np.stack([inverse, np.matmul(inverse, place), np.matmul(inverse, rate)], axis=2)
 
     def integrate(self, torque: Array, push: Push | None, start: Array, brake: Brake | None = None) -> Deflection:
-        """Deflections under `torque` (T, M, N) and a `push` that depends on them, from rest at `start` (M, N).
+        """Deflections under `torque` (T, M, N) and a `push` that depends on them, from rest at `start` (..., M, N).
+
+        Brakes of several machines may hold the same springs, side by side on axes before those of the motions.
 
         The push is evaluated where the arm is expected after the step, so that it does not lag behind. A `brake` is
         linear about that in the rate (Rosenbrock 1963), so that bristles of light links may be stiff.
         """
-        e, dt, shape, n = self.elastic, self.dt, torque.shape, len(self.elastic)
+        e, dt, shape, n = self.elastic, self.dt, (len(torque), *start.shape), len(self.elastic)
         angles, rates, accelerations = np.zeros(shape), np.zeros(shape), np.zeros(shape)
         # matrices of all steps; rows of the state that they act on: load, place and rate
         steps, every = np.concatenate(self._step(slice(None)), axis=-1), _slice_of(e)
         np.negative(steps[..., n:], out=steps[..., n:])  # place and rate pull back
         if push is not None:
             push(0, start, np.zeros_like(start))
-        moved = np.zeros((shape[1], 3 * n, 1))  # load, place and rate that the step before leads to
-        load, x, rate = (moved[:, k * n : (k + 1) * n, 0] for k in range(3))
-        x[:], change = start[:, e], np.zeros((shape[1], n))
-        angles[0][:, every] = x
+        moved = np.zeros((*start.shape[:-1], 3 * n, 1))  # load, place and rate that the step before leads to
+        load, x, rate = (moved[..., k * n : (k + 1) * n, 0] for k in range(3))
+        x[:], change = start[..., e], np.zeros((*start.shape[:-1], n))
+        angles[0][..., every] = x
         expected, expected_rate = start.copy(), np.zeros_like(start)
         held = None if brake is None else _Held.of(brake, e, steps, dt)
         # predict place and rate, evaluate the push there, solve for the acceleration
@@ -272,11 +274,11 @@ class Springs:
             x += dt * rate
             if k % _CHECKED == 0:
                 _check_bent(x, most)
-            expected[:, every], expected_rate[:, every] = x + dt**2 / 4 * change, rate + dt / 2 * change
-            load[:] = (torque[k] if push is None else torque[k] + push(k, expected, expected_rate))[:, every]
+            expected[..., every], expected_rate[..., every] = x + dt**2 / 4 * change, rate + dt / 2 * change
+            load[:] = (torque[k] if push is None else torque[k] + push(k, expected, expected_rate))[..., every]
             free = np.matmul(steps[k], moved)[..., 0]
             change = free if held is None else held.hold(k, free, change, expected, expected_rate)
-            angles[k][:, every], rates[k][:, every], accelerations[k][:, every] = x, rate, change
+            angles[k][..., every], rates[k][..., every], accelerations[k][..., every] = x, rate, change
         _check_bent(x, most)
         # correct place and rate by the acceleration at the sample
         angles += dt**2 / 4 * accelerations
@@ -330,23 +332,23 @@ class _Held:
         )
 
     def hold(self, k: int, free: Array, before: Array, angle: Array, expected: Array) -> Array:
-        """Accelerations (M, E) that a step leads to where it would be `free`, and was `before`.
+        """Accelerations (..., M, E) that a step leads to where it would be `free`, and was `before`.
 
-        Newton's method about the expected rate (M, N), which mostly is as good as the one after the step at once.
+        Newton's method about the expected rate (..., M, N), which mostly is as good as the one after the step at once.
         """
         half, per_torque, joints = self.dt / 2, self.per_torque[k], self.joints
-        was = half * before[:, self.among]
-        about, scale, last = expected, 1.0, 0.0
+        was = half * before[..., self.among]
+        about, scale, last = expected, np.ones(()), np.zeros(())
         faster = np.zeros_like(expected)
         for iteration in range(_ITERATIONS):
             braked, slope = self.brake.expect(k, angle, about)
-            falls = slope[:, joints]
-            force = braked[:, joints] + falls * was
+            falls = slope[..., joints]
+            force = braked[..., joints] + falls * was
             if iteration:
-                force += falls * (about - expected)[:, joints]
+                force += falls * (about - expected)[..., joints]
             pushed = free + np.matmul(per_torque, force[..., None])[..., 0]
             change = _hold_back(pushed, per_torque, half * falls, self.among)
-            faster[:, self.bends] = half * (change - before)
+            faster[..., self.bends] = half * (change - before)
             if iteration:
                 faster -= about - expected
             if self.brake.is_near(faster):
@@ -359,20 +361,18 @@ class _Held:
 
 
 def _hold_back(free: Array, per_torque: Array, falls: Array, held: slice | IntArray) -> Array:
-    """Solve for accelerations (M, E) of joints of which some are `held` by torques that fall with their acceleration.
+    """Solve for accelerations (..., M, E) of joints of which some are held by torques that fall with them.
 
     Args:
-        free: accelerations without that, (M, E).
+        free: accelerations without that, (..., M, E).
         per_torque: acceleration of all joints per torque on each of those that are held, (M, E, H).
-        falls: torque by which they are held per acceleration [kg m^2], (M, H).
+        falls: torque by which they are held per acceleration [kg m^2], (..., M, H).
         held: their places.
     """
     # accelerations of those that are held, and by them of all
-    system, there = per_torque[:, held] * falls[:, None], free[:, held]
-    if falls.shape[1] == 1:
-        there = there / (1 + system[:, 0])
-    else:
-        there = np.linalg.solve(system + np.eye(falls.shape[1]), there[..., None])[..., 0]
+    system = np.eye(falls.shape[-1]) + per_torque[..., held, :] * falls[..., None, :]
+    alone = falls.shape[-1] == 1
+    there = free[..., held] / system[..., 0] if alone else np.linalg.solve(system, free[..., held, None])[..., 0]
     found: Array = free - np.matmul(per_torque, (falls * there)[..., None])[..., 0]
     return found
 

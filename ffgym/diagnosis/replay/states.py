@@ -132,10 +132,16 @@ def deflect(
 class _LinkBrakes(Brake):
     """Friction on links along samples, with its memory and its torque."""
 
-    def __init__(self, effects: Sequence[LinkBrake], state: State, first: State, dt: float) -> None:
-        """Begin at rest at the `first` of all samples, of which `state` has the motion of the motors."""
+    def __init__(
+        self, effects: Sequence[LinkBrake], state: State, first: State, dt: float, parts: Array | None = None
+    ) -> None:
+        """Begin at rest at the `first` of all samples, of which `state` has the motion of the motors.
+
+        With `parts` (V, 1, N), brakes of V machines side by side, each a part of that of the effects.
+        """
         shape = state.motor_angle.shape
         self._effects, self._dt, self._speed = effects, dt, np.broadcast_to(state.joint_speed, shape)
+        self._parts = parts
         self._needs_load = any(effect.needs_load for effect in effects)
         self._stiffness, self._damping = state.joint_stiffness, state.joint_damping
         self._memories, self._now = relax(effects, first), list[Braking]()
@@ -143,8 +149,8 @@ class _LinkBrakes(Brake):
         self._near = np.min([effect.reach(dt) for effect in effects], axis=0)
         self.wound: Array | None = None
         """Torque by which effects wind the springs at the sample, link side [N m], (M, N)."""
-        self.torque = np.zeros(shape)
-        """Torque at each sample, link side [N m], (T, M, N)."""
+        self.torque = np.zeros((len(self._speed), *first.deflection.shape))
+        """Torque at each sample, link side [N m], (T, ..., M, N)."""
 
     def expect(self, k: int, angle: Array, rate: Array) -> tuple[Array, Array]:
         """Ask all effects for their torques and slopes."""
@@ -156,6 +162,8 @@ class _LinkBrakes(Brake):
         torque, slope = now[0].torque, now[0].slope
         for one in now[1:]:
             torque, slope = torque + one.torque, slope + one.slope
+        if self._parts is not None:
+            torque, slope = self._parts * torque, self._parts * slope
         self._now, self.torque[k], self._slope = now, torque, slope
         return torque, slope
 
@@ -170,9 +178,18 @@ class _LinkBrakes(Brake):
 
 
 def flown(
-    springs: Springs, state: State, effects: list[TorqueEffect], torque: Array, start: Array, dt: float
+    springs: Springs,
+    state: State,
+    effects: list[TorqueEffect],
+    torque: Array,
+    start: Array,
+    dt: float,
+    parts: Array | None = None,
 ) -> Deflection:
-    """Deflections with effects that depend on them, from the rest in which they balance the load."""
+    """Deflections with effects that depend on them, from the rest in which they balance the load.
+
+    With `parts` (V, 1, N), those of V machines of which each has a part of the friction on links, (T, V, M, N).
+    """
     every = springs.substeps
     if every > 1:  # the state at so many steps in each sample, on straight lines
         n = len(state.motor_angle)
@@ -188,8 +205,10 @@ def flown(
 
     # begin in equilibrium, with memories that rest there and relaxed bristles
     rest = find_rest(pull, start)
+    if parts is not None:
+        rest = np.repeat(rest[None], len(parts), axis=0)
     first = each[0].with_values(deflection=rest, deflection_rate=np.zeros_like(rest))
-    memories, braking = relax(effects, first), _LinkBrakes(brakes, state, first, dt / every) if brakes else None
+    memories, braking = relax(effects, first), _LinkBrakes(brakes, state, first, dt / every, parts) if brakes else None
 
     def push(k: int, angle: Array, rate: Array) -> Array:
         each[k].set_values(deflection=angle, deflection_rate=rate)
@@ -205,6 +224,21 @@ def flown(
     else:
         bent = springs.finer.integrate(between(torque, every), given, rest, braking).at_every(every)
     return bent if braking is None else replace(bent, braking=braking.torque[::every])
+
+
+def deflect_by_shares(
+    springs: Springs, state: State, robot: RobotDescription, torque: Array, start: Array, shares: Array
+) -> list[Deflection]:
+    """Deflections of V machines that have `shares` (V, N) of their friction on the links, and nothing else there."""
+    dt, whole = springs.dt, np.where(shares.max(axis=0) > 0, 1.0, 0.0)
+    friction = LinkFriction(share=whole, friction=robot.friction, gear_ratio=robot.drive.gear_ratio)
+    bent = flown(springs, state, [friction], torque, start, dt, shares[:, None])
+    assert bent.braking is not None
+    each = (np.moveaxis(array, 1, 0) for array in (bent.angle, bent.rate, bent.acceleration, bent.braking))
+    return [
+        Deflection(angle=angle, rate=rate, acceleration=acceleration, braking=braking)
+        for angle, rate, acceleration, braking in zip(*each, strict=True)
+    ]
 
 
 def _behind(added: Torques, angle: Array) -> Array:

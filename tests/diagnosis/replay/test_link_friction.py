@@ -8,9 +8,11 @@ import pytest
 from ffgym.diagnosis.log import assemble_log
 from ffgym.diagnosis.perturbation import perturb, propagate
 from ffgym.diagnosis.replay import predict, replay
+from ffgym.diagnosis.replay.rows import bend_with_shares, lends_deflection
 from ffgym.diagnosis.replay.springs import Springs
 from ffgym.diagnosis.replay.states import along_links, flown
 from ffgym.diagnosis.residual_rows import find_valid_rows
+from ffgym.diagnosis.variant import add_effect
 from ffgym.effects import EFFECTS, State
 from ffgym.effects.transmission.arm_friction import LinkFriction
 from tests.diagnosis.replay.replay_samples import left, nominal, recorded, with_effect
@@ -59,6 +61,34 @@ def test_a_little_more_of_it_changes_a_replay_as_its_slope_says(recording):
     for k in (0, 2):
         change = (after["tool"] - before["tool"])[..., k][inside]
         assert np.sqrt(np.mean((change - parts["tool", k][inside]) ** 2)) < 0.15 * np.sqrt(np.mean(change**2))
+
+
+def test_machines_with_several_shares_bend_side_by_side_as_each_would_by_itself(recording, behind):
+    run = replay(assemble_log(nominal().robot, [recording]), nominal())
+    machines = [
+        with_effect(EFFECTS["arm_friction"].on(nominal().robot, share=np.array(s))) for s in ((0.4, 0), (0, 0.9))
+    ]
+    for machine, bent in zip(machines, bend_with_shares(run, machines), strict=True):
+        alone = replay(run.log, machine, run).deflection
+        for name in ("angle", "rate", "braking"):
+            there, expected = getattr(bent, name), getattr(alone, name)
+            np.testing.assert_allclose(there, expected, rtol=1e-3, atol=1e-3 * np.abs(expected).max())
+
+
+def test_machines_that_differ_by_more_than_shares_are_bent_by_themselves(recording, behind):
+    run = replay(assemble_log(nominal().robot, [recording]), nominal())
+    loaded = with_effect(EFFECTS["arm_load_friction"].on(nominal().robot, share=0.02))
+    assert bend_with_shares(run, [behind, loaded]) == [None, None]
+
+
+def test_a_replay_lends_its_deflection_to_machines_whose_links_have_the_same_friction(recording, behind):
+    log = assemble_log(nominal().robot, [recording])
+    run, drive = replay(log, behind), nominal().robot.drive
+    stiffer = replace(nominal().robot, drive=replace(drive, joint_stiffness=2 * drive.joint_stiffness))
+    late = add_effect(behind, EFFECTS["tracker_clock"].on(nominal().robot, latency=0.01, drift=0.0))
+    assert lends_deflection(run, log, late)
+    assert not lends_deflection(run, log, nominal())
+    assert not lends_deflection(run, log, behind.with_robot(stiffer))
 
 
 @pytest.mark.parametrize("light", [1e-3, 3.0])
