@@ -145,12 +145,6 @@ def prepare(
     return PreparedSearch(problem=problem, run=known.run, null=null_residuals, floor=floor, simulated=known.simulated)
 
 
-def leave_out_servo(ready: PreparedSearch, prior: ParameterPrior, rng: np.random.Generator) -> PreparedSearch:
-    """Prepare a search without the feedback torque, which another servo made than the documented one."""
-    bare = replace(ready.problem.log, feedback=None)
-    return replace(prepare(bare, ready.problem.nominal, prior, rng), no_servo=FOREIGN)
-
-
 def fit_within_prior(
     ready: PreparedSearch,
     prior: ParameterPrior,

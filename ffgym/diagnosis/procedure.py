@@ -29,7 +29,6 @@ from ffgym.diagnosis.prepare import (
     PreparedSearch,
     explains_all,
     fit_within_prior,
-    leave_out_servo,
     prepare,
 )
 from ffgym.diagnosis.residual import Residual
@@ -52,7 +51,6 @@ from ffgym.diagnosis.verdict import (
     weaken_for_blind_rivals,
     write_sentence,
 )
-from ffgym.effects.controller.servo_gains import ServoGains
 from ffgym.logs.quality import condition_alike, judge_logs
 from ffgym.logs.quality.wiring import Wiring, find_wiring
 from ffgym.recordings import Recording, Rewiring
@@ -168,11 +166,6 @@ def examine(
     look = partial(_Pass, machine=machine, prior=known, rng=rng, report=report, most=most, said=said)
     about = fit_within_prior(ready, known, rng) if known.share >= limits.loose else None
     found, causes = look(ready).search(cache) if about is None else look(about).search()
-    # a servo is computed exactly: gains that leave more than noise are not those of the documented one
-    if shows_other_servo(found.diagnosis):
-        report("diagnosing without the torque of the servo", 0.0)
-        ready, about = leave_out_servo(ready, known, rng), None
-        found, causes = look(ready).search()
     if about is not None and causes:
         report("fitting numbers beside the causes", 0.0)
         again = fit_within_prior(ready, known, rng, about.problem.as_described(causes))
@@ -192,22 +185,6 @@ def examine(
     used = {recording.header.segment for recording in recordings}
     motions = tuple(name for name in names if name in used)
     return replace(found, diagnosis=replace(found.diagnosis, motions=motions))
-
-
-_OTHER_SERVO = (100.0, 0.002)
-"""Energy that gains leave of a servo's torque, in that of noise and as a share of what there was, from which on it is
-another servo; chosen: gains of the documented one left 3 and 0.003, those of a cascade 3000 and 0.012."""
-
-
-def shows_other_servo(found: Diagnosis) -> bool:
-    """Tell whether gains of a servo are a cause, but leave much of its torque."""
-    of_gains = {cause.joint for cause in found.causes if cause.effect == ServoGains.name}
-    noise, share = _OTHER_SERVO
-    return any(
-        level.after**2 > max(noise * level.noise_floor**2, share * level.before**2)
-        for level in found.levels
-        if level.channel == "servo" and level.component in of_gains
-    )
 
 
 def names_fewer(found: Diagnosis, causes: Sequence[Hypothesis]) -> bool:
