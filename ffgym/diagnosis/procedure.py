@@ -176,8 +176,11 @@ def examine(
         if about is not None and explains_all(ready, about):
             report("diagnosing about numbers within their calibration", 0.0)
             found, _ = look(about).search()
-        elif len(causes) > 1 and (beside := fit_within_prior(ready, known, rng, causes)) is not None:
-            # a cause that numbers beside the others make up for is none
+        elif (
+            len(causes) > len(found.diagnosis.causes) > 0
+            and (beside := fit_within_prior(ready, known, rng, causes)) is not None
+        ):
+            # what a cause explained that may be nothing is explained by numbers beside the others
             report("diagnosing about numbers fitted beside the causes", 0.0)
             fewer, _ = look(beside).search()
             found = fewer if names_fewer(fewer.diagnosis, causes) else found
