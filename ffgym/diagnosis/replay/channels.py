@@ -57,8 +57,7 @@ def predict_tracker(run: Replay, machine: Machine | None = None, every: int = 1)
 
     At every n-th sample.
     """
-    q = run.link_q[::every]
-    position = run.arm.tcp_position(q.reshape(-1, q.shape[-1])).reshape(*q.shape[:2], 3)
+    q, position = run.link_q[::every], run.tool_position[::every].copy()
     position = position if run.sway is None else run.sway.move(position, every)
     effects = [effect for effect in (machine or run.machine).effects if isinstance(effect, TrackerEffect)]
     for i, recording in enumerate(run.log.recordings) if effects else ():

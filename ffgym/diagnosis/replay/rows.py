@@ -136,6 +136,12 @@ class Replay:
         return RigidArm(self.robot)
 
     @cached_property
+    def tool_position(self) -> Array:
+        """Position of the tool on links and a base that do not give way [m], (T, M, 3)."""
+        q = self.link_q
+        return self.arm.tcp_position(q.reshape(-1, q.shape[-1])).reshape(*q.shape[:2], 3)
+
+    @cached_property
     def tool_jacobian(self) -> Array:
         """Jacobian of the tool's position by the joints at the rows that are compared, (R, M, 3, N)."""
         q = self.link_q[self.log.sampling.at]

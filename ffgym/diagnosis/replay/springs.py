@@ -268,21 +268,21 @@ class Springs:
         expected, expected_rate = start.copy(), np.zeros_like(start)
         held = None if brake is None else _Held.of(brake, e, steps, dt)
         # predict place and rate, evaluate the push there, solve for the acceleration
-        most = settings().replay.largest_deflection
+        most, half, quarter = settings().replay.largest_deflection, dt / 2, dt**2 / 4
         for k in range(1, shape[0]):
             rate += dt * change
             x += dt * rate
             if k % _CHECKED == 0:
                 _check_bent(x, most)
-            expected[..., every], expected_rate[..., every] = x + dt**2 / 4 * change, rate + dt / 2 * change
+            expected[..., every], expected_rate[..., every] = x + quarter * change, rate + half * change
             load[:] = (torque[k] if push is None else torque[k] + push(k, expected, expected_rate))[..., every]
             free = np.matmul(steps[k], moved)[..., 0]
             change = free if held is None else held.hold(k, free, change, expected, expected_rate)
             angles[k][..., every], rates[k][..., every], accelerations[k][..., every] = x, rate, change
         _check_bent(x, most)
         # correct place and rate by the acceleration at the sample
-        angles += dt**2 / 4 * accelerations
-        rates += dt / 2 * accelerations
+        angles += quarter * accelerations
+        rates += half * accelerations
         return Deflection(angle=angles, rate=rates, acceleration=accelerations)
 
 

@@ -5,6 +5,7 @@ The engine has it by the description's `friction.arm_share` alone, as feed-forwa
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Self, final
 
 import numpy as np
@@ -109,10 +110,16 @@ class LinkFriction(LinkBrake):
         ratio = self.gear_ratio
         speed = ratio * speed
         bent = self.friction.bend_bristles(memory[..., 0], 0.5 * (memory[..., 1] + speed), speed, dt)
-        lever = self.share * ratio
+        lever, lever_of_slope = self._levers
         later, slope = np.empty_like(memory), np.empty_like(memory)
         later[..., 0], later[..., 1] = bent.bristle, speed
         slope[..., 0], slope[..., 1] = ratio * bent.bristle_slope, ratio
         return Braking(
-            torque=-lever * bent.torque, slope=lever * ratio * bent.torque_slope, memory=later, memory_slope=slope
+            torque=lever * bent.torque, slope=lever_of_slope * bent.torque_slope, memory=later, memory_slope=slope
         )
+
+    @cached_property
+    def _levers(self) -> tuple[Array, Array]:
+        """Torque on links per torque of bristles, and per slope of that by the motor's speed, (N,) each."""
+        lever = self.share * self.gear_ratio
+        return -lever, lever * self.gear_ratio
