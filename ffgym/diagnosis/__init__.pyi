@@ -34,10 +34,10 @@ from .identification.rigid_body import starting_robot as starting_robot
 from .nominal import EXAMPLE_ROBOT as EXAMPLE_ROBOT
 from .nominal import example_logs as example_logs
 from .nuisance import ParameterPrior as ParameterPrior
+from .passes import Examination as Examination
 from .patterns import compute_turn_spectrum as compute_turn_spectrum
 from .patterns import find_patterns as find_patterns
 from .prepare import DiagnosisCache as DiagnosisCache
-from .procedure import Examination as Examination
 from .procedure import diagnose as diagnose
 from .procedure import examine as examine
 from .resampling import Blocks as Blocks

@@ -206,13 +206,16 @@ class NullSimulation:
 def simulate_null_residuals(
     log: Log, own: Replay, bias: Mapping[Channel, Array], like: Replay, rng: np.random.Generator
 ) -> NullSimulation:
-    """Simulate residuals without fault: the nominal model over its own recordings with a log's noise, less `bias`."""
+    """Simulate residuals without fault: the nominal model over its own recordings with a log's noise, less `bias`.
+
+    The noise is seen in what a replay of the log leaves: of the nominal model, or of one that explains it better.
+    """
     limits = settings().noise
     noise = estimate_noise(like)
 
     def drawn() -> Replay:
         seen = [add_noise(recording, noise, i, rng) for i, recording in enumerate(own.read.recordings)]
-        return replay(assemble_log(log.robot, seen, like=log), like.machine, nearby=own)
+        return replay(assemble_log(log.robot, seen, like=log), own.machine, nearby=own)
 
     # one draw with white noise; its residual shows what else is in that of the log
     runs = [drawn()]

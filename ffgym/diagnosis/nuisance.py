@@ -217,10 +217,10 @@ def list_nuisance_parameters(run: Replay, prior: ParameterPrior) -> list[Nuisanc
     if prior.torque_constant > 0:
         constants = each(prior.torque_constant, TorqueConstant)
         found += [nuisance for nuisance in constants if nuisance.column.parameter == "error"]
-    # breakaway torque is a share of itself off, where the effect's parameter is one of the Coulomb torque
+    # breakaway torque is a share of itself off, and a peak is what it has beyond another Coulomb torque
     for column in compute_sensitivities(run, [StribeckPeak], {}):
-        of_level = static[column.joint] / coulomb[column.joint] if column.parameter == "level" else 1.0
-        found.append(NuisanceParameter(column=column, sigma=share * of_level))
+        of_level = float(np.hypot(static[column.joint] / coulomb[column.joint], 1.0))
+        found.append(NuisanceParameter(column=column, sigma=share * (of_level if column.parameter == "level" else 1.0)))
     # masses and rotors: by base parameters where they were fitted to torque, else one by one
     if prior.base > 0:
         found += _list_base_parameters(run, prior.base)

@@ -44,6 +44,9 @@ from ffgym.recordings import Recording
 from ffgym.robot import ModelOptions
 from ffgym.simulation.plant import Machine
 
+_LOUDER = 1.1
+"""Noise floor over that of before from which on it is another; chosen: draws of the noise differ by some per cent."""
+
 _QUIET, _GONE = 0.25, 0.15
 """Energy above that of noise, as a share of it and of what stood out, that is left where numbers are why; chosen."""
 
@@ -117,17 +120,13 @@ def prepare(
     if reason:
         bare = replace(log, feedback=None)
         return replace(prepare(bare, nominal, prior, rng, cache, at), no_servo=reason)
-    # noise floor from null simulations; weights are one over it, lower where torque is unknown or rows are outliers
     null_residuals = simulate_null_residuals(log, known.run, known.bias, like, rng)
     floor = null_residuals.floor(log)
-    weights = {(channel, c): rows / floor[channel][:, c] for (channel, c), rows in find_counting_rows(log).items()}
-    missed = {channel: rows - known.bias[channel] for channel, rows in compute_residuals(log, predict(like)).items()}
-    doubtful = downweight(weights, {"torque": estimate_unknown_torque(like, known.bias)})
     problem = FitProblem(
         log=log,
         nominal=nominal,
         blocks=cut_blocks(find_valid_rows(log), log.sampling.row_dt),
-        weights=bound_outliers(doubtful, missed),
+        weights=_weigh_rows(log, like, known.bias, floor),
         nuisance_columns=[nuisance.per_sigma for nuisance in known.nuisances],
         nuisances=known.nuisances,
         like=like,
@@ -143,6 +142,30 @@ def prepare(
     # springs may swing freely at first, by a state that the log does not show: such rows count less
     problem = replace(problem, weights=downweight(problem.weights, fit_first_swing(problem)))
     return PreparedSearch(problem=problem, run=known.run, null=null_residuals, floor=floor, simulated=known.simulated)
+
+
+def _weigh_rows(
+    log: Log, like: Replay, bias: Mapping[Channel, Array], floor: Mapping[Channel, Array]
+) -> Mapping[tuple[Channel, int], Array]:
+    """Weigh rows by one over the noise floor (M, C); less where torque is unknown or rows are outliers."""
+    weights = {(channel, c): rows / floor[channel][:, c] for (channel, c), rows in find_counting_rows(log).items()}
+    missed = {channel: rows - bias[channel] for channel, rows in compute_residuals(log, predict(like)).items()}
+    return bound_outliers(downweight(weights, {"torque": estimate_unknown_torque(like, bias)}), missed)
+
+
+def renew_floor(ready: PreparedSearch, explained: Replay, rng: np.random.Generator) -> PreparedSearch | None:
+    """Estimate the noise floor anew, in what a model with causes leaves of a log; None if it is no higher.
+
+    What a cause does lies over the noise of the band, and may hide that it is louder there than above.
+    """
+    problem, log = ready.problem, ready.problem.log
+    null = simulate_null_residuals(log, ready.run, problem.bias, explained, rng)
+    floor = null.floor(log)
+    if not any(np.any(floor[channel] > _LOUDER * ready.floor[channel]) for channel in floor):
+        return None
+    problem = replace(problem, floor=floor, weights=_weigh_rows(log, problem.like, problem.bias, floor))
+    problem = replace(problem, weights=downweight(problem.weights, fit_first_swing(problem)))
+    return replace(ready, problem=problem, null=null, floor=floor)
 
 
 def fit_within_prior(

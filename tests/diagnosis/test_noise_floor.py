@@ -6,9 +6,13 @@ import numpy as np
 import pytest
 
 from ffgym.diagnosis import noise as module
+from ffgym.diagnosis.fit.fit import evaluate, loudness, subtract_nuisances
+from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.log import assemble_log
 from ffgym.diagnosis.noise import NullSimulation, estimate_noise
+from ffgym.diagnosis.prepare import prepare, renew_floor
 from ffgym.diagnosis.replay import replay
+from ffgym.effects.transmission.arm_friction import ArmFriction
 from ffgym.simulation.plant import Machine
 from scripts.exam.independent.question import draw_task
 from scripts.exam.independent.sensors import QUIET, TORQUE_NOISE, Columns
@@ -46,3 +50,28 @@ def test_of_the_floor_sensors_have_what_no_model_is_allowed_for():
     floor = {"torque": np.full((2, 1), 5.0), "tool": np.ones((2, 3))}
     assert faultless.sensor_share(("torque", 0), floor) == pytest.approx(16 / 25)
     assert faultless.sensor_share(("tool", 2), floor) == 1.0
+
+
+@pytest.fixture(scope="module")
+def coloured():
+    """Search for 0.89 of the friction behind the spring of one joint, in sensors whose noise stays for 6 ms."""
+    task = draw_task("arm", 2, seed=42)
+    log, machine = assemble_log(task.robot, task.log), Machine.of(task.robot)
+    return prepare(log, machine, task.prior, np.random.default_rng(0))
+
+
+def test_noise_that_stays_is_as_loud_as_it_is_in_what_causes_leave(coloured):
+    """Noise of the tool has more energy in the band than above it, which friction behind the spring hides."""
+    cause = Hypothesis(kind=ArmFriction, joint="a1", source=None, values={"share": np.array(0.89)})
+    explained = evaluate(coloured.problem, (cause,))
+    renewed = renew_floor(coloured, explained.run, np.random.default_rng(0))
+    before, after = (
+        loudness(ready.problem, subtract_nuisances(ready.problem, explained)) for ready in (coloured, renewed)
+    )
+    tool = [("tool", axis) for axis in range(3)]
+    assert all(after[axis] < 0.7 * before[axis] for axis in tool)
+    assert [after[axis] for axis in tool[:2]] == pytest.approx([1.0, 1.0], abs=0.2)  # the cause moves z most
+
+
+def test_a_floor_is_no_other_if_nothing_was_explained(coloured):
+    assert renew_floor(coloured, coloured.problem.like, np.random.default_rng(0)) is None
