@@ -78,7 +78,7 @@ class Pass:
     said: Mapping[str, Any]
     """Entries of the diagnosis that are known before."""
 
-    def search(self, cache: DiagnosisCache | None = None) -> "Outcome":
+    def search(self, cache: DiagnosisCache | None = None) -> "PassResult":
         """Search for causes and conclude."""
         ready, problem, rng = self.ready, self.ready.problem, self.rng
         # candidates, and surrogate residuals from which the threshold comes
@@ -96,7 +96,7 @@ class Pass:
         ]:
             found = leave_out(problem, found, absent)
             examined = self._conclude_written(found)
-        return Outcome(of=self, model=found.final.fit.run, examination=examined, causes=causes)
+        return PassResult(of=self, model=found.final.fit.run, examination=examined, causes=causes)
 
     def _conclude_written(self, found: SearchResult) -> Examination:
         """Write causes and fitted numbers as one model, and conclude."""
@@ -166,8 +166,8 @@ class Pass:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Outcome:
-    """Outcome of a pass."""
+class PassResult:
+    """Diagnosis of a pass, with the causes that it found."""
 
     of: Pass
     model: Replay
@@ -181,16 +181,16 @@ class Outcome:
         """Its diagnosis."""
         return self.examination.diagnosis
 
-    def replace_by_fewer(self, other: "Outcome") -> "Outcome":
-        """Return another outcome if it names some of these causes alone, fewer than there are; else this one."""
+    def replace_by_fewer(self, other: "PassResult") -> "PassResult":
+        """Return another result if it names some of these causes alone, fewer than there are; else this one."""
         is_fewer = len(other.diagnosis.causes) < len(self.causes) and names_only(other.diagnosis, self.causes)
         return other if is_fewer else self
 
-    def search_above_noise(self) -> "Outcome":
+    def search_above_noise(self) -> "PassResult":
         """Search again above the noise that causes leave, if something is left that this noise may be.
 
         Noise that stays from row to row is louder in the band than above it, which shows only where no cause lies over
-        it. What is then found replaces this outcome if it names some of the same causes, and leaves nothing.
+        it. What is then found replaces this result if it names some of the same causes, and leaves nothing.
         """
         if self.diagnosis.verdict != "partly":
             return self

@@ -7,7 +7,7 @@ import pytest
 
 from ffgym.diagnosis import passes
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
-from ffgym.diagnosis.passes import Examination, Outcome
+from ffgym.diagnosis.passes import Examination, PassResult
 from ffgym.effects import EFFECTS
 from tests.diagnosis.result_samples import full_diagnosis
 
@@ -22,7 +22,7 @@ class OnePass:
 
     ready: str = "as before"
     rng: None = None
-    then: Outcome | None = None
+    then: PassResult | None = None
 
     def report(self, what, share):
         """Tell nothing."""
@@ -33,9 +33,9 @@ class OnePass:
         return self.then
 
 
-def outcome(diagnosis, causes):
+def pass_result(diagnosis, causes):
     examination = Examination(diagnosis=diagnosis, before=None, after=None, machine=None, nominal=None)
-    return Outcome(of=OnePass(), model=None, examination=examination, causes=causes)
+    return PassResult(of=OnePass(), model=None, examination=examination, causes=causes)
 
 
 BEFORE = (hypothesis("arm_friction", "j2"), hypothesis("load_friction", "j3"))
@@ -55,8 +55,8 @@ def test_another_pass_replaces_one_if_it_names_some_of_its_causes(monkeypatch, v
     """Numbers beside causes must make one needless; noise beside them must leave nothing."""
     sample = full_diagnosis()
     causes = tuple(replace(sample.causes[0], effect=effect, joint=joint) for effect, joint in named)
-    before = outcome(replace(sample, verdict="partly"), BEFORE)
-    after = outcome(replace(sample, verdict=verdict, causes=causes), ())
+    before = pass_result(replace(sample, verdict="partly"), BEFORE)
+    after = pass_result(replace(sample, verdict=verdict, causes=causes), ())
     assert (before.replace_by_fewer(after) is after) is is_fewer
     monkeypatch.setattr(passes, "renew_floor", lambda ready, model, rng: "louder")
     before.of.then = after
@@ -65,6 +65,6 @@ def test_another_pass_replaces_one_if_it_names_some_of_its_causes(monkeypatch, v
 
 @pytest.mark.parametrize(("verdict", "floor"), [("named", "louder"), ("none", "louder"), ("partly", None)])
 def test_nothing_is_searched_again_without_a_louder_floor_and_something_left(monkeypatch, verdict, floor):
-    before = outcome(replace(full_diagnosis(), verdict=verdict), BEFORE)
+    before = pass_result(replace(full_diagnosis(), verdict=verdict), BEFORE)
     monkeypatch.setattr(passes, "renew_floor", lambda ready, model, rng: floor)
     assert before.search_above_noise() is before
