@@ -7,8 +7,8 @@ import mujoco
 import numpy as np
 
 from ffgym.core.types import Array
-from ffgym.effects.effect import ModelEffect
 from ffgym.effects.parameters import parameter
+from ffgym.effects.transmission.flexible_structure import FlexibleStructure
 from ffgym.robot import RobotDescription
 
 RADIUS = 0.3
@@ -18,18 +18,16 @@ arm on top has some hundred times its inertia about the floor."""
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class BaseFlexibility(ModelEffect):
+class BaseFlexibility(FlexibleStructure):
     """The base tilts and turns on its floor, as a spring with some damping about each axis of the world."""
 
     name = "base_flexibility"
     code = "T7"
     title = "flexibility of the base"
     equation = r"\phi_i = c_i\, (\tau_i - (t_d / c_i)\, \dot\phi_i), \quad i = x, y, z"
-    side = "link"
     signature = "tool: off the axes of the joints, and at a frequency that torque hardly shows"
     way_in = "joints of the base in the MuJoCo model, about those axes whose compliance is not 0"
     confusable_with = ("T1", "T8", "T11", "X2")
-    separating_motions = ("excitation", "holds")
 
     compliance: Array = parameter(
         "c, angle over torque about the axes of the base",
@@ -40,17 +38,6 @@ class BaseFlexibility(ModelEffect):
         per="vector",
         source="first mode of 5 to 15 Hz with load, from memory of the literature; here some 1000 kg m^2 on it",
     )
-    relaxation: Array = parameter(
-        "t_d, damping over stiffness",
-        unit="s",
-        null=None,
-        low=1e-4,
-        high=5e-3,
-        minimum=0.0,
-        default=1e-3,
-        per="machine",
-        source="chosen: 1 to 20 % of critical damping at 10 Hz",
-    )
 
     def in_model(self, spec: mujoco.MjSpec, robot: RobotDescription) -> None:
         """Give the base one spring-damper hinge per compliant axis."""
@@ -58,12 +45,6 @@ class BaseFlexibility(ModelEffect):
         if np.any(self.compliance):
             base.mass = max(robot.base_mass, 1.0)  # what moves must weigh something
             base.fullinertia = base.mass * RADIUS**2 * np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
-        for axis, name, compliance in zip(np.eye(3), "xyz", self.compliance, strict=True):
-            if compliance > 0:
-                base.add_joint(
-                    name=f"base_{name}",
-                    type=mujoco.mjtJoint.mjJNT_HINGE,
-                    axis=axis,
-                    stiffness=[1 / compliance, 0, 0],
-                    damping=[float(self.relaxation) / compliance, 0, 0],
-                )
+        for i, name in enumerate("xyz"):
+            if self.compliance[i] > 0:
+                base.add_joint(name=f"base_{name}", axis=np.eye(3)[i], **self.joint(i))

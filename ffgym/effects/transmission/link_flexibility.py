@@ -8,8 +8,8 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
-from ffgym.effects.effect import ModelEffect
 from ffgym.effects.parameters import parameter
+from ffgym.effects.transmission.flexible_structure import FlexibleStructure
 from ffgym.robot import RobotDescription
 
 bend_joint = "{}_bend".format
@@ -24,7 +24,7 @@ _COPIED = "name type pos axis ref range limited margin stiffness springref dampi
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class LinkFlexibility(ModelEffect):
+class LinkFlexibility(FlexibleStructure):
     r"""A link bends about an axis parallel to that of its joint, between its own mass and all that it carries.
 
     A motor, the spring of its gearbox, the link, a spring and the rest of the arm are three masses in a row. The hinge
@@ -40,11 +40,9 @@ class LinkFlexibility(ModelEffect):
     code = "T11"
     title = "flexibility of a link"
     equation = r"\varphi = c\, (\tau_b - (t_d / c)\, \dot\varphi), \quad x = f(q) + J_b(q)\, \varphi"
-    side = "link"
     signature = "tool: follows loads that encoders of links do not show; torque: a second resonance of the joint"
     way_in = "a joint without motor in the MuJoCo model, in each link whose compliance is not 0"
     confusable_with = ("T1", "T7", "T8", "T9")
-    separating_motions = ("excitation", "holds")
     alike_in_torque = ("T1", "T8")
 
     compliance: Array = parameter(
@@ -54,17 +52,6 @@ class LinkFlexibility(ModelEffect):
         high=1e-6,
         minimum=0.0,
         source="chosen: up to half of what the gearboxes of the main axes of large robots give way (2e-6)",
-    )
-    relaxation: Array = parameter(
-        "t_d, damping over stiffness",
-        unit="s",
-        null=None,
-        low=1e-4,
-        high=5e-3,
-        minimum=0.0,
-        default=1e-3,
-        per="machine",
-        source="chosen: 1 to 20 % of critical damping at 10 Hz",
     )
 
     def check_fits(self, robot: RobotDescription) -> None:
@@ -84,17 +71,14 @@ class LinkFlexibility(ModelEffect):
     def in_model(self, spec: mujoco.MjSpec, robot: RobotDescription) -> None:
         """Give each link that bends one spring-damper joint, before those of the body that it carries."""
         for j in np.flatnonzero(self.compliance).tolist():
-            sliding = robot.kinematics.is_sliding[j]
             carried, arm, turned = _next_body(spec, robot, j)
             _add_first_joint(
                 spec,
                 carried,
                 name=bend_joint(robot.joints[j]),
-                type=mujoco.mjtJoint.mjJNT_SLIDE if sliding else mujoco.mjtJoint.mjJNT_HINGE,
                 axis=turned.T @ robot.kinematics.axis[j],
                 pos=turned.T @ ((PLACE - 1) * arm),
-                stiffness=[1 / self.compliance[j], 0, 0],
-                damping=[float(self.relaxation) / self.compliance[j], 0, 0],
+                **self.joint(j, slides=bool(robot.kinematics.is_sliding[j])),
             )
 
 
