@@ -3,11 +3,12 @@
 import sys
 from pathlib import Path
 
+from ffgym.agents.catalogue import find_law_name
 from ffgym.agents.table_laws import learn_in_model
 from ffgym.cli.log_options import Diagnose
 from ffgym.cli.outputs import check_outputs, given_options, hash_inputs, print_places, provenance
 from ffgym.cli.progress import progress_bar
-from ffgym.core.errors import FFGymError, check_whole
+from ffgym.core.errors import FFGymError, check_whole, errors_at
 from ffgym.core.executors import Executor
 from ffgym.core.files import made_folder, write_json, write_text
 from ffgym.diagnosis.tables.document import table_document
@@ -38,6 +39,9 @@ def run(config: Diagnose) -> None:
     check_whole("--steps", config.steps, low=1, high=100)
     executor = Executor(kind=config.executor, jobs=config.jobs, address=config.address)
     table = thesis_table() if config.table == THESIS else load_table(config.table)
+    with errors_at(table.title):
+        for law in dict.fromkeys(row.law for row in table.rows):
+            find_law_name(law)
     inputs = () if config.table == THESIS else (config.table,)
     if config.out is None:
         check_outputs({"--json": config.json}, inputs=inputs)

@@ -45,3 +45,9 @@ def test_a_table_gets_a_verdict_and_files(table, tmp_path, capsys):
 def test_what_does_not_fit_a_table_is_one_error(table, options, words, capsys):
     assert main(["diagnose", *(option.format(table=table) for option in options)]) != 0
     assert words in capsys.readouterr().err
+
+
+def test_a_law_that_does_not_exist_is_one_error(table, tmp_path, capsys):
+    (tmp_path / "rows.csv").write_text(ROWS + "held_out,p4,100,3,magic,rms,0.25\n")
+    assert main(["diagnose", "--table", str(table), "--structures", "description"]) != 0
+    assert "mine: Unknown agent 'magic'" in capsys.readouterr().err

@@ -10,6 +10,7 @@ import numpy as np
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import read_text
 from ffgym.core.types import Array, BoolArray
+from ffgym.diagnosis.tables.known_laws import KNOWN_LAWS
 
 Use = Literal["fitted", "held_out"]
 Statistic = Literal["rms", "max"]
@@ -68,7 +69,8 @@ class ErrorTable:
     """Measured path errors of one robot.
 
     Raises:
-        FFGymError: if there is no row to fit to, or two rows are of one measurement.
+        FFGymError: if there is no row to fit to, two rows are of one measurement, a fitted row has a law that learns,
+            or no rows answer the question of the sign.
     """
 
     title: str
@@ -91,9 +93,19 @@ class ErrorTable:
                     f"Two rows of {self.title!r} are of one measurement: {row.law}, {row.statistic}, {row.cell}. "
                     f"Keep one, or their mean."
                 )
+            if row.use == "fitted" and row.law not in KNOWN_LAWS:
+                raise FFGymError(
+                    f"Fitted row {row.cell} of {self.title!r} has law {row.law!r}, must be {', '.join(KNOWN_LAWS)}; "
+                    f"laws that learn are trained in models that are fitted already: write 'held_out' into 'use'."
+                )
             seen.add(key)
         if not self.fitted.any():
             raise FFGymError(f"{self.title!r} has no row to fit to: write 'fitted' into the column 'use' of some.")
+        if (asked := self.sign_of) is not None and not self.sign_pairs():
+            raise FFGymError(
+                f"{self.title!r} has no two RMS rows of one position, with law {asked.law!r} and 'none', at "
+                f"{asked.speed_mm_s:g} mm/s and r = {asked.radius_mm:g} mm, as sign_of asks for. Leave sign_of out."
+            )
 
     @cached_property
     def values(self) -> Array:
@@ -134,10 +146,17 @@ class ErrorTable:
         rows = [row for row in self.rows if row.use == "fitted"]
         return tuple(dict.fromkeys(row.motion.position or row.motion.file for row in rows))
 
+    @cached_property
+    def _circles(self) -> set[tuple[MotionKey, float]]:
+        """Motions and radii of all rows."""
+        return {(row.motion, row.radius_mm) for row in self.rows}
+
     def twin(self, row: TableRow) -> TableRow:
-        """Return the row in the position that a search simulates in the place of its own."""
-        position = next((group[0] for group in self.alike if row.motion.position in group), row.motion.position)
-        return replace(row, motion=replace(row.motion, position=position))
+        """Return the row at the first alike position that has its circle, which a search simulates in its place."""
+        group = next((group for group in self.alike if row.motion.position in group), ())
+        twins = [replace(row.motion, position=position) for position in group]
+        motion = next((motion for motion in twins if (motion, row.radius_mm) in self._circles), row.motion)
+        return replace(row, motion=motion)
 
     def sign_pairs(self) -> list[tuple[int, int]]:
         """Pairs of rows (with the law, without compensation) that the question of the sign compares."""

@@ -8,6 +8,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+import numpy as np
+
 from ffgym.core.claims import claimed
 from ffgym.core.errors import FFGymError
 from ffgym.core.executors import Executor
@@ -138,7 +140,16 @@ def conclude(
         steps: most steps of each search.
         seed: of the resamples behind intervals and ties.
         sessions: names of sessions that may separate the best structure from its first rival.
+
+    Raises:
+        FFGymError: if a fitted structure could not be simulated.
     """
+    for fit in fits:
+        if failed := [row for row, mm in zip(table.rows, fit.predicted_mm, strict=True) if not np.isfinite(mm)]:
+            raise FFGymError(
+                f"Structure {fit.name!r} as fitted cannot be simulated: {len(failed)} of {len(table.rows)} rows have "
+                f"no error, first {failed[0].cell} with law {failed[0].law!r}. Leave out this structure, or these rows."
+            )
     ranked = rank_structures(table, fits, seed)
     verdict, best = judge_structures(ranked)
     found = _separate(table, ranked, best, sessions)

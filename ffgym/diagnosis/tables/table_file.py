@@ -53,11 +53,16 @@ def load_table(path: str | os.PathLike[str]) -> ErrorTable:
     return ErrorTable(
         title=str(head.get("title", place.stem)),
         source=str(head.get("source", "")),
-        robot=head["robot"],
+        robot=_find_robot(head["robot"], place),
         rows=tuple(rows),
         folder=place.parent,
         **_parse_options(head, str(place)),
     )
+
+
+def _find_robot(name: str, place: Path) -> str:
+    """Return the name of a robot; the path of a description counts from the table's folder."""
+    return str(place.parent / name) if name.endswith(".toml") else name
 
 
 def _parse_options(head: dict[str, Any], where: str) -> dict[str, Any]:
@@ -80,9 +85,14 @@ def _parse_options(head: dict[str, Any], where: str) -> dict[str, Any]:
 
 
 def write_table(path: str | os.PathLike[str], table: ErrorTable) -> None:
-    """Write a table as its TOML file, and a CSV file of the same name beside it."""
+    """Write a table as its TOML file, and a CSV file of the same name beside it; paths count from their folder."""
     place = Path(path)
-    head: dict[str, Any] = {"title": table.title, "source": table.source, "robot": table.robot}
+
+    def relative(file: str | Path) -> str:
+        return Path(os.path.relpath(file, place.parent)).as_posix()
+
+    robot = relative(table.robot) if table.robot.endswith(".toml") else table.robot
+    head: dict[str, Any] = {"title": table.title, "source": table.source, "robot": robot}
     head["rows"] = f"{place.stem}.csv"
     if table.alike:
         head["alike"] = table.alike
@@ -95,7 +105,8 @@ def write_table(path: str | os.PathLike[str], table: ErrorTable) -> None:
     for row in table.rows:
         key = row.motion
         circle = [key.position, f"{key.speed_mm_s:g}", f"{row.radius_mm:g}"] if not key.file else ["", "", ""]
-        writer.writerow([row.table, row.use, key.file, *circle, row.law, row.statistic, f"{row.value_mm:g}"])
+        motion = relative(table.motion_file(key)) if key.file else ""
+        writer.writerow([row.table, row.use, motion, *circle, row.law, row.statistic, f"{row.value_mm:g}"])
     write_text(place.with_suffix(".csv"), text.getvalue())
 
 

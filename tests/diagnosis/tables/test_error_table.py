@@ -1,5 +1,7 @@
 """Tables are read as they were written, and a mistake in one is told with its place."""
 
+from pathlib import Path
+
 import pytest
 
 from ffgym.core.errors import FFGymError
@@ -55,6 +57,8 @@ def test_a_small_table_has_its_row(tmp_path):
         ([COLUMNS, ROW, ROW], "Two rows of 'table' are of one measurement"),
         ([COLUMNS, ROW.replace("fitted", "held_out")], "has no row to fit to"),
         ([COLUMNS, ROW.replace("p1", "")], "give one of them"),
+        ([COLUMNS, ROW.replace("none", "lugre_dynamik")], "has law 'lugre_dynamik', must be none, lugre_static"),
+        ([COLUMNS, ROW.replace("none", "bsn_static")], "write 'held_out' into 'use'"),
         ([COLUMNS, ROW + ",7"], "row 2: has 9 cells, must have 8"),
     ],
 )
@@ -67,3 +71,28 @@ def test_a_mistake_is_told_with_its_place(tmp_path, rows, words):
 def test_an_unknown_entry_of_the_head_is_told(tmp_path):
     with pytest.raises(FFGymError, match="Unknown entry 'robots'"):
         load(tmp_path, [COLUMNS, ROW], HEAD + 'robots = "two"\n')
+
+
+def test_a_question_of_the_sign_that_no_rows_answer_is_told(tmp_path):
+    question = 'sign_of = { law = "lugre_dynamic", speed_mm_s = 40, radius_mm = 1 }\n'
+    with pytest.raises(FFGymError, match="no two RMS rows of one position"):
+        load(tmp_path, [COLUMNS, ROW], HEAD + question)
+
+
+def test_a_twin_is_a_circle_that_the_table_has(tmp_path):
+    head = HEAD + 'alike = [["p1", "p4"]]\n'
+    table = load(tmp_path, [COLUMNS, ROW, *(ROW.replace("p1,40,1", cell) for cell in ("p4,40,1", "p4,40,3"))], head)
+    twins = [table.twin(row).cell for row in table.rows]
+    assert twins == ["p1, 40 mm/s, r = 1 mm", "p1, 40 mm/s, r = 1 mm", "p4, 40 mm/s, r = 3 mm"]
+
+
+def test_paths_count_from_the_folder_of_the_table(tmp_path):
+    (tmp_path / "table.toml").write_text('robot = "arm.toml"\nrows = "rows.csv"\n')
+    (tmp_path / "rows.csv").write_text("use,motion,law,statistic,value_mm\nfitted,corner.toml,none,rms,0.1\n")
+    table = load_table(tmp_path / "table.toml")
+    (tmp_path / "out").mkdir()
+    write_table(tmp_path / "out" / "table.toml", table)
+    read = load_table(tmp_path / "out" / "table.toml")
+    for each in (table, read):
+        assert Path(each.robot).resolve() == tmp_path / "arm.toml"
+        assert each.motion_file(each.motions[0]).resolve() == tmp_path / "corner.toml"
