@@ -66,7 +66,9 @@ def example_cell(seed: int) -> Workcell:
     )
     title = "a machine that its model describes but for two faults"
     sensors = workcell("thesis").sensors
-    return Workcell(name="example", title=title, arm=RigidArm(robot), machine=machine, sensors=sensors)
+    return Workcell(
+        name="example", title=title, controller=robot.name, arm=RigidArm(robot), machine=machine, sensors=sensors
+    )
 
 
 def recordings(seed: int, only: Collection[int] | None = None) -> Iterator[Recording]:

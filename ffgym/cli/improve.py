@@ -8,8 +8,7 @@ from ffgym.core.files import write_json, write_text
 from ffgym.diagnosis import diagnose
 from ffgym.diagnosis.settings import settings
 from ffgym.effects import Origin
-from ffgym.envs.circle_path import CONTROLLER
-from ffgym.envs.machines import is_workcell, make_rig
+from ffgym.envs.machines import find_controller, make_rig
 from ffgym.improvement import Plan, format_improvement, improve, improvement_figures, render_improvement
 from ffgym.report import save_figure
 from ffgym.robot import load_robot
@@ -59,7 +58,7 @@ def run(config: Improve) -> None:
 
 def _plan(config: Improve) -> Plan:
     """Plan the rounds; without a model to begin with, from the robot that the machine's controller knows."""
-    known = config.robot or (CONTROLLER if is_workcell(config.rig) else config.rig)
+    known = config.robot or find_controller(config.rig)
     reference = robot_reference(known) if is_machine_file(known) else known
     nominal, origins = Machine(robot=load_robot(reference)), tuple[Origin, ...]()
     if config.robot is not None and is_machine_file(config.robot):

@@ -14,7 +14,7 @@ from gymnasium.vector import AutoresetMode
 
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_shape
 from ffgym.core.types import Array
-from ffgym.envs.machines import WORKCELL
+from ffgym.envs.machines import WORKCELL, find_controller
 from ffgym.envs.motion import EpisodeMotion
 from ffgym.envs.single import TrackingEnv
 from ffgym.envs.tasks import Sensing, Tasks, check_not_empty
@@ -145,9 +145,6 @@ class CirclePathEnv(TrackingEnv):
     kind = CirclePathVectorEnv
 
 
-CONTROLLER = "irb4600_60_205_commissioned"
-"""Nominal robot of every workcell's controller."""
-
 _ITS_OWN = ("robot", "plant", "randomization")
 """Arguments of other environments that a workcell sets itself."""
 
@@ -179,10 +176,11 @@ class WorkcellCirclesVectorEnv(CirclePathVectorEnv):
                     f"{name} = {arguments[name]!r} cannot be given: a workcell has fixed parameters. Choose another by "
                     f"workcell=<name or seed>, or use ffgym/CirclePath-v0."
                 )
+        plant = WORKCELL + str(workcell).removeprefix(WORKCELL)
         super().__init__(
             num_envs,
-            robot=CONTROLLER,
-            plant=WORKCELL + str(workcell).removeprefix(WORKCELL),
+            robot=find_controller(plant),
+            plant=plant,
             autoreset_mode=autoreset_mode,
             render_mode=render_mode,
             **({"sensing": Sensing(encoder_bits=16)} | arguments),

@@ -48,13 +48,16 @@ def is_workcell(name: str | Path) -> bool:
 def load_described_robot(name: str) -> RobotDescription:
     """Load a built-in robot or a description; refuse a workcell, which has none."""
     if is_workcell(name):
-        from ffgym.envs.circle_path import CONTROLLER
-
         raise FFGymError(
             f"{name} has no description: nothing of it is known but what it measures (ffgym simulate, ffgym record). "
-            f"The nominal robot of its controller is {CONTROLLER}; give that, or another robot."
+            f"The nominal robot of its controller is {find_controller(name)}; give that, or another robot."
         )
     return load_robot(name)
+
+
+def find_controller(name: str) -> str:
+    """Return the name of the nominal robot that the controller of a machine knows: its own, but for a workcell."""
+    return workcell_named(name).controller if is_workcell(name) else name
 
 
 def workcell_named(name: str) -> "Workcell":

@@ -55,6 +55,8 @@ class Workcell(Rig):
     name: str
     title: str
     """Purpose, in a few words."""
+    controller: str
+    """Name of the nominal robot of its controller, whose arm is `arm`."""
     arm: RigidArm = field(repr=False)
     """Nominal arm, with the friction of its commissioning: the knowledge of its controller and of all methods."""
     machine: SealedMachine = field(repr=False)

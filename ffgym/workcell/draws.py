@@ -1,6 +1,7 @@
 """Draw workcells by seed: robots of one kind, which differ as machines of one series and of all ages do."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from types import MappingProxyType
 
 import numpy as np
@@ -66,7 +67,7 @@ def draw(seed: int) -> Workcell:
         ),
     )
     title = f"a machine of the same kind, drawn with seed {seed}"
-    return Workcell(name=f"seed-{seed}", title=title, arm=like.arm, machine=machine, sensors=like.sensors)
+    return replace(like, name=f"seed-{seed}", title=title, machine=machine)
 
 
 def _shares(rng: np.random.Generator, robot: RobotDescription, low: float, high: float) -> Array:

@@ -91,6 +91,7 @@ def build(name: str, tree: Mapping[str, Any], arm: RigidArm | None = None) -> Wo
     return Workcell(
         name=name,
         title=tree["machine"]["title"],
+        controller=tree["workcell"]["controller"],
         arm=arm or RigidArm(load_robot(tree["workcell"]["controller"])),
         machine=sealed,
         sensors=(

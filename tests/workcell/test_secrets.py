@@ -14,6 +14,7 @@ from ffgym.core.errors import FFGymError
 from ffgym.envs import EpisodeRecorder
 from ffgym.paths import joint_reference, multisine
 from ffgym.recordings import write_recording
+from ffgym.robot import load_robot
 from ffgym.simulation import Run, simulate
 from ffgym.simulation.plant import PlantDistribution
 from ffgym.workcell import INSTANCES, workcell
@@ -121,6 +122,13 @@ def test_an_environment_shows_an_agent_nothing_of_it():
     shown = repr(env) + str(env.spec) + repr(info) + env.spec.to_json() + repr(pickle.dumps(env.spec))
     assert "thesis" in repr(env.unwrapped.core.plant.machines) + shown
     assert not any(number in shown for number in numbers_of(workcell("thesis")))
+
+
+def test_an_environment_of_another_controller_has_its_servo():
+    env = gym.make("ffgym/WorkcellCircles-v0", workcell="thesis_arm", speeds=[0.04], radii=[0.001], positions=["p1"])
+    env.reset(seed=0)
+    known = load_robot("irb4600_60_205_commissioned_arm")
+    np.testing.assert_array_equal(env.unwrapped.core.robot.servo.position_gain, known.servo.position_gain)
 
 
 def test_the_oracle_is_told_nothing_of_it():

@@ -10,7 +10,6 @@ import numpy as np
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import read_text
 from ffgym.core.types import Array, BoolArray
-from ffgym.diagnosis.tables.known_laws import KNOWN_LAWS
 
 Use = Literal["fitted", "held_out"]
 Statistic = Literal["rms", "max"]
@@ -69,8 +68,8 @@ class ErrorTable:
     """Measured path errors of one robot.
 
     Raises:
-        FFGymError: if there is no row to fit to, two rows are of one measurement, a fitted row has a law that learns,
-            or no rows answer the question of the sign.
+        FFGymError: if there is no row to fit to, two rows are of one measurement, or no rows answer the question of
+            the sign.
     """
 
     title: str
@@ -92,11 +91,6 @@ class ErrorTable:
                 raise FFGymError(
                     f"Two rows of {self.title!r} are of one measurement: {row.law}, {row.statistic}, {row.cell}. "
                     f"Keep one, or their mean."
-                )
-            if row.use == "fitted" and row.law not in KNOWN_LAWS:
-                raise FFGymError(
-                    f"Fitted row {row.cell} of {self.title!r} has law {row.law!r}, must be {', '.join(KNOWN_LAWS)}; "
-                    f"laws that learn are trained in models that are fitted already: write 'held_out' into 'use'."
                 )
             seen.add(key)
         if not self.fitted.any():

@@ -103,6 +103,12 @@ def diagnose_table(
     learning = {row.law for row in table.rows} - set(KNOWN_LAWS)
     if learning and learn is None:
         raise FFGymError(f"Laws {sorted(learning)} learn on the machine; give `learn`, or leave their rows out.")
+    for row in table.rows:
+        if row.use == "fitted" and row.law in learning:
+            raise FFGymError(
+                f"Fitted row {row.cell} of {table.title!r} has law {row.law!r}, must be {', '.join(KNOWN_LAWS)}; "
+                f"laws that learn are trained in models that are fitted already: write 'held_out' into 'use'."
+            )
     n_pairs = BEST * (BEST - 1) // 2 if pairs else 0
     with TemporaryDirectory() as temporary:
         place = Path(temporary) if folder is None else folder

@@ -34,7 +34,9 @@ def write_sentence(verdict: TableVerdict, best: str, ranked: Sequence[RankedStru
     title = find_structure(best).title
     if verdict == "unknown":
         ties = sum(one.is_tied for one in ranked)
-        best_of = f"of {ties} that tie for the best, {title} has fewest free numbers" if ties > 1 else f"the best is {title}"
+        best_of = (
+            f"of {ties} that tie for the best, {title} has fewest free numbers" if ties > 1 else f"the best is {title}"
+        )
         return f"No structure explains the table; {best_of}: {reached}."
     if verdict == "named":
         return f"Consistent with {title}, beside numbers of the description: {reached}."

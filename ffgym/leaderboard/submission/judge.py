@@ -16,8 +16,7 @@ from ffgym.core.errors import FFGymError
 from ffgym.core.files import decode_arrays, encode_arrays
 from ffgym.core.provenance import versions
 from ffgym.core.types import Array
-from ffgym.envs.circle_path import CONTROLLER
-from ffgym.envs.machines import is_workcell
+from ffgym.envs.machines import find_controller, is_workcell
 from ffgym.leaderboard.evaluation.closed_loop import Rollout, run_rollouts
 from ffgym.leaderboard.evaluation.jobs import score_circles
 from ffgym.leaderboard.plants import NOMINAL, ROBOT, THESIS_WORKCELL, find_plant
@@ -66,7 +65,7 @@ CHECKS: Mapping[str, str] = {
 
 def controller_of(plant: str) -> str:
     """Return the name of the nominal description of a plant's controller, which agents have too."""
-    return CONTROLLER if is_workcell(plant) else ROBOT
+    return find_controller(plant) if is_workcell(plant) else ROBOT
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -82,7 +82,11 @@ def load_draft(robot: str | Path) -> RobotDraft:
     if str(robot) in builtin_parameters():
         text = _builtin("parameters")[str(robot)].read_text(encoding="utf-8")
         return _draft_of(text, Path(f"{robot}.toml"))
-    name = check_choice("robot", str(robot), builtin_robots())
+    if (name := str(robot)) not in builtin_robots():
+        raise FFGymError(
+            f"Unknown robot {name!r}. Available: {', '.join(builtin_robots())}; the same with other numbers: "
+            f"{', '.join(builtin_parameters())}."
+        )
     return parse_draft(_builtin("data")[name].read_text(encoding="utf-8"), where=f"{name}.toml")
 
 

@@ -185,5 +185,5 @@ def check_same_controller(own: RobotDescription, other: RobotDescription) -> Non
         if not np.array_equal(mine, theirs):
             raise FFGymError(
                 f"Robots {own.name!r} and {other.name!r} differ in {name}, {mine} and {theirs}; a plant must have what "
-                f"its controller was made for."
+                f"its controller was made for. Give the controller the robot that the plant was made from."
             )

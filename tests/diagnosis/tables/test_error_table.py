@@ -57,8 +57,6 @@ def test_a_small_table_has_its_row(tmp_path):
         ([COLUMNS, ROW, ROW], "Two rows of 'table' are of one measurement"),
         ([COLUMNS, ROW.replace("fitted", "held_out")], "has no row to fit to"),
         ([COLUMNS, ROW.replace("p1", "")], "give one of them"),
-        ([COLUMNS, ROW.replace("none", "lugre_dynamik")], "has law 'lugre_dynamik', must be none, lugre_static"),
-        ([COLUMNS, ROW.replace("none", "bsn_static")], "write 'held_out' into 'use'"),
         ([COLUMNS, ROW + ",7"], "row 2: has 9 cells, must have 8"),
     ],
 )

@@ -200,7 +200,13 @@ def test_pairs_extend_their_parts():
         find_structure("delay+delay")
 
 
-def test_a_law_that_learns_needs_a_function_that_makes_it(table):
+def test_a_law_that_learns_can_only_be_held_out(table):
     row = replace(table.rows[0], law="bsn_static")
+    with pytest.raises(FFGymError, match=r"must be none, lugre_static, lugre_dynamic.* 'held_out'"):
+        diagnose_table(replace(table, rows=(*table.rows, row)), learn=lambda *_: None, folder=Path("unused"))
+
+
+def test_a_law_that_learns_needs_a_function_that_makes_it(table):
+    row = replace(table.rows[0], law="bsn_static", use="held_out")
     with pytest.raises(FFGymError, match="learn on the machine"):
         diagnose_table(replace(table, rows=(*table.rows, row)), folder=Path("unused"))

@@ -71,5 +71,5 @@ def test_a_law_that_learns_is_refused_without_a_function_that_makes_it(irb4600):
 
 @pytest.mark.parametrize(("position", "twin"), [("p1", "p1"), ("p2", "p2"), ("p3", "p2"), ("p4", "p1")])
 def test_a_search_simulates_the_first_of_positions_that_are_alike(position, twin):
-    row = replace(ROW, motion=replace(ROW.motion, position=position))
-    assert thesis_table().twin(row) == replace(ROW, motion=replace(ROW.motion, position=twin))
+    row, expected = (replace(ROW, motion=MotionKey(position=p, speed_mm_s=40.0)) for p in (position, twin))
+    assert thesis_table().twin(row) == expected

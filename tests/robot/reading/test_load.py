@@ -127,6 +127,11 @@ def test_an_unknown_robot_is_refused_with_those_there_are(name):
         load_robot(name)
 
 
+def test_an_unknown_robot_is_refused_with_the_sets_of_numbers_there_are():
+    with pytest.raises(FFGymError, match="other numbers: irb4600_60_205_arm_losses, irb4600_60_205_commissioned"):
+        load_robot("irb4600_60_205_arm_loss")
+
+
 def test_a_file_that_cannot_be_read_is_refused_by_name(tmp_path):
     with pytest.raises(FFGymError, match=r"Robot description .*absent\.toml.*Built-in robots"):
         load_robot(tmp_path / "absent.toml")
