@@ -55,11 +55,17 @@ def calibrate(
     slopes = problem.slopes(described) if causes else setting.design
     at_rest = np.zeros(len(setting.nuisances))
     now = None if slopes is None else problem.place(at_rest, described, slopes)
-    if now is None or not (causes or problem.is_bent(now)):
+    if now is None:
         return None
-    # descend from there; a search that is not thorough ends below the energy that slopes promise
-    limits = settings().estimator
-    most = np.inf if thoroughly else limits.promises * problem.predict_energy(now)
+    limits, predicted = settings().estimator, problem.predict_energy(now)
+    if not causes:
+        # one step as far as slopes say; where it leaves less than they promise, the numbers lie near
+        far = problem.move(now, step := problem.step(now, np.inf))
+        if far is not None and not problem.is_bent(now, far, step):
+            return None
+        now = now if far is None or far.cost > predicted else problem.renew(far, is_last=False)
+    # descend from there; a search that is not thorough ends where slopes promise neither much less nor noise alone
+    most = np.inf if thoroughly else max(limits.promises * predicted, float(now.equations.rows.sum()))
     steps = Steps(
         most=limits.number_steps,
         reach=limits.number_reach,
@@ -135,6 +141,12 @@ class _Numbers(Slope[Calibrated]):
         return np.isfinite(self.most) and self.predict_energy(point) > self.most
 
     def step(self, point: Calibrated, reach: float) -> Array:
+        step = self._solve(point, reach)
+        step[: len(self.of_robot)] *= self.of_robot  # other errors are fitted in each place
+        return step
+
+    def _solve(self, point: Calibrated, reach: float) -> Array:
+        """Solve for changes of all errors and causes by slopes, those of numbers within a reach."""
         priors, n = build_priors(self.setting, point.trial.hypotheses), len(self.of_robot)
         there, low, high = np.zeros(len(priors.low)), priors.low.copy(), priors.high.copy()
         there[:n] = self.at + point.sizes
@@ -144,12 +156,11 @@ class _Numbers(Slope[Calibrated]):
         gram, pull = point.equations.gram.sum(axis=0), point.equations.moment.sum(axis=0)[:, 0]
         ends = np.minimum(low, -HELD), np.maximum(high, HELD)
         step: Array = solve_bounded(gram, pull - there, priors.precision, *ends)
-        step[:n] *= self.of_robot
         return step
 
     def predict_energy(self, now: Calibrated) -> float:
         """Predict the least energy by slopes about a place, however far numbers move."""
-        step = self.step(now, np.inf)
+        step = self._solve(now, np.inf)
         gram, pull = now.equations.gram.sum(axis=0), now.equations.moment.sum(axis=0)[:, 0]
         return float(now.equations.energy.sum() - 2 * step @ pull + step @ gram @ step)
 
@@ -162,12 +173,8 @@ class _Numbers(Slope[Calibrated]):
         trial = None if machine is None else replay_hypotheses(self.setting, move_hypotheses(causes, step[n:]), machine)
         return None if trial is None else self.place(sizes, trial, point.equations.design)
 
-    def is_bent(self, now: Calibrated) -> bool:
-        """Tell whether a replay with the numbers that slopes give differs from what slopes say of it."""
-        step = self.step(now, np.inf)
-        there = self.move(now, step)
-        if there is None:
-            return True
+    def is_bent(self, now: Calibrated, there: Calibrated, step: Array) -> bool:
+        """Tell whether a replay with other numbers, a step away, differs from what slopes say of it."""
         # change by the other numbers beyond what their slopes say
         beyond = {channel: now.trial.residual[channel] - rows for channel, rows in there.trial.residual.items()}
         for column, size in zip(self.setting.nuisance_columns, step.tolist(), strict=True):

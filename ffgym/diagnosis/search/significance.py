@@ -128,10 +128,13 @@ def is_within_prior(problem: FitProblem, cause: Hypothesis) -> bool:
 
 
 def _imitates(problem: FitProblem, before: ScoredFit, after: ScoredFit) -> bool:
-    """Tell whether the newest cause has a shape at the end of its range, and acts only where clean logs are as loud."""
-    if all(hypothesis is not after.hypothesis for hypothesis, _ in find_shapes_at_limit(problem, after.fit)):
+    """Tell whether the newest cause may be imitated by noise and inexact replays: it acts only where clean logs are as
+    loud, with a shape at the end of its range or without a size of note.
+    """
+    newest = after.hypothesis
+    if is_sizeable(newest) and all(one is not newest for one, _ in find_shapes_at_limit(problem, after.fit)):
         return False
-    own = after.fit.columns[-len(after.hypothesis.list_free()) :]
+    own = after.fit.columns[-len(newest.list_free()) :]
     loud = loudness(problem, subtract_nuisances(problem, before.fit))
     return max((loud[key] for key in find_touched(problem, list(own))), default=0.0) <= settings().significance.quiet
 
