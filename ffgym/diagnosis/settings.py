@@ -451,7 +451,7 @@ class SignificanceSettings:
     one that is named."""
     quiet: float = 1.5
     """Energy in units of the noise's that clean logs may have in a component: causes may leave it, and none whose
-    shape is at the end of its range is adopted for it."""
+    shape is at the end of its range, or whose sizes are not of note, is adopted for it."""
     leaks: float = 0.02
     """Share of what is still above the noise in the loudest component of a channel that a cause must remove beyond,
     in any of them: what ails one joint shows in others a little, through springs and calibration, until it is
@@ -477,8 +477,9 @@ class SignificanceSettings:
     floor: what rows are doubted by may be there, and any cause would bend around it; chosen: three quarters of
     usual logs are."""
     sizeable: float = 0.02
-    """Share of the plausible range of a size that one of a cause below the floor must have: of less, any simulation
-    has some, by its steps; chosen: servo gains that are a thousandth off stand out from logs without noise."""
+    """Share of the plausible range of a size that one of a cause must have below the floor, and where clean logs are as
+    loud: of less, any simulation has some, by its steps; chosen: servo gains that are a thousandth off stand out
+    from logs without noise."""
 
 
 @dataclass(frozen=True, kw_only=True)

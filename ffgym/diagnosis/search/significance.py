@@ -128,8 +128,9 @@ def is_within_prior(problem: FitProblem, cause: Hypothesis) -> bool:
 
 
 def _imitates(problem: FitProblem, before: ScoredFit, after: ScoredFit) -> bool:
-    """Tell whether the newest cause may be imitated by noise and inexact replays: it acts only where clean logs are as
-    loud, with a shape at the end of its range or without a size of note.
+    """Tell whether noise and inexact replays may imitate the newest cause.
+
+    It acts only where clean logs are as loud, with a shape at the end of its range or without a size of note.
     """
     newest = after.hypothesis
     if is_sizeable(newest) and all(one is not newest for one, _ in find_shapes_at_limit(problem, after.fit)):

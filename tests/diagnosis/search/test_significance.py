@@ -22,9 +22,10 @@ from ffgym.effects import EFFECTS
 
 @pytest.fixture(autouse=True)
 def plausible(monkeypatch):
-    """No shape is at the end of its range, and no cause is a number of the model."""
+    """No shape is at the end of its range, all sizes are of note, and no cause is a number of the model."""
     monkeypatch.setattr(module, "find_shapes_at_limit", lambda setting, fit: ())
     monkeypatch.setattr(module, "is_within_prior", lambda setting, newest: False)
+    monkeypatch.setattr(module, "is_sizeable", lambda cause: True)
 
 
 @pytest.mark.parametrize(
@@ -75,7 +76,6 @@ def test_a_cause_below_the_noise_floor_must_explain_most_of_what_is_there_or_hav
     monkeypatch.setattr(module, "compute_explained_by_newest", lambda *fits: gone)
     monkeypatch.setattr(module, "find_touched", lambda setting, columns: {TORQUES[0]})
     before, after = fitted(100.0, 100.0), fitted(100.0 - held_out, 100.0 - held_out, numbers=numbers)
-    monkeypatch.setattr(module, "is_sizeable", lambda cause: True)
     setting = SimpleNamespace(certain=lambda component: 0.6)
     assert is_significant(setting, None, before, after, chance=1.0) == enough
     doubted = SimpleNamespace(certain=lambda component: 0.02)
@@ -102,11 +102,23 @@ def fitted(total, left, joint="j1", is_unphysical=False, numbers=1):
 
 
 @pytest.mark.parametrize(
-    ("loud", "whose", "enough"),
-    [(1.1, "newest", False), (settings().significance.quiet + 0.1, "newest", True), (1.1, "another", True)],
+    ("loud", "whose", "is_of_note", "enough"),
+    [
+        (1.1, "newest", True, False),
+        (settings().significance.quiet + 0.1, "newest", True, True),
+        (1.1, "another", True, True),
+        (1.1, "another", False, False),
+        (settings().significance.quiet + 0.1, "another", False, True),
+    ],
 )
-def test_what_a_clean_log_may_have_is_no_cause_with_a_shape_at_the_end_of_its_range(monkeypatch, loud, whose, enough):
-    """Noise of the readings of a motor that restarts looked like breakaway that is overcome within no way at all."""
+def test_what_a_clean_log_may_have_is_no_cause_with_a_shape_at_the_end_of_its_range_or_without_a_size_of_note(
+    monkeypatch, loud, whose, is_of_note, enough
+):
+    """Noise of the readings of a motor that restarts looked like breakaway that is overcome within no way at all.
+
+    What half a per cent of each number leaves of a quiet tracker looked like a sixtieth of a base that gives way.
+    """
+    monkeypatch.setattr(module, "is_sizeable", lambda cause: is_of_note)
     after = fitted(5.0, 5.0)
     gone = ExplainedVariance(of_excess=0.9, of_all=0.9, excess=0.9, n_loud=1, best=0.9)
     monkeypatch.setattr(module, "compute_explained_by_newest", lambda *fits: gone)
