@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 
+from ffgym.cli.main import main as command
 from ffgym.core.files import read_text
 from ffgym.robot import load_robot
 from ffgym.simulation.plant import load_machine
@@ -12,6 +13,7 @@ from scripts.published_machines import Config, main
 from scripts.tables.page import DOCS
 from scripts.tables.published_robot import (
     RESULT,
+    TRIANGLE,
     describe_signs,
     describe_structures,
     fitted_machine,
@@ -98,3 +100,17 @@ def test_the_slow_triangle_shows_a_loop_with_friction_behind_the_elasticity_alon
         widths[name] = abs(np.median(forwards) - np.median(backwards))
     assert widths["arm_friction"] > 100.0  # um
     assert widths["numbers"] < 10.0
+
+
+@pytest.mark.parametrize(
+    ("machine", "low", "high"),
+    [("irb4600_60_205_arm_losses", 0.5, 0.6), ("irb4600_60_205", 0.0, 0.02), (str(DOCS / "backlash.toml"), 0.0, 0.12)],
+)
+def test_the_slow_triangle_tells_the_share(machine, low, high, tmp_path):
+    logs, numbers = tmp_path / "logs", tmp_path / "numbers.json"
+    assert command(["record", machine, str(TRIANGLE), "--out", str(logs)]) == 0
+    model = ["--robot", "irb4600_60_205", "--stiffness-spread", "0.1", "--resamples", "10"]
+    assert command(["identify", str(logs), *model, "--json", str(numbers)]) == 0
+    share = json.loads(numbers.read_text())["joints"][0]["arm_share"]
+    assert share["status"] == "identified"
+    assert low <= share["value"] <= high
