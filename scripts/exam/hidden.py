@@ -96,7 +96,7 @@ def drawn(kind: type[Effect], robot: RobotDescription, rng: np.random.Generator,
     # losses between joints of the library are those of wrists
     in_wrist = any(p.per == "pair" for p in known.values()) and not issubclass(kind, Outsider)
     places = tuple(robot.joints[-_WRIST:] if in_wrist else robot.joints)
-    if kind is ArmFriction:  # the last link is so light that damping of its bristles needs shorter steps of the engine
+    if kind is ArmFriction:  # as in all exams held so far, not on the last link
         places = places[:-1] or places
     place = str(places[rng.integers(len(places))]) if joint is None else check_choice("joint", joint, robot.joints)
     values: dict[str, Any] = {}

@@ -26,8 +26,6 @@ def as_strong_as_plausible(effect: type[Effect], robot, share=1.0):
         values[name] = far if known.null is not None else known.high
         if known.per == "pair":
             values[name] = far * (1 - np.eye(robot.n_joints))
-    if effect.name == "arm_friction":  # a wrist is so light that damping of its bristles needs shorter steps
-        values["share"] = values["share"] * np.where(np.arange(robot.n_joints) < 3, 1.0, 0.2)
     return effect.on(robot, **values)
 
 

@@ -25,7 +25,7 @@ from ffgym.effects.transmission.base_flexibility import BaseFlexibility
 from ffgym.effects.transmission.link_flexibility import LinkFlexibility
 from ffgym.robot import RigidArm, RobotDescription
 from ffgym.robot.dynamics.arm import RIGID
-from ffgym.robot.model.spec import motor_joint
+from ffgym.robot.model.names import motor_joint
 from ffgym.simulation.plant import Machine
 
 _LEAN = 1e-3

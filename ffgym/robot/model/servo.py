@@ -11,9 +11,7 @@ import mujoco
 import numpy as np
 
 from ffgym.robot.description import RobotDescription
-
-servo_actuator = "{}_servo".format
-"""Name of the servo actuator of a joint."""
+from ffgym.robot.model.names import servo_actuator
 
 MOTOR_CONSTANT = 1.0
 """Torque per current [N m/A] and back EMF per speed [V s/rad] of the motor that is a torque loop."""

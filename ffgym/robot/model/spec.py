@@ -3,8 +3,8 @@
 Each joint is two hinges on one axis (thesis (2.5)-(2.6)): the motor hinge turns by motor angle / gear ratio and carries
 rotor inertia, friction and servo; the deflection hinge behind it is the elasticity, and carries the link. Actuators
 have `gear` = gear ratio, so that their numbers stay in motor units; a motor that other axes turn too acts on a fixed
-tendon whose length is the motor angle. MuJoCo supplies servo (`ffgym.robot.model.servo`) and friction (passive
-`dcmotor` with LuGre bristles) natively. Friction behind the elasticity acts on a fixed tendon, whose length is the
+tendon whose length is the motor angle. MuJoCo supplies servo (`ffgym.robot.model.servo`) and friction
+(`ffgym.robot.model.friction`) natively; friction behind the elasticity acts on a fixed tendon, whose length is the
 angle of the link times the gear ratio. A spring between two links is a spatial tendon.
 """
 
@@ -16,21 +16,10 @@ import numpy as np
 
 from ffgym.core.errors import check_number
 from ffgym.robot.description import RobotDescription
+from ffgym.robot.model.friction import add_friction, bear_arm_friction
 from ffgym.robot.model.looks import add_looks
+from ffgym.robot.model.names import deflection_joint, motor_joint, motor_tendon
 from ffgym.robot.model.servo import add_servo
-
-motor_joint = "{}_motor".format
-"""Name of the hinge that the motor of a joint turns."""
-deflection_joint = "{}_deflection".format
-"""Name of the hinge that is the elasticity of a joint."""
-friction_actuator = "{}_friction".format
-"""Name of the friction actuator of a joint."""
-arm_friction_actuator = "{}_arm_friction".format
-"""Name of the actuator that is the friction of a joint behind its elasticity."""
-link_tendon = "{}_link_angle".format
-"""Name of the tendon whose length is the angle of a link times the gear ratio."""
-motor_tendon = "{}_motor_angle".format
-"""Name of the tendon whose length is the angle of a motor that other axes turn too."""
 
 
 def _add_actuators(spec: mujoco.MjSpec, robot: RobotDescription, i: int, options: "ModelOptions") -> None:
@@ -49,36 +38,8 @@ def _add_actuators(spec: mujoco.MjSpec, robot: RobotDescription, i: int, options
     motor["gear"] = [gear, 0, 0, 0, 0, 0]
     if options.servo:
         add_servo(spec, robot, i, motor)
-    if not options.friction:
-        return
-    # friction of the motor, and of the arm: on the link's angle in units of the motor's
-    arm = robot.arm_share[i] if options.flexible else 0.0
-    if arm < 1:
-        _add_friction(spec, robot, i, friction_actuator(joint), 1 - arm, motor)
-    if arm > 0:
-        tendon = spec.add_tendon(name=link_tendon(joint))
-        for hinge in (motor_joint(joint), deflection_joint(joint)):
-            tendon.wrap_joint(hinge, robot.drive.gear_ratio[i])
-        link = {"trntype": mujoco.mjtTrn.mjTRN_TENDON, "target": tendon.name, "gear": [1.0, 0, 0, 0, 0, 0]}
-        _add_friction(spec, robot, i, arm_friction_actuator(joint), arm, link)
-
-
-def _add_friction(
-    spec: mujoco.MjSpec, robot: RobotDescription, i: int, name: str, share: float, at: dict[str, Any]
-) -> None:
-    """Add a share of the LuGre friction of joint i: a motor without electrics, with bristles that MuJoCo integrates.
-
-    Bristles stay the same where all torques shrink alike, as their steady deflection is a quotient of two of them.
-    """
-    f = robot.friction
-    friction = spec.add_actuator(name=name, damping=[share * f.viscous[i], 0, 0], **at)
-    torques = (f.bristle_stiffness[i], f.bristle_damping[i], f.coulomb[i], f.static[i])
-    friction.set_to_dcmotor(
-        motorconst=[0, 0],
-        resistance=1.0,  # must be positive, acts on nothing: the electrical branch is off
-        lugre=[*(share * torque for torque in torques), f.stribeck_velocity[i]],
-        ctrlspec=int(mujoco.mjtCtrlInput.mjINPUT_NONE),
-    )
+    if options.friction:
+        add_friction(spec, robot, i, motor, flexible=options.flexible)
 
 
 MASSLESS = 1e-9
@@ -150,6 +111,7 @@ def build_spec(robot: RobotDescription, options: ModelOptions | None = None) -> 
             tendon.wrap_site(site.name)
     if options.looks:
         add_looks(spec, robot)
+    bear_arm_friction(spec, robot)
     return spec
 
 

@@ -10,12 +10,12 @@ from mujoco import batch
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.robot import RobotDescription
 from ffgym.robot.drive import Drive
-from ffgym.robot.model.servo import servo_actuator
-from ffgym.robot.model.spec import (
+from ffgym.robot.model.names import (
     arm_friction_actuator,
     deflection_joint,
     friction_actuator,
     motor_joint,
+    servo_actuator,
 )
 
 

@@ -16,6 +16,7 @@ from ffgym.effects.climate import Climate as Climate
 from ffgym.effects.drive.delay import with_delay_of_drives
 from ffgym.recordings import Recording
 from ffgym.robot import ModelOptions, RobotDescription, build_spec, physics_fingerprint
+from ffgym.robot.model.friction import bear_arm_friction
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -77,9 +78,11 @@ class Machine:
         """
         self._check_whole(options)
         spec = build_spec(self.physical, options)
-        for effect in self.effects:
-            if isinstance(effect, ModelEffect):
-                effect.in_model(spec, self.physical)
+        added = [effect for effect in self.effects if isinstance(effect, ModelEffect)]
+        for effect in added:
+            effect.in_model(spec, self.physical)
+        if added:  # which may have made links lighter
+            bear_arm_friction(spec, self.physical)
         return spec
 
     def _check_whole(self, options: ModelOptions) -> None:

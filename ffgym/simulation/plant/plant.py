@@ -285,8 +285,8 @@ class Plant:
                 first = int(failed[0])
                 raise FFGymError(
                     f"Simulation {first} of robot {self.robot.name!r} became unstable between t = {began[first]:.3f} s "
-                    f"and {began[first] + steps * self.physics_dt:.3f} s. Lower servo gains, torques, "
-                    f"friction.arm_share of light links or the physics step of {self.physics_dt} s."
+                    f"and {began[first] + steps * self.physics_dt:.3f} s. Lower servo gains, torques or "
+                    f"the physics step of {self.physics_dt} s."
                 )
         return out
 

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from ffgym.robot import ModelOptions, build_spec, compile_model, load_robot, physics_fingerprint
-from ffgym.robot.model.servo import servo_actuator
-from ffgym.robot.model.spec import deflection_joint, friction_actuator, motor_joint
+from ffgym.robot.model.names import deflection_joint, friction_actuator, motor_joint, servo_actuator
 
 BARE = ModelOptions(looks=False)
 

@@ -11,7 +11,7 @@ from ffgym.core.errors import FFGymError
 from ffgym.effects import EFFECTS
 from ffgym.envs import EpisodeRecorder
 from ffgym.robot import ModelOptions, RigidArm, load_robot
-from ffgym.robot.model.servo import servo_actuator
+from ffgym.robot.model.names import servo_actuator
 from ffgym.simulation import Run, simulate
 from ffgym.simulation.export import export_run
 from ffgym.simulation.export.play import main as play

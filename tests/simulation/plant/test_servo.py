@@ -9,8 +9,7 @@ import pytest
 
 from ffgym.control import DynamicLuGreExact, FeedForwardLaw
 from ffgym.paths import joint_reference, joint_sine
-from ffgym.robot.model.servo import servo_actuator
-from ffgym.robot.model.spec import friction_actuator
+from ffgym.robot.model.names import friction_actuator, servo_actuator
 from ffgym.simulation import Run, simulate
 from ffgym.simulation.plant import Plant
 from ffgym.studies import circle_references

@@ -9,7 +9,7 @@ from ffgym.control import NoCompensation
 from ffgym.core.errors import FFGymError
 from ffgym.robot import RigidArm, build_spec, load_robot, mjcf_text
 from ffgym.robot.drive import loop_decay, next_torque
-from ffgym.robot.model.servo import servo_actuator
+from ffgym.robot.model.names import servo_actuator
 from ffgym.simulation import Run, simulate
 from ffgym.simulation.export import export_run
 from ffgym.simulation.export.play import main as play
