@@ -84,7 +84,8 @@ class PlantDistribution:
     rotor_inertia: Distribution | None = LogUniform(0.97, 1.03)
     """Factor on the rotor inertia of each motor."""
     arm_share: Distribution | None = None
-    """Share of friction behind the elasticity, in place of the robot's own; the robots of a batch all have one."""
+    """Share of friction behind the elasticity, in place of the robot's own on joints that have one, or on all joints
+    of a robot without; plants of environments are drawn from robots that have one."""
     torque_lag: Distribution | None = None
     """Factor on the time constant of the torque loop, for drives that have one."""
     torque_delay: Distribution | None = None
@@ -120,8 +121,10 @@ class PlantDistribution:
         tool = robot.tool
         if tool is not None and self.payload is not None:
             tool = with_payload(robot, float(self.payload.draw(rng, 1)[0])).tool
-        friction = robot.friction if self.arm_share is None else replace(robot.friction, arm_share=factor["arm_share"])
-        del factor["arm_share"]
+        friction, share = robot.friction, factor.pop("arm_share")
+        if self.arm_share is not None:
+            own = np.ones(n) if friction.arm_share is None else friction.arm_share
+            friction = replace(friction, arm_share=np.where(own > 0, share, 0.0))
         # damping goes with the root of the stiffness, which keeps the damping ratio at equal inertia
         drive, bodies = robot.drive, robot.bodies
         loops = {name: (getattr(drive, name), factor.pop(name)) for name in _TORQUE_PATH}

@@ -118,7 +118,8 @@ class Plant:
             if _make(models[-1]) != _make(self.model):
                 raise FFGymError(
                     f"Robot {machine.robot.name!r} has other elastic joints, joints of effects, actuators or torque "
-                    f"loops than the other simulations of the same batch; simulate it in a batch of its own."
+                    f"loops than the other simulations of the same batch; simulate it in a batch of its own. An "
+                    f"arm_share can be drawn on joints of a robot that has one, as irb4600_60_205_arm_losses."
                 )
         # give each simulation the fields in which its model differs
         for (i, machine), model in zip(changed, models, strict=True):

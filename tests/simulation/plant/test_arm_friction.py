@@ -9,7 +9,7 @@ import scipy
 from ffgym.control import NoCompensation
 from ffgym.core.errors import FFGymError
 from ffgym.recordings.metrics import path_errors
-from ffgym.robot import ModelOptions, RigidArm, compile_model, physics_fingerprint
+from ffgym.robot import ModelOptions, RigidArm, compile_model, load_robot, physics_fingerprint
 from ffgym.robot.reading.load import with_numbers
 from ffgym.simulation import Run, simulate
 from ffgym.simulation.plant import Plant, PlantDistribution, Uniform
@@ -194,6 +194,14 @@ def test_draws_take_a_share_and_leave_other_draws_alone(irb4600):
     assert plain.friction.arm_share is None
     assert np.all((drawn.friction.arm_share > 0.2) & (drawn.friction.arm_share < 0.9))
     np.testing.assert_array_equal(plain.friction.viscous, drawn.friction.viscous)
+
+
+def test_a_drawn_share_is_on_the_joints_that_have_one():
+    robot = load_robot("irb4600_60_205_arm_losses")
+    drawn = PlantDistribution(arm_share=Uniform(0.2, 0.9)).draw(robot, np.random.default_rng(4))
+    np.testing.assert_array_equal(drawn.friction.arm_share > 0, robot.friction.arm_share > 0)
+    Plant(robot, 1).become([0], [drawn])
+    assert not np.allclose(drawn.friction.arm_share, robot.friction.arm_share)
 
 
 def test_a_parameter_file_gives_a_share(irb4600):
