@@ -158,20 +158,18 @@ def _bend_springs(run: Replay, pushes: Sequence[Perturbation]) -> dict[int, tupl
     # loads on the springs at coarse samples
     every, springs = run.coarse_springs
     sampling, none = run.log.sampling.coarser(every), np.zeros_like(run.log.q)
-    load = np.stack(
-        [
-            _smooth((none if p.spring is None else p.spring) - (0.0 if p.links is None else p.links), every)
-            for p in pushes
-        ],
-        axis=-1,
-    )
+    load = np.empty((*springs.mass.shape[:-1], len(pushes)))
+    for i, p in enumerate(pushes):
+        load[..., i] = _smooth((none if p.spring is None else p.spring) - (0.0 if p.links is None else p.links), every)
     # deflections, and the torque that springs then carry; rigid joints carry all
-    flown = springs.bent_by(load)
-    drive, state = run.robot.drive, run.state
-    angle = sampling(flown.angle)
-    carried = -(state.joint_stiffness[:, None] * angle + state.joint_damping[:, None] * sampling(flown.rate))
+    drive, state, asked = run.robot.drive, run.state, None
     if drive.is_rigid.any():
-        asked = sampling(springs.bending_torque(flown))
+        bent = springs.bent_by(load)
+        angle, rate, asked = sampling(bent.angle), sampling(bent.rate), sampling(springs.bending_torque(bent))
+    else:
+        angle, rate = (sampling(values) for values in springs.bend_in_place(load))
+    carried = -(state.joint_stiffness[:, None] * angle + state.joint_damping[:, None] * rate)
+    if asked is not None:
         carried = np.where(drive.is_rigid[:, None], asked, carried)
     return {id(push): (angle[..., i], carried[..., i]) for i, push in enumerate(pushes)}
 

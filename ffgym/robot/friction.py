@@ -112,8 +112,7 @@ class LuGreParameters:
             dq: motor speed at its end [rad/s].
             dt: time of the way [s].
         """
-        stiffness, damping = self.bristle_stiffness, self.bristle_damping
-        coulomb, peak, per_velocity, rubbing = self._lengths
+        stiffness, damping, coulomb, peak, per_velocity, rubbing = self._numbers_of(dq.shape)
         # deflection in steady sliding, and the way to it that is left
         bent = mean_dq * per_velocity
         bent = coulomb + peak * np.exp(-bent * bent)
@@ -131,12 +130,22 @@ class LuGreParameters:
             torque_slope=np.maximum(torque_slope, 0.0, out=torque_slope),
         )
 
+    def _numbers_of(self, shape: tuple[int, ...]) -> Array:
+        """Numbers by which bristles bend, each as an array of a shape (..., N), which is faster than one per joint.
+
+        Stiffness and damping; deflections in sliding and beyond that at rest [rad], one over the Stribeck velocity, and
+        all damping.
+        """
+        if shape not in self._known_numbers:
+            stiffness, damping, coulomb = self.bristle_stiffness, self.bristle_damping, self.coulomb
+            bent, peak = coulomb / stiffness, (self.static - coulomb) / stiffness
+            each = (stiffness, damping, bent, peak, 1 / self.stribeck_velocity, damping + self.viscous)
+            self._known_numbers[shape] = np.array([np.broadcast_to(values, shape) for values in each], order="C")
+        return self._known_numbers[shape]
+
     @cached_property
-    def _lengths(self) -> tuple[Array, Array, Array, Array]:
-        """Deflections in sliding and beyond that at rest [rad], one over the Stribeck velocity, and all damping."""
-        stiffness = self.bristle_stiffness
-        peak = (self.static - self.coulomb) / stiffness
-        return self.coulomb / stiffness, peak, 1 / self.stribeck_velocity, self.bristle_damping + self.viscous
+    def _known_numbers(self) -> dict[tuple[int, ...], Array]:
+        return {}
 
     def exact_bristle_factors(self, dq: Array, dt: float | Array) -> tuple[Array, Array]:
         r"""Exact solution of the bristle equation over `dt` [s] at frozen motor speed `dq` [rad/s].

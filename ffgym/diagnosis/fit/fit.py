@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -129,14 +130,29 @@ def _replay_or_recall(
         return known[key]
     # one of them may tell how joints bend, which takes most of the time
     like = next((run for run in known.values() if lends_deflection(run, problem.log, machine)), problem.like)
+    _keep(problem, key, run := replay(problem.log, machine, like))
+    return run
+
+
+def _keep(problem: FitProblem, key: tuple[Any, ...], run: Replay) -> None:
+    """Keep a replay in place of the oldest of the last ones."""
+    known = problem.last_replays
+    known.pop(key, None)
     while len(known) >= _KEPT:
         del known[next(iter(known))]
-    known[key] = replay(problem.log, machine, like)
-    return known[key]
+    known[key] = run
+
+
+def keep_replay(problem: FitProblem, fit: Trial) -> None:
+    """Keep the replay of a fit, which is about to be asked for, or may tell how joints bend in another one."""
+    if fit.numbers.robot is problem.nominal.robot:
+        _keep(problem, tuple(one.values_key for one in fit.hypotheses), fit.run)
 
 
 def evaluate(problem: FitProblem, hypotheses: Sequence[Hypothesis], like: Fit | None = None) -> Fit:
     """Evaluate hypotheses at the values that they have: replay, residual, tangents and normal equations."""
+    if like is not None:
+        keep_replay(problem, like)
     tried = replay_hypotheses(problem, hypotheses)
     if tried is None:
         raise FFGymError(f"No machine can have {', '.join(h.label for h in hypotheses)} with these values.")

@@ -15,7 +15,7 @@ from ffgym.core.types import Array
 from ffgym.diagnosis.clean_recordings import make_clean_recordings
 from ffgym.diagnosis.computing import FAILED
 from ffgym.diagnosis.fit.descent import Slope, Steps, descend
-from ffgym.diagnosis.fit.fit import Fit, Trial, add_tangents, compute_rss, evaluate, replay_hypotheses
+from ffgym.diagnosis.fit.fit import Fit, Trial, add_tangents, compute_rss, evaluate, keep_replay, replay_hypotheses
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, move_hypotheses
 from ffgym.diagnosis.fit.problem import FitProblem
 from ffgym.diagnosis.log import assemble_log
@@ -157,6 +157,7 @@ def correct_bias(problem: FitProblem, found: Fit) -> Fit:
             return found
         own = assemble_log(log.robot, exact.recordings, like=log)
         bias = compute_residuals(own, predict(replay(own, machine)))
+        keep_replay(problem, found)
         again = fit(problem.with_bias(bias), found.hypotheses, begun=True)
     except FAILED:
         return found

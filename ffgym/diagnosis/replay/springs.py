@@ -195,23 +195,52 @@ class Springs:
                 swung = swing(*self._step(motion=m), torque[:, m, e], rest[m], dt)
                 angle[:, m, e], rate[:, m, e], acceleration[:, m, e] = swung
             return found
-        n, every = len(e), slice(None) if len(e) == shape[2] else e
+        self._swing_together(torque, rest, angle, rate, acceleration)
+        return found
+
+    def bend_in_place(self, torque: Array) -> tuple[Array, Array]:
+        """Deflections and rates, (T, M, N, V), as those of `bent_by` where all joints bend.
+
+        Deflections may take the place of the loads: two arrays instead of four, as new memory takes time.
+        """
+        if self.substeps > 1 or torque.shape[3] <= _FEW:
+            found = self.bent_by(torque)
+            return found.angle, found.rate
+        rest = np.linalg.solve(self._terms(slice(0, 1))[2][0], torque[0])
+        rate = np.zeros(torque.shape)
+        self._swing_together(torque, rest, torque, rate)
+        return torque, rate
+
+    def _swing_together(
+        self, torque: Array, rest: Array, angle: Array, rate: Array, acceleration: Array | None = None
+    ) -> None:
+        """Swing under loads (T, M, N, V) from a `rest` (M, E, V) on, all motions at once, and write what is found.
+
+        It is written into arrays of the same shape that are 0 at rigid joints and at the first sample. That of the
+        angle may be that of the loads.
+        """
+        dt, shape, n = self.dt, torque.shape, len(self.elastic)
+        every = slice(None) if n == shape[2] else self.elastic
         # load, deflection, rate and its change, all that a step is made of
         moved = np.zeros((shape[1], 4 * n, shape[3]))
-        load, x, speed, change = (moved[:, k * n : (k + 1) * n] for k in range(4))
+        parts = [moved[:, k * n : (k + 1) * n] for k in range(4)]
+        x, speed, after, both, more, other = np.zeros((6, shape[1], n, shape[3]))
         x[:] = rest
         angle[0][:, every] = x
         half, quarter = dt / 2, dt**2 / 4
         for first in range(1, shape[0], _STEPS):
             for k, step in enumerate(self._steps(first), start=first):
-                load[:] = torque[k][:, every]
-                after = step @ moved
-                both = change + after
-                x += dt * speed + quarter * both
-                speed += half * both
-                change[:] = after
-                angle[k][:, every], rate[k][:, every], acceleration[k][:, every] = x, speed, after
-        return found
+                # whole arrays and results in place, which is faster than parts of arrays and new ones
+                for part, values in zip(parts, (torque[k][:, every], x, speed, after), strict=True):
+                    part[:] = values
+                np.matmul(step, moved, out=after)
+                np.add(parts[3], after, out=both)
+                np.add(np.multiply(dt, speed, out=more), np.multiply(quarter, both, out=other), out=more)
+                np.add(x, more, out=x)
+                np.add(speed, np.multiply(half, both, out=more), out=speed)
+                angle[k][:, every], rate[k][:, every] = x, speed
+                if acceleration is not None:
+                    acceleration[k][:, every] = after
 
     def _steps(self, first: int) -> Array:
         """Accelerations after steps from a sample on, per load after it, and deflection, rate and acceleration before.
@@ -227,24 +256,47 @@ class Springs:
             self._known_steps[first] = made
         return made
 
+    def _all_steps(self) -> Array:
+        """Accelerations after all steps, per load, and less per place and rate that are expected, (T, M, E, 3E).
+
+        They are kept from the second time on: with most springs an arm flies once.
+        """
+        if 0 in self._known_steps:
+            return self._known_steps[0]
+        made = self._steps_of_three()
+        made = made.reshape(*made.shape[:-2], 3 * made.shape[-1])
+        if self._have_flown:
+            self._known_steps[0] = made
+        self._have_flown.append(True)
+        return made
+
+    @cached_property
+    def _have_flown(self) -> list[bool]:
+        return []
+
     @cached_property
     def _known_steps(self) -> dict[int, Array]:
         return {}
 
     def _step(self, rows: slice = slice(None), motion: int | slice = slice(None)) -> tuple[Array, Array, Array]:
         """Accelerations per load, and less per deflection and rate that are expected, (R, M, E, E) each."""
+        here = self._steps_of_three(rows, motion)
+        return here[..., 0, :], here[..., 1, :], here[..., 2, :]
+
+    def _steps_of_three(self, rows: slice = slice(None), motion: int | slice = slice(None)) -> Array:
+        """The same side by side, (R, M, E, 3, E)."""
         weights, poses = self._known_poses
         weights, poses = weights[rows], poses[:, motion]
-        here = (weights @ poses.reshape(len(poses), -1)).reshape(weights.shape[0], *poses.shape[1:])
-        return here[..., 0, :, :], here[..., 1, :, :], here[..., 2, :, :]
+        here: Array = weights @ poses.reshape(len(poses), -1)
+        return here.reshape(weights.shape[0], *poses.shape[1:])
 
     @cached_property
     def _known_poses(self) -> "tuple[scipy.sparse.csr_array, Array]":
-        """Weights (T, P) of some samples in all of them, and the same there, (P, M, 3, E, E)."""
+        """Weights (T, P) of some samples in all of them, and the same there, (P, M, E, 3, E)."""
         dt, places = self.dt, places_of(len(self.mass), max(1, round(settings().replay.pose_period / self.dt)))
         mass, rate, place = self._terms(places)
         inverse = np.linalg.inv(mass - self._late(places) + dt / 2 * rate + dt**2 / 4 * place)
-        return cubics(places), np.stack([inverse, np.matmul(inverse, place), np.matmul(inverse, rate)], axis=2)
+        return cubics(places), np.stack([inverse, np.matmul(inverse, place), np.matmul(inverse, rate)], axis=3)
 
     def integrate(self, torque: Array, push: Push | None, start: Array, brake: Brake | None = None) -> Deflection:
         """Deflections under `torque` (T, M, N) and a `push` that depends on them, from rest at `start` (..., M, N).
@@ -254,30 +306,34 @@ class Springs:
         The push is evaluated where the arm is expected after the step, so that it does not lag behind. A `brake` is
         linear about that in the rate (Rosenbrock 1963), so that bristles of light links may be stiff.
         """
-        e, dt, shape, n = self.elastic, self.dt, (len(torque), *start.shape), len(self.elastic)
+        e, shape, n = self.elastic, (len(torque), *start.shape), len(self.elastic)
         angles, rates, accelerations = np.zeros(shape), np.zeros(shape), np.zeros(shape)
-        # matrices of all steps; rows of the state that they act on: load, place and rate
-        steps, every = np.concatenate(self._step(slice(None)), axis=-1), _slice_of(e)
-        np.negative(steps[..., n:], out=steps[..., n:])  # place and rate pull back
         if push is not None:
             push(0, start, np.zeros_like(start))
-        moved = np.zeros((*start.shape[:-1], 3 * n, 1))  # load, place and rate that the step before leads to
-        load, x, rate = (moved[..., k * n : (k + 1) * n, 0] for k in range(3))
-        x[:], change = start[..., e], np.zeros((*start.shape[:-1], n))
+        # matrices of all steps, and what they act on: load, place and rate that the step before leads to
+        steps, every = self._all_steps(), _slice_of(e)
+        moved, free = np.zeros((*start.shape[:-1], 3 * n, 1)), np.zeros((*start.shape[:-1], n, 1))
+        of_load, of_place, of_rate = (moved[..., k * n : (k + 1) * n, 0] for k in range(3))
+        x, (rate, change, more) = np.ascontiguousarray(start[..., e]), np.zeros((3, *start.shape[:-1], n))
         angles[0][..., every] = x
         expected, expected_rate = start.copy(), np.zeros_like(start)
-        held = None if brake is None else _Held.of(brake, e, steps, dt)
-        # predict place and rate, evaluate the push there, solve for the acceleration
-        most, half, quarter = settings().replay.largest_deflection, dt / 2, dt**2 / 4
+        held = None if brake is None else _Held.of(brake, e, steps, start.shape, self.dt)
+        # predict place and rate, evaluate the push there, solve for the acceleration; numbers are arrays, and results
+        # in place, as steps of so few joints take most of their time beside the arithmetic
+        most, dt, half, quarter = settings().replay.largest_deflection, *_as_arrays(self.dt)
         for k in range(1, shape[0]):
-            rate += dt * change
-            x += dt * rate
+            np.add(rate, np.multiply(dt, change, out=more), out=rate)
+            np.add(x, np.multiply(dt, rate, out=more), out=x)
             if k % _CHECKED == 0:
                 _check_bent(x, most)
-            expected[..., every], expected_rate[..., every] = x + quarter * change, rate + half * change
-            load[:] = (torque[k] if push is None else torque[k] + push(k, expected, expected_rate))[..., every]
-            free = np.matmul(steps[k], moved)[..., 0]
-            change = free if held is None else held.hold(k, free, change, expected, expected_rate)
+            expected[..., every] = np.add(x, np.multiply(quarter, change, out=more), out=more)
+            expected_rate[..., every] = np.add(rate, np.multiply(half, change, out=more), out=more)
+            of_load[:] = (torque[k] if push is None else torque[k] + push(k, expected, expected_rate))[..., every]
+            of_place[:], of_rate[:] = np.negative(x, out=more), -rate  # they pull back
+            np.matmul(steps[k], moved, out=free)
+            change = (
+                free[..., 0].copy() if held is None else held.hold(k, free[..., 0], change, expected, expected_rate)
+            )
             angles[k][..., every], rates[k][..., every], accelerations[k][..., every] = x, rate, change
         _check_bent(x, most)
         # correct place and rate by the acceleration at the sample
@@ -303,6 +359,11 @@ def _slice_of(places: IntArray) -> slice | IntArray:
     return places
 
 
+def _as_arrays(dt: float) -> tuple[Array, Array, Array]:
+    """A step [s], half of it, and a quarter of its square [s^2], as arrays, which are faster to multiply by."""
+    return np.array(dt), np.array(dt / 2), np.array(dt**2 / 4)
+
+
 @dataclass(kw_only=True, eq=False)
 class _Held:
     """Joints that a brake holds back in steps which are implicit in its torque."""
@@ -316,19 +377,30 @@ class _Held:
     """Joints that bend."""
     per_torque: Array
     """Acceleration of joints that bend per torque on those that are held, (T, M, E, H)."""
-    dt: float
+    own: Array
+    """The same of those that are held, (T, M, H, H)."""
+    one: Array
+    """Matrices of one, (..., M, H, H)."""
+    half: Array
+    """Half a step [s], shape ()."""
+    faster: Array
+    """Rates that were higher than expected in the last step [rad/s], (..., M, N)."""
 
     @classmethod
-    def of(cls, brake: Brake, elastic: IntArray, steps: Array, dt: float) -> "_Held":
-        """Joints of a brake in the matrices (T, M, E, 3E) of all steps."""
-        among = np.searchsorted(elastic, brake.joints)
+    def of(cls, brake: Brake, elastic: IntArray, steps: Array, shape: tuple[int, ...], dt: float) -> "_Held":
+        """Joints of a brake in the matrices (T, M, E, 3E) of all steps, for motions of a `shape` (..., M, N)."""
+        among, n = np.searchsorted(elastic, brake.joints), len(brake.joints)
+        per_torque = steps[..., among]
         return cls(
             brake=brake,
             joints=_slice_of(brake.joints),
             among=_slice_of(among),
             bends=_slice_of(elastic),
-            per_torque=steps[..., among],
-            dt=dt,
+            per_torque=per_torque,
+            own=np.ascontiguousarray(per_torque[..., among, :]),
+            one=np.broadcast_to(np.eye(n), (*shape[:-1], n, n)).copy(),
+            half=np.array(dt / 2),
+            faster=np.zeros(shape),
         )
 
     def hold(self, k: int, free: Array, before: Array, angle: Array, expected: Array) -> Array:
@@ -336,45 +408,45 @@ class _Held:
 
         Newton's method about the expected rate (..., M, N), which mostly is as good as the one after the step at once.
         """
-        half, per_torque, joints = self.dt / 2, self.per_torque[k], self.joints
-        was = half * before[..., self.among]
-        about, scale, last = expected, np.ones(()), np.zeros(())
-        faster = np.zeros_like(expected)
+        half, per_torque, own, joints = self.half, self.per_torque[k], self.own[k], self.joints
+        was, about, faster = half * before[..., self.among].copy(), expected, self.faster
+        scale: Array | float = 1.0
+        last: Array | None = None
         for iteration in range(_ITERATIONS):
             braked, slope = self.brake.expect(k, angle, about)
-            falls = slope[..., joints]
-            force = braked[..., joints] + falls * was
+            falls = slope[..., joints].copy()
+            force = braked[..., joints].copy() + falls * was
             if iteration:
                 force += falls * (about - expected)[..., joints]
             pushed = free + np.matmul(per_torque, force[..., None])[..., 0]
-            change = _hold_back(pushed, per_torque, half * falls, self.among)
+            change = self._hold_back(pushed, per_torque, own, half * falls)
             faster[..., self.bends] = half * (change - before)
             if iteration:
                 faster -= about - expected
             if self.brake.is_near(faster):
                 break
             # joints that turn back go half as far
-            scale = np.where(faster * last < 0, 0.5 * scale, scale)
+            if last is not None:
+                scale = scale * np.where(faster * last < 0, 0.5, 1.0)
             last, about = faster.copy(), about + scale * faster
         self.brake.conclude(k, faster)
         return change
 
+    def _hold_back(self, free: Array, per_torque: Array, own: Array, falls: Array) -> Array:
+        """Solve for accelerations (..., M, E) of joints of which some are held by torques that fall with them.
 
-def _hold_back(free: Array, per_torque: Array, falls: Array, held: slice | IntArray) -> Array:
-    """Solve for accelerations (..., M, E) of joints of which some are held by torques that fall with them.
-
-    Args:
-        free: accelerations without that, (..., M, E).
-        per_torque: acceleration of all joints per torque on each of those that are held, (M, E, H).
-        falls: torque by which they are held per acceleration [kg m^2], (..., M, H).
-        held: their places.
-    """
-    # accelerations of those that are held, and by them of all
-    system = np.eye(falls.shape[-1]) + per_torque[..., held, :] * falls[..., None, :]
-    alone = falls.shape[-1] == 1
-    there = free[..., held] / system[..., 0] if alone else np.linalg.solve(system, free[..., held, None])[..., 0]
-    found: Array = free - np.matmul(per_torque, (falls * there)[..., None])[..., 0]
-    return found
+        Args:
+            free: accelerations without that, (..., M, E).
+            per_torque: acceleration of all joints per torque on each of those that are held, (M, E, H).
+            own: the same of those that are held, (M, H, H).
+            falls: torque by which they are held per acceleration [kg m^2], (..., M, H).
+        """
+        # accelerations of those that are held, and by them of all
+        system = self.one + own * falls[..., None, :]
+        alone, held = falls.shape[-1] == 1, self.among
+        there = free[..., held] / system[..., 0] if alone else np.linalg.solve(system, free[..., held, None])[..., 0]
+        found: Array = free - np.matmul(per_torque, (falls * there)[..., None])[..., 0]
+        return found
 
 
 def between(values: Array, every: int) -> Array:

@@ -144,9 +144,12 @@ class _LinkBrakes(Brake):
         self._parts = parts
         self._needs_load = any(effect.needs_load for effect in effects)
         self._stiffness, self._damping = state.joint_stiffness, state.joint_damping
-        self._memories, self._now = relax(effects, first), list[Braking]()
+        # of each memory, values of one kind lie side by side, as steps ask for them
+        self._memories = [np.moveaxis(np.moveaxis(one, -1, 0).copy(), 0, -1) for one in relax(effects, first)]
+        self._now = list[Braking]()
         self.joints = np.flatnonzero(np.any([effect.brakes for effect in effects], axis=0))
-        self._near = np.min([effect.reach(dt) for effect in effects], axis=0)
+        near = np.min([effect.reach(dt) for effect in effects], axis=0)
+        self._near = np.broadcast_to(near, first.deflection.shape).copy()
         self.wound: Array | None = None
         """Torque by which effects wind the springs at the sample, link side [N m], (M, N)."""
         self.torque = np.zeros((len(self._speed), *first.deflection.shape))
@@ -164,17 +167,17 @@ class _LinkBrakes(Brake):
             torque, slope = torque + one.torque, slope + one.slope
         if self._parts is not None:
             torque, slope = self._parts * torque, self._parts * slope
-        self._now, self.torque[k], self._slope = now, torque, slope
+        self._now, self._torque, self._slope = now, torque, slope
         return torque, slope
 
     def is_near(self, faster: Array) -> bool:
         """Compare with the rates at which bristles move by a part of their length in a step."""
-        return bool((np.abs(faster) <= self._near).all())
+        return np.count_nonzero(np.abs(faster) <= self._near) == faster.size
 
     def conclude(self, k: int, faster: Array) -> None:
         """Take memories and the torque along to where the link was faster than expected."""
         self._memories = [one.memory + one.memory_slope * faster[..., None] for one in self._now]
-        self.torque[k] -= self._slope * faster
+        self.torque[k] = self._torque - self._slope * faster
 
 
 def flown(

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import ffgym.diagnosis.fit.fit as fit_module
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.fit.refine import correct_bias, fit
 from ffgym.diagnosis.log import assemble_log
@@ -47,6 +48,22 @@ def test_a_size_is_nearer_to_the_truth(name, one_axis):
     off = [abs(float(found.hypotheses[0].values[size]) - TRUE[name][size]) for found in (plain, better)]
     assert better.left < plain.left
     assert off[1] < 0.5 * off[0] or max(off) < 0.02 * TRUE[name][size]
+
+
+def test_the_replay_of_the_fit_is_not_made_again(one_axis, monkeypatch):
+    setting, true = diagnosed(one_axis, "presliding")
+    plain, replayed = fit(setting, [true], begun=True), []
+    setting.last_replays.clear()  # as where others were replayed since
+
+    def replay(log, machine, *others):
+        replayed.extend(float(effect.stiffness[0]) for effect in machine.effects)
+        return made(log, machine, *others)
+
+    made = fit_module.replay
+    monkeypatch.setattr(fit_module, "replay", replay)
+    assert correct_bias(setting, plain).left < plain.left
+    assert replayed
+    assert float(plain.hypotheses[0].values["stiffness"]) not in replayed
 
 
 def test_where_nothing_was_found_nothing_changes(one_axis):

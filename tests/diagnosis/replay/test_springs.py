@@ -61,6 +61,23 @@ def test_many_loads_at_once_bend_as_each_alone(solved):
             np.testing.assert_allclose(own, factor * one.angle[..., 0], atol=1e-13)
 
 
+@pytest.mark.parametrize("n_loads", [2, 5])
+def test_deflections_in_the_place_of_the_loads_are_the_same(solved, n_loads):
+    torque = load(solved[0])[:, None, :, None] * np.arange(1.0, n_loads + 1)
+    expected = springs(len(torque)).bent_by(torque)
+    angle, rate = springs(len(torque)).bend_in_place(torque.copy())
+    assert angle.tobytes() == expected.angle.tobytes()
+    assert rate.tobytes() == expected.rate.tobytes()
+
+
+def test_steps_that_are_kept_bend_springs_as_new_ones(solved):
+    torque = load(solved[0])[:, None]
+    start, kept = torque[0] / STIFFNESS, springs(len(torque))
+    found = [kept.integrate(torque, None, start).angle for _ in range(3)]
+    assert found[0].any()
+    assert all(np.array_equal(one, found[0]) for one in found[1:])
+
+
 def test_poses_that_change_are_followed_as_a_solver_of_high_order_says():
     """Steps are made of poses 8 ms apart, 32 steps here, and of cubics between them."""
     t = DT * np.arange(3200)

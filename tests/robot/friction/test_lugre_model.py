@@ -107,6 +107,21 @@ def test_slopes_of_bent_bristles_are_those_of_differences(v):
         np.testing.assert_allclose(getattr(here, slope), difference, rtol=1e-2, atol=1e-9)
 
 
+def test_bristles_of_several_motions_bend_as_each_joint_alone():
+    numbers = {
+        "coulomb": [0.5, 0.7], "static": [0.6, 0.9], "viscous": [0.01, 0.02], "stribeck_velocity": [0.3, 0.2],
+        "bristle_stiffness": [60.0, 80.0], "bristle_damping": [0.05, 0.04],
+    }  # fmt: skip
+    friction = LuGreParameters(**{name: np.array(values) for name, values in numbers.items()})
+    z, before, speed = np.random.default_rng(0).normal(size=(3, 3, 2)) * np.array([0.005, 0.4, 0.4])[:, None, None]
+    together = friction.bend_bristles(z, 0.5 * (before + speed), speed, 0.002)
+    for m, j in np.ndindex(z.shape):
+        own = LuGreParameters(**{name: one(values[j]) for name, values in numbers.items()})
+        alone = own.bend_bristles(one(z[m, j]), one(0.5 * (before[m, j] + speed[m, j])), one(speed[m, j]), 0.002)
+        for name in ("bristle", "torque", "bristle_slope", "torque_slope"):
+            assert getattr(together, name)[m, j] == pytest.approx(getattr(alone, name)[0], rel=1e-12)
+
+
 @given(friction=parameters, v=speeds, dt=steps)
 def test_two_exact_half_steps_are_one_whole_step(friction, v, dt):
     keep, gain = friction.exact_bristle_factors(one(v), dt)
