@@ -12,12 +12,12 @@ from ffgym.diagnosis.tables.document import table_document
 from ffgym.diagnosis.tables.error_table import ErrorTable, MotionKey, SignQuestion, TableRow
 from ffgym.diagnosis.tables.fitting import FitTask, fit_structure
 from ffgym.diagnosis.tables.parts import SINGLE, find_structure
-from ffgym.diagnosis.tables.procedure import diagnose_table
+from ffgym.diagnosis.tables.procedure import conclude, diagnose_table
 from ffgym.diagnosis.tables.ranking import rank_structures
 from ffgym.diagnosis.tables.simulated import TableSimulator
 from ffgym.diagnosis.tables.structure_fit import StructureFit
 from ffgym.diagnosis.tables.structures import extends
-from ffgym.diagnosis.tables.verdict import judge_structures
+from ffgym.diagnosis.tables.verdict import judge_structures, write_sentence
 from ffgym.robot import load_robot
 
 DT = 0.001
@@ -179,6 +179,22 @@ def test_a_structure_with_the_wrong_sign_in_half_of_the_cells_explains_the_table
 
 def test_nothing_that_fits_is_unknown(table):
     assert judge_structures(rank_structures(table, [fit_of("delay", table, 2.0)], seed=0))[0] == "unknown"
+
+
+def test_of_ties_that_explain_nothing_the_one_with_fewest_numbers_is_told():
+    table = empty_table()
+    fits = [fit_of("backlash", table, 2.0, free=2, seed=1), fit_of("delay", table, 2.0, seed=2)]
+    ranked = rank_structures(table, fits, seed=0)
+    verdict, best = judge_structures(ranked)
+    assert (verdict, best) == ("unknown", "delay")
+    assert "of 2 that tie for the best, delay of the torque has fewest" in write_sentence(verdict, best, ranked)
+
+
+def test_a_structure_that_cannot_be_simulated_is_named():
+    table, fit = empty_table(), fit_of("delay", empty_table(), 1.0)
+    broken = replace(fit, predicted_mm=(float("nan"), *fit.predicted_mm[1:]))
+    with pytest.raises(FFGymError, match="Structure 'delay' as fitted cannot be simulated: 1 of 24 rows"):
+        conclude(table, [broken])
 
 
 @pytest.mark.parametrize("name", SINGLE)
