@@ -28,6 +28,7 @@ from ffgym.diagnosis.replay.states import (
     deflect,
     deflect_by_shares,
     friction_on_motors,
+    leave_on_motors,
     state_of,
 )
 from ffgym.diagnosis.replay.structure import (
@@ -55,6 +56,12 @@ _OF_LINKS = ("bodies", "tool", "springs", "gravity", "kinematics")
 def have_same_links(one: RobotDescription, other: RobotDescription) -> bool:
     """Tell whether links of two robots take the same torque in the same motion."""
     return all(have_same_numbers(getattr(one, part), getattr(other, part)) for part in _OF_LINKS)
+
+
+def _rub_alike(one: RobotDescription, other: RobotDescription) -> bool:
+    """Tell whether motors of two robots have the same friction in the same motion, of both sides together."""
+    geared = all(have_same_numbers(getattr(one.drive, p), getattr(other.drive, p)) for p in ("gear_ratio", "coupling"))
+    return geared and have_same_numbers(replace(one.friction, arm_share=other.friction.arm_share), other.friction)
 
 
 def have_same_numbers(one: Any, other: Any) -> bool:
@@ -196,8 +203,10 @@ def replay(
         rough = beside.deflection.angle[0]
     else:
         links, rough = _links(log, robot)
-    # motors with their friction
-    if bristles is None:
+    # motors with their friction, which is that of another replay if only another part of it is behind the elasticity
+    if bristles is None and like is not None and _rub_alike(like.robot, robot):
+        bristles = leave_on_motors(robot, like.bristles)
+    elif bristles is None:
         bristles = friction_on_motors(robot, log.slip_dq, log.dq, log.dt)
     state, on_arm, sway = state_of(log, machine, bristles), arm_effects(machine), None
     # springs under what links ask for, on a structure that may give way

@@ -60,7 +60,12 @@ def along_speed(friction: LuGreParameters, slip: Array, speed: Array, dt: float,
 def friction_on_motors(robot: RobotDescription, slip: Array, speed: Array, dt: float, load: float = 0.0) -> Bristles:
     """Friction of a robot on its motors, along speeds `slip` and `speed` behind the gearbox, as `along_speed`."""
     found = along_speed(robot.friction, robot.drive.motor_angle(slip), robot.drive.motor_angle(speed), dt, load)
-    return replace(found, torque=(1 - robot.arm_share) * found.torque)
+    return leave_on_motors(robot, found)
+
+
+def leave_on_motors(robot: RobotDescription, friction: Bristles) -> Bristles:
+    """Leave the part of all friction on motors that is not behind the elasticity of a robot."""
+    return replace(friction, torque=(1 - robot.arm_share) * friction.whole)
 
 
 def along_links(robot: RobotDescription, speed: Array, dt: float) -> Bristles:

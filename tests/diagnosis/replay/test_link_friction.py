@@ -91,6 +91,25 @@ def test_a_replay_lends_its_deflection_to_machines_whose_links_have_the_same_fri
     assert not lends_deflection(run, log, behind.with_robot(stiffer))
 
 
+@pytest.mark.parametrize("other", ["share", "stiffness", "friction", "gear"])
+def test_friction_of_motors_is_taken_from_a_replay_where_it_is_the_same(recording, behind, other):
+    log, robot = assemble_log(nominal().robot, [recording]), nominal().robot
+    drive, friction = robot.drive, robot.friction
+    machine = {
+        "share": behind,
+        "stiffness": nominal().with_robot(
+            replace(robot, drive=replace(drive, joint_stiffness=2 * drive.joint_stiffness))
+        ),
+        "friction": nominal().with_robot(replace(robot, friction=friction.scale(coulomb=0.9))),
+        "gear": nominal().with_robot(replace(robot, drive=replace(drive, gear_ratio=1.1 * drive.gear_ratio))),
+    }[other]
+    run = replay(log, nominal())
+    found, alone = replay(log, machine, run), replay(log, machine)
+    assert (found.bristles.whole is run.bristles.whole) == (other in ("share", "stiffness"))
+    for name in ("torque", "whole", "sign"):
+        np.testing.assert_array_equal(getattr(found.bristles, name), getattr(alone.bristles, name))
+
+
 @pytest.mark.parametrize("light", [1e-3, 3.0])
 def test_links_that_creep_behind_their_motors_stick_until_the_spring_tears_them_off(light):
     """The motor turns slowly forth: the spring winds up by friction over stiffness, and the link follows."""
