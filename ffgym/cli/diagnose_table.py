@@ -56,7 +56,8 @@ def run(config: Diagnose) -> None:
         write_json(config.json, table_document(diagnosis))
     print(format_table_diagnosis(diagnosis))
     if config.out is not None:
-        print_places(diagnosis=config.out / DOCUMENT, table=config.out / TABLE)
+        session = config.out / NEXT if diagnosis.sessions else None
+        print_places(diagnosis=config.out / DOCUMENT, table=config.out / TABLE, session=session)
     print_places(numbers=config.json)
 
 

@@ -28,7 +28,9 @@ def test_a_table_gets_a_verdict_and_files(table, tmp_path, capsys):
     assert {one["name"] for one in document["structures"]} == {"description", "numbers"}
     assert document["provenance"]["inputs"]
     assert document["physics_fingerprint"]
-    assert capsys.readouterr().out.startswith(document["verdict"])
+    printed = capsys.readouterr().out
+    assert printed.startswith(document["verdict"])
+    assert "sign" not in printed  # no question was asked
     assert (out / "structures" / "numbers.json").exists()
     assert (out / "table.csv").exists()
 

@@ -15,21 +15,26 @@ def format_table_diagnosis(diagnosis: TableDiagnosis) -> str:
         Column("fitted", [f"{one.fitted_within_1_5} of {one.fitted_rms}" for one in ranked], kind="text"),
         Column("held out", [f"{one.held_out_within_1_5} of {one.held_out_rms}" for one in ranked], kind="text"),
         Column("left out", [f"{one.left_out_within_1_5} of {one.fitted_rms}" for one in ranked], kind="text"),
-        Column("sign", [f"{one.sign_right} of {one.sign_cells}" for one in ranked], kind="text"),
-        Column("cost", [one.fit.cost for one in ranked], ".0f"),
     ]
+    legend = (
+        "free: fitted numbers; unseen: mean square of ln(predicted / measured) in RMS rows that they were not fitted "
+        "to; fitted, held out, left out: RMS rows within a factor 1.5, those left out predicted by a fit without their "
+        "position; cost: misfit and priors of the fit."
+    )
+    if diagnosis.table.sign_of is not None:
+        right = [f"{one.sign_right} of {one.sign_cells}" for one in ranked]
+        columns.append(Column("sign", right, kind="text"))
+        legend += " sign: cells in which the law of sign_of helps, or harms, as it does in the table."
+    columns.append(Column("cost", [one.fit.cost for one in ranked], ".0f"))
     parts = [
         wrap_text(f"{diagnosis.verdict}: {diagnosis.sentence}"),
         Table(columns=columns).text(),
-        wrap_text(
-            "unseen: mean square of ln(predicted / measured) in RMS rows that the numbers were not fitted to; others: "
-            "RMS rows within a factor 1.5, left out: each predicted by a fit without its position."
-        ),
+        wrap_text(legend),
     ]
     best = next(one for one in ranked if one.fit.name == diagnosis.structure).fit
     if best.numbers:
         numbers = [
-            Column(f"number of {best.name}", [number.name for number in best.numbers], kind="text"),
+            Column(f"numbers of {best.name}", [number.name for number in best.numbers], kind="text"),
             Column("value", [number.value for number in best.numbers], ".3g"),
             Column("90 % interval", [f"{number.low:.3g} to {number.high:.3g}" for number in best.numbers], kind="text"),
             Column("before", [number.typical for number in best.numbers], ".3g"),
