@@ -5,6 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from ffgym.core.measures import rms
 from ffgym.diagnosis.fit.problem import compute_exchange_changes
 from ffgym.diagnosis.log import assemble_log
 from ffgym.diagnosis.replay import replay
@@ -41,10 +42,6 @@ def log_with(name):
 def as_compared(channel, rows):
     """Rows without what the comparison takes off."""
     return rows - rows.mean(axis=0) if channel in ("link", "servo") else rows
-
-
-def rms(values):
-    return float(np.sqrt(np.mean(values**2)))
 
 
 @pytest.mark.parametrize(

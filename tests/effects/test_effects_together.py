@@ -11,6 +11,7 @@ import pytest
 
 from ffgym.agents.elastic import elastic_law
 from ffgym.agents.model import model_law
+from ffgym.core.measures import rms
 from ffgym.core.types import Array
 from ffgym.diagnosis.log import assemble_log
 from ffgym.diagnosis.replay import replay
@@ -53,10 +54,6 @@ def wider(monkeypatch):
     State.names.cache_clear()
     yield
     State.names.cache_clear()
-
-
-def rms(values):
-    return np.sqrt(np.mean(values**2))
 
 
 def test_a_new_variable_of_the_state_is_one_entry_for_plant_replay_and_feedforward(wider, arm, corners):

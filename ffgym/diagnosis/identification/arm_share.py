@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ffgym.core.measures import rms
 from ffgym.core.types import Array
 from ffgym.diagnosis.identification.deflection import SteadyDeflection, measure_deflection, sees_deflection
 from ffgym.diagnosis.identification.estimate import Estimate, Status, judge_estimate
@@ -221,7 +222,7 @@ def fit_arm_share(
         lost_motion=float(2 * best[1] / stiffness * np.abs(data.friction).mean()),
         delay=float(best[2]),
         unloads=_unloads(data, float(values[0])),
-        rms_error=float(np.sqrt(np.mean((data.deflection - table @ best) ** 2))),
+        rms_error=rms(data.deflection - table @ best),
         data=data,
     )
 

@@ -1,5 +1,6 @@
 """T11: a link that bends, so that what it carries swings by itself."""
 
+from copy import copy
 from dataclasses import dataclass
 from typing import Any, final
 
@@ -95,13 +96,9 @@ def _next_body(spec: mujoco.MjSpec, robot: RobotDescription, j: int) -> tuple[mu
 def _add_first_joint(spec: mujoco.MjSpec, body: mujoco.MjsBody, **joint: Any) -> None:
     """Add a joint that moves the others of a body; MuJoCo takes joints of a body in the order of their making."""
     others = list(body.joints)
-    kept = [{name: _copy(getattr(other, name)) for name in _COPIED.split()} for other in others]
+    kept = [{name: copy(getattr(other, name)) for name in _COPIED.split()} for other in others]
     for other in others:
         spec.delete(other)
     body.add_joint(**joint)
     for one in kept:
         body.add_joint(**one)
-
-
-def _copy(value: Any) -> Any:
-    return value.copy() if isinstance(value, np.ndarray) else value

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from friction_samples import ladder, measured, sines
 
+from ffgym.core.measures import rms
 from ffgym.diagnosis.identification import friction_torque, friction_torques, identify_friction
 from ffgym.diagnosis.identification.bristle_fit import NAMES
 from ffgym.robot import RigidArm, load_robot
@@ -20,10 +21,6 @@ def two_link():
 def moving(two_link):
     """Records 4 and 15 of both joints; record 15 runs at 5 Hz and 10 rad/s."""
     return sines(two_link, (4, 15), physics_dt=2.5e-4, least=2.0)
-
-
-def rms(values):
-    return float(np.sqrt(np.mean(values**2)))
 
 
 def test_friction_torque_is_the_plants_through_gravity_and_bending_joints(two_link, moving):
