@@ -124,6 +124,15 @@ def test_check_prints_what_works_and_writes_every_number(folder, capsys):
     assert "<html" in (folder / "check.html").read_text()
 
 
+def test_check_prints_friction_on_the_arm_where_a_robot_has_some(folder, capsys):
+    for name, told in (("two_link", False), ("irb4600_60_205_arm_losses", True)):
+        assert main(["robot", "check", name]) == 0
+        printed = capsys.readouterr().out
+        assert ("friction on the arm" in printed) == told
+    share = load_robot("irb4600_60_205_arm_losses").arm_share[0]
+    assert f"{share:.3g}" in next(line for line in printed.splitlines() if line.startswith("j1 "))
+
+
 def test_check_of_a_draft_says_what_fill_would_do(folder, capsys):
     assert main(["robot", "new", "arm.xml", "--out", "mine.toml"]) == 0
     with (folder / "mine.toml").open("a") as file:

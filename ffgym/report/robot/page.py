@@ -130,6 +130,7 @@ def _joints(check: RobotCheck) -> Table:
         ("drive.gear_ratio", "gear ratio", 5),
         ("drive.rotor_inertia", "rotor [kg m^2]", 3),
         ("drive.joint_stiffness", "stiffness", 3),
+        ("friction.arm_share", "friction on the arm", 3),
         ("drive.torque_lag", "torque lag [s]", 3),
         ("drive.torque_delay", "torque delay [s]", 3),
         ("drive.torque_rate", "torque rate [N m/s]", 3),
