@@ -268,8 +268,6 @@ class BlocksOfTimeSettings:
     most: int = 240
     """Blocks at most, about: resamples of more say the same, and a session of an hour at 1 Hz has no block of a
     second."""
-    fewest_rows: float = 0.25
-    """Share of a block's rows that must be there for it to be one of its own; else it joins the block before."""
     coarse_period: float = 0.02
     """Time [s] of which a coarse row is the median; chosen: short beside planned motion, long beside noise of
     encoders."""

@@ -56,8 +56,6 @@ HEAD: Mapping[str, str] = {
 }
 """Entries of a motion file, with their meaning."""
 
-_PER_JOINT = ("joint_acceleration", "joint_jerk")
-
 
 def parse_motion(arm: RigidArm, text: str, *, where: str, name: str, folder: Path | None = None) -> Motion:
     """Motion from TOML text; `where` names the text in messages, `name` the motion if the text does not.

@@ -252,7 +252,6 @@ def _change_number(answer: str, full: Full, change: Change, numbers: Mapping[str
 
 
 _CHANGE: Mapping[str, float | str] = {"change": "size"}
-_PEAK: Mapping[str, float | str] = {"level": "size", "velocity": 0.0}
 _WAVE: Mapping[str, float | str] = {"cycles": "cycles", "phase": 0.0}
 _ONCE: Mapping[str, float | str] = {"amplitude": "size", "cycles": 1.0, "phase": 0.0}
 _PAYLOAD: Mapping[str, float | str] = {"mass": "size", "offset.x": 0.0, "offset.y": 0.0, "offset.z": 0.0, "radius": 0.0}
