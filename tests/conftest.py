@@ -74,6 +74,12 @@ def one_axis() -> RobotDescription:
 
 
 @pytest.fixture(scope="session")
+def two_link() -> RobotDescription:
+    """The built-in planar arm of two links."""
+    return load_robot("two_link")
+
+
+@pytest.fixture(scope="session")
 def without_servo():
     """Function that returns a copy of a robot whose servos do (almost) nothing but pass the feed-forward torque on."""
 

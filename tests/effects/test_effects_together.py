@@ -21,7 +21,6 @@ from ffgym.effects.parameters import parameter
 from ffgym.effects.state import number
 from ffgym.effects.together import find_rest
 from ffgym.paths import joint_reference, multisine
-from ffgym.robot import load_robot
 from ffgym.simulation import Run, simulate
 from ffgym.simulation.plant import Machine
 
@@ -37,11 +36,6 @@ class Churning(FrictionEffect):
     def friction(self, state):
         """Drag [N m], by variables that only this test knows."""
         return self.share * state.stopping_torque
-
-
-@pytest.fixture(scope="module")
-def two_link():
-    return load_robot("two_link")
 
 
 @pytest.fixture

@@ -17,11 +17,6 @@ from ffgym.simulation.plant import Machine, Plant
 FLEXIBLE = EFFECTS["link_flexibility"]
 
 
-@pytest.fixture(scope="module")
-def two_link():
-    return load_robot("two_link")
-
-
 def machine_of(robot, joint, compliance, **more):
     return Machine(robot=robot, effects=(FLEXIBLE.on(robot, joint, compliance=compliance, **more),))
 

@@ -40,6 +40,11 @@ def recorded(machines, sample_dt=SAMPLE_DT):
     }
 
 
+def rows_left(log, machine):
+    """Residuals of a log beside the replay of a machine."""
+    return compute_residuals(log, predict(replay(log, machine)))
+
+
 def small(kind, robot, share=0.01):
     """An effect on all joints with sizes at a share of what is plausible, and usual shapes."""
     values = {}
@@ -61,4 +66,4 @@ def with_effect(*effects):
 def left(recordings, machine):
     """Log of recordings, and what a machine's replay leaves of it."""
     log = assemble_log(nominal().robot, recordings)
-    return log, compute_residuals(log, predict(replay(log, machine)))
+    return log, rows_left(log, machine)

@@ -11,10 +11,10 @@ from ffgym.diagnosis.fit.problem import compute_tangents
 from ffgym.diagnosis.log import assemble_log
 from ffgym.diagnosis.nuisance import ParameterPrior
 from ffgym.diagnosis.replay import predict, replay
-from ffgym.diagnosis.residual_rows import compute_residuals, find_valid_rows
+from ffgym.diagnosis.residual_rows import find_valid_rows
 from ffgym.diagnosis.sensitivity import compute_sensitivities
 from ffgym.effects import EFFECTS
-from tests.diagnosis.replay.replay_samples import nominal, recorded
+from tests.diagnosis.replay.replay_samples import nominal, recorded, rows_left
 
 BASE = EFFECTS["base_flexibility"]
 AXES = {"about the joints": [0.0, 3e-5, 0.0], "about all": [1e-5, 3e-5, 1e-5]}
@@ -27,10 +27,6 @@ def on(effects):
 
 def flexible(axes, *others):
     return on([*others, BASE.on(nominal().robot, compliance=AXES[axes], relaxation=2e-3)])
-
-
-def rows_left(log, machine):
-    return compute_residuals(log, predict(replay(log, machine)))
 
 
 @pytest.mark.parametrize("axes", AXES)

@@ -7,10 +7,10 @@ import pytest
 
 from ffgym.diagnosis.log import assemble_log
 from ffgym.diagnosis.replay import predict, replay
-from ffgym.diagnosis.residual_rows import compute_residuals, find_valid_rows
+from ffgym.diagnosis.residual_rows import find_valid_rows
 from ffgym.diagnosis.sensitivity import compute_sensitivities
 from ffgym.effects import EFFECTS
-from tests.diagnosis.replay.replay_samples import nominal, recorded
+from tests.diagnosis.replay.replay_samples import nominal, recorded, rows_left
 
 LINK, BASE = EFFECTS["link_flexibility"], EFFECTS["base_flexibility"]
 
@@ -25,10 +25,6 @@ MACHINES = {
     "both": bending("shoulder", "elbow"),
     "base too": [*bending("shoulder"), BASE.on(nominal().robot, compliance=[0.0, 1e-5, 0.0], relaxation=2e-3)],
 }
-
-
-def rows_left(log, machine):
-    return compute_residuals(log, predict(replay(log, machine)))
 
 
 @pytest.mark.parametrize("which", MACHINES)
