@@ -222,10 +222,13 @@ class LinkBrake(TorqueEffect):
     needs_load: ClassVar[bool] = False
     """True if it depends on the torque that the gearbox passes on."""
 
+    share: Array
+    """Size of the effect [1], shape (N,); 0 on joints without it."""
+
     @property
-    @abstractmethod
     def brakes(self) -> BoolArray:
         """Joints that have it, shape (N,)."""
+        return self.share > 0
 
     @abstractmethod
     def reach(self, dt: float) -> Array:

@@ -3,8 +3,10 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
+from typing import Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ffgym.core.errors import FFGymError, check_choice, check_number
 from ffgym.core.types import Array
@@ -107,6 +109,17 @@ class RobotDescription:
         """Share of friction behind the elasticity [1], shape (N,); 0 for rigid joints, which have one side alone."""
         share = self.friction.arm_share
         return np.zeros(self.n_joints) if share is None else np.where(self.drive.is_rigid, 0.0, share)
+
+    def with_arm_share(self, share: ArrayLike | None) -> Self:
+        """Return the robot with a share of its friction on the arm [1], one or (N,); None and 0 put all on motors.
+
+        Raises:
+            FFGymError: if there are not N shares, or one is not from 0 to 1.
+        """
+        shares = None if share is None else np.asarray(share, dtype=np.float64)
+        if shares is not None and shares.ndim == 0:
+            shares = np.full(self.n_joints, shares)
+        return replace(self, friction=replace(self.friction, arm_share=shares))
 
     @property
     def n_substeps(self) -> int:

@@ -79,8 +79,7 @@ def arm_friction(
 
 def with_arm_share(robot: RobotDescription, share: float) -> RobotDescription:
     """The robot with a share of the friction of its first three joints, or fewer, behind their elasticity."""
-    shares = np.where(np.arange(robot.n_joints) < 3, share, 0.0)
-    return replace(robot, friction=replace(robot.friction, arm_share=shares))
+    return robot.with_arm_share(np.where(np.arange(robot.n_joints) < 3, share, 0.0))
 
 
 def laws_of(robot: RobotDescription) -> list[FeedForwardLaw]:

@@ -69,10 +69,7 @@ def fitted_machine(robot: RobotDescription, structure: Mapping[str, Any]) -> Mac
 def structure_candidate(robot: RobotDescription, structure: Mapping[str, Any]) -> CandidateModel:
     """Build the candidate of a structure from its fitted numbers, as the result file has them."""
     values = {number["name"]: number["value"] for number in structure["numbers"]}
-    found = CandidateModel(robot=robot, known=replace(robot.friction, arm_share=None))
-    for part in find_structure(structure["name"]).parts:
-        found = part.change(found, values)
-    return found
+    return find_structure(structure["name"]).candidate_with(robot, values)
 
 
 def describe_structures(result: Mapping[str, Any]) -> str:
@@ -137,11 +134,12 @@ def _headlines(machines: Mapping[str, Machine], speeds: Sequence[float], positio
     rows = []
     for name, machine in machines.items():
         described = machine.robot
-        blind = replace(described, friction=replace(described.friction, arm_share=None))
         laws: dict[str, FeedForwardLaw] = {
             "none": NoCompensation(),
             "dynamic LuGre": dynamic_lugre(described),
-            "elastic, all friction on the motor": replace(elastic_feedforward(blind), name="blind"),
+            "elastic, all friction on the motor": replace(
+                elastic_feedforward(described.with_arm_share(None)), name="blind"
+            ),
         }
         if described.friction.arm_share is not None:
             laws["elastic that knows the share"] = elastic_law(RigidArm(described), name="knowing")

@@ -16,14 +16,10 @@ from ffgym.studies import circle_references, circle_study
 DT = 0.004
 
 
-def with_share(robot, share):
-    return replace(robot, friction=replace(robot.friction, arm_share=np.asarray(share, dtype=float)))
-
-
 @pytest.fixture(scope="module")
 def shared(irb4600):
     """The robot with the share of joints 1 to 3 that fits Tables 4.1 and 4.2 of the thesis."""
-    return with_share(irb4600, [0.73, 0.73, 0.73, 0, 0, 0])
+    return irb4600.with_arm_share([0.73, 0.73, 0.73, 0, 0, 0])
 
 
 @pytest.fixture(scope="module")
@@ -52,7 +48,7 @@ def test_it_takes_nearly_all_error_of_an_arm_with_friction(shared, irb4600, spee
 @pytest.mark.parametrize("share", [0.4, 1.0])
 def test_a_link_with_friction_follows_its_sine(one_axis, share):
     drive = replace(one_axis.drive, joint_stiffness=np.array([21.0]), joint_damping=np.array([0.017]))
-    axis = with_share(replace(one_axis, drive=drive), [share])
+    axis = replace(one_axis, drive=drive).with_arm_share(share)
     reference = joint_reference(axis, joint_sine([0.5], 1.0, 1.0))
 
     def miss(law):
@@ -119,13 +115,13 @@ def test_drives_give_the_torque_that_it_foresees(shared):
 
 def test_without_a_share_there_is_none(irb4600, shared):
     assert elastic_feedforward(irb4600).arm_friction is None
-    assert elastic_feedforward(with_share(irb4600, np.zeros(6))).arm_friction is None
+    assert elastic_feedforward(irb4600.with_arm_share(np.zeros(6))).arm_friction is None
     assert elastic_feedforward(shared, compensate_friction=False).arm_friction is None
 
 
 def test_a_small_share_changes_the_torque_in_proportion(irb4600, reference):
     none, small, twice = (
-        elastic_feedforward(with_share(irb4600, np.full(6, share))).torque(reference) for share in (0, 1e-6, 2e-6)
+        elastic_feedforward(irb4600.with_arm_share(np.full(6, share))).torque(reference) for share in (0, 1e-6, 2e-6)
     )
     assert np.abs(small - none).max() > 1e-7
     np.testing.assert_allclose(twice - none, 2 * (small - none), atol=1e-3 * np.abs(small - none).max())
@@ -173,7 +169,7 @@ def test_it_says_how_far_the_motors_lead(shared, reference):
     for k in range(120):
         _, memory = law.step(memory, window[k])
     state = law.arm_friction.along(reference.motor_dq[:122], DT).after
-    unaware = elastic_law(RigidArm(with_share(shared, np.zeros(6))))
+    unaware = elastic_law(RigidArm(shared.with_arm_share(np.zeros(6))))
     plain = unaware.initial_memory(window[0])
     for k in range(120):
         _, plain = unaware.step(plain, window[k])

@@ -94,7 +94,7 @@ def test_bristles_take_up_torque_where_a_motor_stands_and_not_where_it_slides(on
 def soft_axis(one_axis, share):
     """The one-axis model with a spring, and a share of its friction behind it."""
     drive = replace(one_axis.drive, joint_stiffness=np.array([21.0]), joint_damping=np.array([0.017]))
-    return replace(one_axis, drive=drive, friction=replace(one_axis.friction, arm_share=np.array([share])))
+    return replace(one_axis, drive=drive).with_arm_share(share)
 
 
 @pytest.mark.parametrize("frequency", [2.0, 8.0, 30.0])

@@ -156,8 +156,7 @@ def test_coupled_drives_and_slides_are_compensated_too(irb4600):
 
 @pytest.fixture(scope="module")
 def with_friction_on_the_arm(irb4600):
-    share = np.array([0.73, 0.73, 0.73, 0.0, 0.0, 0.0])
-    return replace(irb4600, friction=replace(irb4600.friction, arm_share=share))
+    return irb4600.with_arm_share([0.73, 0.73, 0.73, 0.0, 0.0, 0.0])
 
 
 def test_without_effects_friction_on_the_arm_is_that_of_elastic_feed_forward(with_friction_on_the_arm, circle):

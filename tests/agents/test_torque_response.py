@@ -58,7 +58,7 @@ def test_viscous_friction_on_the_arm_damps_the_arm(one_axis):
     drive = replace(one_axis.drive, joint_stiffness=np.array([21.0]), joint_damping=np.array([0.017]))
     robot = without_bristles(replace(one_axis, drive=drive))
     friction = robot.friction.scale(viscous=10.0)
-    arms = [RigidArm(replace(robot, friction=replace(friction, arm_share=np.array([share])))) for share in (0.8, 0.0)]
+    arms = [RigidArm(replace(robot, friction=friction).with_arm_share(share)) for share in (0.8, 0.0)]
     reference = joint_reference(arms[0].robot, joint_sine([0.1], 1.0, 0.6))
     torque = pulse(reference, 0)
     simulated = answer(arms[0], reference, torque, lambda recording: recording.joint_array("motor.position"))

@@ -2,7 +2,6 @@
 
 import json
 import re
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -182,8 +181,7 @@ def test_nothing_is_written_where_logs_tell_nothing(logs, tmp_path, capsys):
 def elastic_log(tmp_path_factory):
     """A ladder of an elastic joint with a tracker, half of whose friction is on the arm, as a file."""
     arm = RigidArm(load_robot("two_link"))
-    friction = replace(arm.robot.friction, arm_share=np.array([0.5, 0.0]))
-    machine = Machine(robot=replace(arm.robot, friction=friction))
+    machine = Machine(robot=arm.robot.with_arm_share([0.5, 0.0]))
     ladder = SpeedLadder(joints=["shoulder"], speeds=(0.2, 1.0, 4.0), longest=2.0)
     rig = SimulatedRig(arm=arm, machine=machine, sensors=sensors_of(arm.robot))
     (recording,) = record(plan_session(arm, [ladder]), rig, record_dt=2e-3)

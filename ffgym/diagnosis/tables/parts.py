@@ -74,7 +74,7 @@ def _wrong_friction(candidate: CandidateModel, values: Values) -> CandidateModel
 def _arm_friction(candidate: CandidateModel, values: Values) -> CandidateModel:
     """One share behind the elasticity of the main joints; laws know the sum."""
     share = _main(candidate, values["share of friction behind the elasticity"])
-    robot = replace(candidate.robot, friction=replace(candidate.robot.friction, arm_share=share))
+    robot = candidate.robot.with_arm_share(share)
     return replace(candidate, robot=robot)
 
 

@@ -117,8 +117,11 @@ class ModelStructure:
 
     def candidate(self, robot: RobotDescription, x: Array) -> CandidateModel:
         """Return the candidate of a robot with free numbers `x` (K,)."""
-        values = self.values(x)
-        found = CandidateModel(robot=robot, known=replace(robot.friction, arm_share=None))
+        return self.candidate_with(robot, self.values(x))
+
+    def candidate_with(self, robot: RobotDescription, values: Mapping[str, float]) -> CandidateModel:
+        """Return the candidate of a robot with values of the free numbers by name."""
+        found = CandidateModel(robot=robot, known=robot.with_arm_share(None).friction)
         for part in self.parts:
             found = part.change(found, values)
         return found

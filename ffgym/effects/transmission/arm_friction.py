@@ -4,13 +4,13 @@ The engine has it by the description's `friction.arm_share` alone, as feed-forwa
 `LinkFriction.of(robot)` among the effects that act on the arm.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Self, final
 
 import numpy as np
 
-from ffgym.core.types import Array, BoolArray
+from ffgym.core.types import Array
 from ffgym.effects.effect import Braking, LinkBrake, NativeEffect
 from ffgym.effects.parameters import parameter
 from ffgym.effects.state import State
@@ -60,7 +60,7 @@ class ArmFriction(NativeEffect):
     def in_description(self, robot: RobotDescription) -> RobotDescription:
         """Return the robot with more of its friction on the arm."""
         share = 1 - (1 - self.share) * (1 - robot.arm_share)
-        return replace(robot, friction=replace(robot.friction, arm_share=np.minimum(share, 1.0)))
+        return robot.with_arm_share(np.minimum(share, 1.0))
 
 
 _PART = 0.2
@@ -90,11 +90,6 @@ class LinkFriction(LinkBrake):
         if not np.any(robot.arm_share):
             return None
         return cls(share=robot.arm_share, friction=robot.friction, gear_ratio=robot.drive.gear_ratio)
-
-    @property
-    def brakes(self) -> BoolArray:
-        """Joints with friction behind their elasticity, shape (N,)."""
-        return self.share > 0
 
     def reach(self, dt: float) -> Array:
         """Return the change of speed that bends bristles by a part of their length."""

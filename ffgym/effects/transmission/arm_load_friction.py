@@ -5,7 +5,7 @@ from typing import final
 
 import numpy as np
 
-from ffgym.core.types import Array, BoolArray
+from ffgym.core.types import Array
 from ffgym.effects.effect import Braking, LinkBrake
 from ffgym.effects.parameters import parameter
 from ffgym.effects.state import State, Torques
@@ -51,11 +51,6 @@ class ArmLoadFriction(LinkBrake):
         default=1e-4,
         source="presliding of robots behind the gearbox; from memory of the literature",
     )
-
-    @property
-    def brakes(self) -> BoolArray:
-        """Joints that have it, shape (N,)."""
-        return self.share > 0
 
     def reach(self, dt: float) -> Array:
         """Return the change of speed that turns the sign by a part."""

@@ -32,8 +32,7 @@ def arm():
 
 def run(arm, protocol, share, effects=()):
     """Exact recordings of a protocol, with a part of the friction of all joints behind their springs, and effects."""
-    friction = replace(arm.robot.friction, arm_share=np.full(arm.robot.n_joints, share))
-    machine = Machine(robot=replace(arm.robot, friction=friction), effects=effects)
+    machine = Machine(robot=arm.robot.with_arm_share(share), effects=effects)
     rig = SimulatedRig(arm=arm, machine=machine, sensors=())
     return list(record(plan_session(arm, [protocol]), rig, record_dt=2e-3))
 
@@ -132,8 +131,8 @@ def test_triangles_of_three_speeds_tell_the_delay(arm):
 
 def test_a_joint_of_a_six_axis_robot_is_measured_beside_two_others_that_bend():
     arm = RigidArm(load_robot("irb4600_60_205"))
-    friction = replace(arm.robot.friction, arm_share=np.array([0.73, 0.73, 0.73, 0.0, 0.0, 0.0]))
-    rig = SimulatedRig(arm=arm, machine=Machine(robot=replace(arm.robot, friction=friction)), sensors=())
+    machine = Machine(robot=arm.robot.with_arm_share([0.73, 0.73, 0.73, 0.0, 0.0, 0.0]))
+    rig = SimulatedRig(arm=arm, machine=machine, sensors=())
     ladder = SpeedLadder(joints=["j2"], speeds=SPEEDS, longest=2.0)
     (exact,) = record(plan_session(arm, [ladder]), rig, record_dt=2e-3)
     made = measure(exact, sensors_of(arm.robot), np.random.default_rng(0))

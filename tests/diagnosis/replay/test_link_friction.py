@@ -113,8 +113,7 @@ def test_friction_of_motors_is_taken_from_a_replay_where_it_is_the_same(recordin
 @pytest.mark.parametrize("light", [1e-3, 3.0])
 def test_links_that_creep_behind_their_motors_stick_until_the_spring_tears_them_off(light):
     """The motor turns slowly forth: the spring winds up by friction over stiffness, and the link follows."""
-    robot, dt = nominal().robot, 0.002
-    robot = replace(robot, friction=replace(robot.friction, arm_share=np.full(2, SHARE)))
+    robot, dt = nominal().robot.with_arm_share(SHARE), 0.002
     t, stiffness = dt * np.arange(2000), robot.drive.joint_stiffness
     speed = np.broadcast_to(0.02 * np.minimum(t / 0.2, 1.0)[:, None, None], (2000, 1, 2))
     springs = Springs(mass=np.broadcast_to(light * np.eye(2), (2000, 1, 2, 2)), stiffness=stiffness,
@@ -145,10 +144,9 @@ def test_friction_on_links_that_stays_bends_joints_no_second_time(recording, beh
 
 def test_a_light_link_behind_a_motor_that_trembles_sticks_after_a_motion():
     """Bristles that turn back within a step: steps with slopes about expected rates alone rang, at several rad/s."""
-    robot, dt, n = nominal().robot, 0.002, 1500
+    robot, dt, n = nominal().robot.with_arm_share(SHARE), 0.002, 1500
     robot = replace(
         robot,
-        friction=replace(robot.friction, arm_share=np.full(2, SHARE)),
         drive=replace(
             robot.drive,
             joint_stiffness=0.1 * robot.drive.joint_stiffness,

@@ -41,7 +41,7 @@ SHARES = (0.6, 1.0)
 
 def shared(robot, share):
     """The robot with a share of the friction of joints 2 and 3 behind the elasticity."""
-    return replace(robot, friction=replace(robot.friction, arm_share=np.array([0, share, share, 0, 0, 0])))
+    return robot.with_arm_share([0, share, share, 0, 0, 0])
 
 
 @pytest.fixture(scope="module")

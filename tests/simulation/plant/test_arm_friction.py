@@ -27,10 +27,6 @@ def flexible_axis(one_axis):
     return replace(one_axis, drive=drive)
 
 
-def with_share(robot, share):
-    return replace(robot, friction=replace(robot.friction, arm_share=np.broadcast_to(share, robot.n_joints)))
-
-
 def setpoint(t):
     """Motor position and speed: a sine that starts and stays smooth."""
     w = 2 * np.pi * FREQUENCY
@@ -82,7 +78,7 @@ def own_solution(robot, times):
 
 @pytest.mark.parametrize("share", [0.4, 0.9])
 def test_a_stiff_solver_with_own_equations_gives_the_same_motion(flexible_axis, share):
-    robot = with_share(flexible_axis, share)
+    robot = flexible_axis.with_arm_share(share)
     dt = 2e-5
     plant = Plant(robot, 1, options=ModelOptions(physics_dt=dt, looks=False))
     plant.rest(np.zeros((1, 1)))
@@ -106,7 +102,7 @@ def _bend(robot, motion):
 
 def test_arm_friction_bends_the_spring_by_what_coulomb_friction_asks_for(flexible_axis):
     """At a slow constant speed the deflection differs between both directions by 2 n share f / K."""
-    robot = with_share(flexible_axis, 0.5)
+    robot = flexible_axis.with_arm_share(0.5)
     plant = Plant(robot, 2, options=ModelOptions(looks=False))
     plant.rest(np.zeros((2, 1)))
     speed = np.array([2.0, -2.0])[:, None, None]
@@ -135,7 +131,7 @@ def test_behind_a_stiff_spring_all_friction_on_the_arm_equals_all_on_the_motor(i
     )  # fmt: skip
     ends = []
     for share in (0.0, 1.0):
-        robot = with_share(stiff, share)
+        robot = stiff.with_arm_share(share)
         arm = RigidArm(robot)
         (reference,) = circle_references(arm, ["p2"], [0.04], radii=[0.003]).values()
         (recording,) = simulate([Run(reference=reference, law=NoCompensation())], arm=arm)
@@ -147,13 +143,15 @@ def test_behind_a_stiff_spring_all_friction_on_the_arm_equals_all_on_the_motor(i
 
 
 def test_a_rigid_joint_has_all_friction_on_its_one_side(one_axis):
-    assert physics_fingerprint(compile_model(with_share(one_axis, 0.7))) == physics_fingerprint(compile_model(one_axis))
+    assert physics_fingerprint(compile_model(one_axis.with_arm_share(0.7))) == physics_fingerprint(
+        compile_model(one_axis)
+    )
 
 
 def test_energy_of_six_axes_falls_by_the_work_of_friction_on_both_sides(irb4600, without_servo, corners):
     """Mechanical energy plus the work of recorded friction stays, of an arm that is let go with bent springs."""
     loose = replace(without_servo(irb4600), drive=replace(irb4600.drive, joint_damping=np.zeros(6)))
-    robot = with_share(loose, 0.6)
+    robot = loose.with_arm_share(0.6)
     dt, n = 1.25e-5, 16000
     plant = Plant(robot, 1, options=ModelOptions(physics_dt=dt, looks=False))
     plant.rest(corners["p2"][None])
@@ -180,10 +178,10 @@ def test_energy_of_six_axes_falls_by_the_work_of_friction_on_both_sides(irb4600,
 
 
 def test_robots_of_a_batch_have_arm_friction_on_the_same_joints(irb4600):
-    plant = Plant(with_share(irb4600, [0.5, 0, 0, 0, 0, 0]), 1)
+    plant = Plant(irb4600.with_arm_share([0.5, 0, 0, 0, 0, 0]), 1)
     with pytest.raises(FFGymError):
-        plant.become([0], [with_share(irb4600, [0, 0.5, 0, 0, 0, 0])])
-    plant.become([0], [with_share(irb4600, [0.7, 0, 0, 0, 0, 0])])
+        plant.become([0], [irb4600.with_arm_share([0, 0.5, 0, 0, 0, 0])])
+    plant.become([0], [irb4600.with_arm_share([0.7, 0, 0, 0, 0, 0])])
 
 
 def test_draws_take_a_share_and_leave_other_draws_alone(irb4600):
@@ -209,5 +207,7 @@ def test_a_parameter_file_gives_a_share(irb4600):
     robot = with_numbers(irb4600, {"friction": {"arm_share": table}})
     np.testing.assert_array_equal(robot.arm_share, 0.5)
     assert robot.friction.scale(viscous=2.0).arm_share is robot.friction.arm_share
+    with pytest.raises(FFGymError, match="friction arm_share"):
+        irb4600.with_arm_share([0.5, 0.5])
     with pytest.raises(FFGymError, match="from 0 to 1"):
-        with_share(irb4600, 1.2)
+        irb4600.with_arm_share(1.2)

@@ -19,12 +19,8 @@ from tests.simulation.plant.driving import controls
 BARE = ModelOptions(looks=False)
 
 
-def with_share(robot, share):
-    return replace(robot, friction=replace(robot.friction, arm_share=np.broadcast_to(share, robot.n_joints)))
-
-
 def on_last(robot, share):
-    return with_share(robot, [0.0] * (robot.n_joints - 1) + [share])
+    return robot.with_arm_share([0.0] * (robot.n_joints - 1) + [share])
 
 
 def added(robot, model):
@@ -42,7 +38,7 @@ def swing(robot, q, effects=()):
 
 @pytest.mark.parametrize("share", [0.25, 0.73, 1.0])
 def test_a_light_link_bears_any_share_nearly_as_at_a_sixteenth_of_the_step(share, irb4600, corners):
-    robot = with_share(irb4600, share)
+    robot = irb4600.with_arm_share(share)
     short = replace(robot, physics_dt=robot.physics_dt / 16)
     assert not added(short, compile_model(short)).any()  # MuJoCo's own steps of the model as described
     found, known = swing(robot, corners["p1"]), swing(short, corners["p1"])
@@ -54,7 +50,7 @@ def test_a_light_link_bears_any_share_nearly_as_at_a_sixteenth_of_the_step(share
 def test_the_last_joint_is_as_exact_as_without_a_share(irb4600, corners):
     off = {}
     for share in (0.0, 0.73):
-        robot = with_share(irb4600, share)
+        robot = irb4600.with_arm_share(share)
         known = swing(replace(robot, physics_dt=robot.physics_dt / 16), corners["p1"])["motor.effort.j6"]
         off[share] = rms(swing(robot, corners["p1"])["motor.effort.j6"] - known) / rms(known)
     assert off[0.73] < 2 * off[0.0] < 0.02
@@ -78,7 +74,7 @@ def test_what_the_inertia_of_the_last_link_lacks_for_a_stable_step_is_added_to_i
 
 def test_heavy_links_and_small_shares_keep_their_model(irb4600):
     for share in (0.0, [0.9, 0.9, 0.9, 0.9, 0.9, 0.1]):
-        assert not added(irb4600, compile_model(with_share(irb4600, share))).any()
+        assert not added(irb4600, compile_model(irb4600.with_arm_share(share))).any()
     assert added(irb4600, compile_model(on_last(irb4600, 0.12)))[-1] > 0
     without_rotors = build_spec(on_last(irb4600, 0.9), ModelOptions(servo=False)).compile()
     assert not added(irb4600, without_rotors).any()
