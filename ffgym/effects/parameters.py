@@ -106,10 +106,11 @@ class Parameter:
         shape, name = self.shape(n_joints), f"{owner}.{self.name}"
         array = self.numbers(owner, value)
         array = check_shape(name, array if array.ndim else np.full(shape, array), shape)
+        unit = "" if self.unit == "1" else f" {self.unit}"
         if np.any(array < self.minimum):
-            raise FFGymError(f"{name} = {array.tolist()} {self.unit} must be at least {self.minimum:g} {self.unit}.")
+            raise FFGymError(f"{name} = {array.tolist()}{unit} must be at least {self.minimum:g}{unit}.")
         if np.any(array > self.maximum):
-            raise FFGymError(f"{name} = {array.tolist()} {self.unit} must be at most {self.maximum:g} {self.unit}.")
+            raise FFGymError(f"{name} = {array.tolist()}{unit} must be at most {self.maximum:g}{unit}.")
         return array
 
 

@@ -221,3 +221,15 @@ def test_load_friction_behind_the_elasticity_goes_from_step_to_step_as_along_all
     assert np.all(np.trapezoid(at_once * speed, dx=dt, axis=0) < 0)
     assert np.all(np.abs(at_once) <= 0.1 * np.abs(load))
     assert np.median(np.abs(at_once) / np.abs(load)) > 0.095
+
+
+@pytest.mark.parametrize(
+    ("effect", "name", "value", "words"),
+    [
+        ("arm_friction", "share", 1.5, r"arm_friction.share = \[1.5, .*, 1.5\] must be at most 1\.$"),
+        ("backlash", "half_gap", -1e-5, r"backlash.half_gap = \[-1e-05, .*\] rad must be at least 0 rad\.$"),
+    ],
+)
+def test_a_number_out_of_its_range_is_told_with_its_unit_if_it_has_one(irb4600, effect, name, value, words):
+    with pytest.raises(FFGymError, match=words):
+        EFFECTS[effect].on(irb4600, **{name: value})
