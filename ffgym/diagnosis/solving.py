@@ -108,6 +108,10 @@ def solve(
     return solve_bounded(gram[np.ix_(columns, columns)], pull[columns], *known)
 
 
+_ALIKE = 1e-12
+"""Share of its energy by which columns of a candidate must differ to be told apart; chosen: ten thousand roundings. Of
+sizes that a log without noise shows as one, each then takes a part."""
+
 _NEAR = 1e-6
 """Way to its bound within which a calibration error stands there already [standard deviations]."""
 
@@ -241,7 +245,8 @@ def _gains(
         inner = own - v_c @ train.nuisances[:, at].transpose(1, 0, 2)
         cross = v_c @ test.nuisances[:, at].transpose(1, 0, 2)
         size = own_test - cross - cross.transpose(0, 2, 1) + v_c @ through[:, at].transpose(1, 0, 2)
-        x_c = np.linalg.solve(inner + settings().screening.width ** -2 * np.eye(at.shape[1]), pull[at])
+        ridge = settings().screening.width ** -2 + _ALIKE * np.diagonal(own, axis1=1, axis2=2)
+        x_c = np.linalg.solve(inner + ridge[:, :, None] * np.eye(at.shape[1]), pull[at])
         x_c[group.one_sided] = np.maximum(x_c[group.one_sided], 0.0)
         found.append(np.sum(x_c * (2 * held_out[at] - size @ x_c), axis=1))
     return left, found

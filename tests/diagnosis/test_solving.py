@@ -177,6 +177,18 @@ def test_a_candidate_of_one_sign_gains_nothing_where_the_other_would_help(proble
     assert evidence.n_components == 1
 
 
+def test_sizes_that_a_log_without_noise_shows_as_one_are_screened_as_one(problem):
+    """Two equal columns of 1e7 times the noise: rounding leaves nothing that tells them apart."""
+    columns, residual, blocks, _, priors = problem
+    columns = columns.copy()
+    columns[4:] = 1e8 * columns[4]
+    key, weights = ("torque", 0), {("torque", 0): (blocks.of_row >= 0).astype(float)}
+    evidence = build_design_matrix(blocks, [{key: c} for c in columns], weights).form_equations({key: residual})
+    alone = Candidate(columns=np.array([4]), one_sided=False)
+    gain, _ = screen(evidence, make_half_folds(blocks), CALIBRATION, (alone, CANDIDATES[1]), priors)
+    np.testing.assert_allclose(gain[1], gain[0], rtol=1e-3, atol=1e-3)
+
+
 def test_energy_left_by_block_adds_up_to_that_of_all_that_was_left_out(problem):
     _, _, blocks, evidence, priors = problem
     folds = make_half_folds(blocks)
