@@ -18,6 +18,15 @@ def parse_toml(text: str, what: str) -> dict[str, Any]:
         raise FFGymError(f"{what} is not valid TOML: {error}.") from error
 
 
+def merge_tables(base: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]:
+    """Merge tables of `change` into those of `base`; a number with its unit and source is replaced as a whole."""
+    out = dict(base)
+    for key, value in change.items():
+        both = isinstance(value, dict) and isinstance(out.get(key), dict) and "value" not in value
+        out[key] = merge_tables(out[key], value) if both else value
+    return out
+
+
 def toml_value(value: Any) -> str:
     """Write a text, truth value, number, date, array or list of these as TOML; a mapping becomes an inline table."""
     if isinstance(value, str):  # JSON's text is TOML's, but for a control character that JSON leaves as it is

@@ -61,15 +61,19 @@ def find_controller(name: str) -> str:
 
 
 def workcell_named(name: str) -> "Workcell":
-    """Return the workcell workcell:<name>, or draw one for workcell:<seed>."""
-    from ffgym.workcell import INSTANCES, draw, workcell
+    """Return the workcell workcell:<name>, or draw one for workcell:<seed> or workcell:drives-<seed>."""
+    from ffgym.workcell import INSTANCES, SERIES, draw, workcell
 
     short = name.removeprefix(WORKCELL)
-    if short.isdecimal():
-        return draw(int(short))
+    series, _, seed = short.rpartition("-")
+    if seed.isdecimal() and series in SERIES and short == f"{series}-{seed}".removeprefix("-"):
+        return draw(int(seed), series)
     if short not in INSTANCES:
         names = ", ".join(f"{WORKCELL}{instance}" for instance in INSTANCES)
-        raise FFGymError(f"Unknown workcell {name!r}. Available: {names}, or {WORKCELL}<seed> for one drawn by a seed.")
+        raise FFGymError(
+            f"Unknown workcell {name!r}. Available: {names}, or {WORKCELL}<seed> or {WORKCELL}drives-<seed> for one "
+            f"drawn by a seed."
+        )
     return workcell(short)
 
 

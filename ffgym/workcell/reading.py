@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from ffgym.core.errors import FFGymError, check_choice
+from ffgym.core.toml import merge_tables
 from ffgym.core.types import Array
 from ffgym.effects import EFFECTS
 from ffgym.effects.reading import given_value
@@ -41,7 +42,7 @@ _UNITS = {
 
 Tree = dict[str, Any]
 
-INSTANCES = ("thesis", "thesis_arm", "cold", "worn", "heavy_tool")
+INSTANCES = ("thesis", "thesis_arm", "thesis_drives", "cold", "worn", "heavy_tool")
 """Names of the workcells that ship with the package, each a file in `data`."""
 
 
@@ -61,15 +62,6 @@ def read_tree(name: str) -> Tree:
     tree = tomllib.loads(text)
     like = tree["workcell"].pop("like", None)
     return tree if like is None else merge_tables(read_tree(like), tree)
-
-
-def merge_tables(base: Tree, change: Tree) -> Tree:
-    """Merge tables of `change` into those of `base`; a number with its unit and source is replaced as a whole."""
-    out = dict(base)
-    for key, value in change.items():
-        both = isinstance(value, dict) and isinstance(out.get(key), dict) and "value" not in value
-        out[key] = merge_tables(out[key], value) if both else value
-    return out
 
 
 def build(name: str, tree: Mapping[str, Any], arm: RigidArm | None = None) -> Workcell:

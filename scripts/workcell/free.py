@@ -11,9 +11,9 @@ import numpy as np
 import tomlkit
 
 from ffgym.core.files import write_text
+from ffgym.core.toml import merge_tables
 from ffgym.core.types import Array
 from ffgym.robot import RobotDescription, builtin_parameters
-from ffgym.workcell.reading import merge_tables
 
 File = Literal["machine", "controller"]
 """The machine, or the model that its controller knows."""

@@ -7,20 +7,22 @@ import numpy as np
 import pytest
 
 from ffgym.core.errors import FFGymError
+from ffgym.core.toml import merge_tables
+from ffgym.envs.machines import workcell_named
 from ffgym.paths import Reference, joint_reference, multisine
 from ffgym.robot import ModelOptions, load_robot
 from ffgym.simulation import Run, simulate
 from ffgym.simulation.plant import Plant
-from ffgym.workcell import INSTANCES, draw, workcell
-from ffgym.workcell.reading import build, merge_tables, read_tree
+from ffgym.workcell import INSTANCES, SERIES, draw, workcell
+from ffgym.workcell.reading import build, read_tree
 
 COARSE = ModelOptions(looks=False, physics_dt=0.0005)
 SEEDS = range(5)
 
 
-def reference(amplitude=0.01, duration=0.4) -> Reference:
+def reference(amplitude=0.01, duration=0.4, like="thesis") -> Reference:
     """All joints swing about the middle of the work area."""
-    robot = workcell("thesis").robot
+    robot = workcell(like).robot
     return joint_reference(
         robot,
         multisine(
@@ -44,14 +46,15 @@ def test_a_named_workcell_is_what_its_controller_knows_with_other_physics(name):
     cell = workcell(name)
     assert cell.name == name
     assert cell.title
-    known = load_robot("irb4600_60_205_commissioned_arm" if name == "thesis_arm" else "irb4600_60_205_commissioned")
+    controllers = {"thesis_arm": "commissioned_arm", "thesis_drives": "commissioned_arm_drives"}
+    known = load_robot(f"irb4600_60_205_{controllers.get(name, 'commissioned')}")
     np.testing.assert_array_equal(cell.robot.friction.coulomb, known.friction.coulomb)
     Plant(cell.machine, 1).check_controller(cell.robot)
     assert cell.machine.effects
 
 
 def test_named_workcells_and_draws_all_differ():
-    cells = [workcell(name) for name in INSTANCES] + [draw(seed) for seed in SEEDS]
+    cells = [workcell(name) for name in INSTANCES] + [draw(seed, series) for series in SERIES for seed in SEEDS]
     assert len({fingerprint(cell) for cell in cells}) == len(cells)
 
 
@@ -62,11 +65,24 @@ def test_a_seed_is_one_machine():
     assert fingerprint(draw(3)) == fingerprint(draw(3))
 
 
-def test_drawn_machines_follow_their_controller():
-    motion = reference()
-    for recording in recorded([draw(seed) for seed in SEEDS], motion):
+@pytest.mark.parametrize("series", SERIES)
+def test_drawn_machines_follow_their_controller(series):
+    motion = reference(like=SERIES[series][0])
+    for recording in recorded([draw(seed, series) for seed in SEEDS], motion):
         error = recording.joint_array("reference.position") - recording.joint_array("motor.position")
         assert 1e-4 < np.abs(error).max() < 0.5  # [rad], motor side: where environments stop a robot
+
+
+def test_machines_of_the_second_series_lose_friction_on_both_sides_and_have_drives_of_their_own():
+    cells = [draw(seed, "drives") for seed in SEEDS]
+    Plant(cells[0].machine, len(cells)).become(range(len(cells)), [cell.machine for cell in cells])  # one batch
+    shares = np.array([cell.machine.robot.friction.arm_share for cell in cells])
+    delays = np.array([cell.machine.robot.drive.torque_delay for cell in cells])
+    assert np.all((shares[:, :3] >= 0.2) & (shares[:, :3] <= 0.9))
+    assert np.all(shares[:, 3:] == 0)
+    assert np.all((delays >= 2.5e-4) & (delays <= 1e-3))
+    assert len(np.unique(delays)) == delays.size
+    assert all(cell.machine.robot.drive.resolver_period > 0 for cell in cells)
 
 
 def test_measurements_are_the_same_in_every_program_run_and_differ_by_seed():
@@ -109,7 +125,7 @@ def test_every_number_of_a_file_says_where_it_comes_from(name):
                 yield from [value["source"]] if "value" in value else sources(value)
 
     found = list(sources(tomllib.loads(text)))
-    assert found
+    assert found or name == "thesis_drives"  # which takes all numbers from other files
     words = ("sourced:", "derived:", "chosen:", "calibrated:", "scripts/calibrate_workcell.py:", "the nominal robot's:")
     assert all(source.startswith(words) for source in found)
 
@@ -124,6 +140,12 @@ def test_refusals_name_what_is_there():
         workcell("monday")
     with pytest.raises(FFGymError, match="seed"):
         draw(-1)
+    with pytest.raises(FFGymError, match="series 'old'"):
+        draw(1, "old")
+    assert workcell_named("workcell:drives-3").name == "drives-3"
+    for name in ("workcell:drives-x", "workcell:-3", "workcell:old-3"):
+        with pytest.raises(FFGymError, match="drives-<seed>"):
+            workcell_named(name)
     tree = read_tree("thesis")
     with pytest.raises(FFGymError, match=r"Workcell broken: climate.ambient"):
         build("broken", tree | {"climate": {"ambient": {"value": 22.0, "unit": "K", "source": "?"}}})

@@ -10,7 +10,7 @@ from typing import Any
 
 from ffgym.core.errors import FFGymError, check_choice, errors_at
 from ffgym.core.files import read_text
-from ffgym.core.toml import parse_toml
+from ffgym.core.toml import merge_tables, parse_toml
 from ffgym.robot.description import RobotDescription
 from ffgym.robot.reading.draft import RobotDraft
 from ffgym.robot.reading.parse import parse_draft
@@ -61,9 +61,8 @@ def _draft_of(text: str, place: Path, seen: tuple[Path, ...] = ()) -> RobotDraft
         raise FFGymError(f"{place}: description = {path!r} leads back to a parameter file, must be a description.")
     else:
         known = _draft_of(_read_text(place.parent / path), place.parent / path, seen)
-    tree = parse_toml(text, f"Cannot read parameter file {place}: it")
     with errors_at(str(place)):
-        _check_head(tree.pop("parameters", {}), known.description_for("kinematics"))
+        tree = _read_tables(text, place, known.description_for("kinematics"))
         return replace(draft_with_numbers(known, tree), where=str(place))
 
 
@@ -142,8 +141,9 @@ def with_parameters(robot: RobotDescription, path: str | Path) -> RobotDescripti
     """Return the robot with the numbers of a parameter file in place of its own.
 
     The file is TOML with any of the tables [friction.*], [drive.*], [links.*], [tool.*] and gains [servo.*] as in a
-    robot description, and maybe [parameters] with the name of the `robot` they belong to, a `title`, and the path of
-    its `description`.
+    robot description, and maybe [parameters] with the name of the `robot` they belong to, a `title`, the path of its
+    `description`, and `with`, a list of built-in parameter files whose numbers hold where this file has none; of two
+    that have the same number, the later one holds.
 
     Raises:
         FFGymError: if the file cannot be read, is for another robot, or an entry is unknown or invalid.
@@ -152,10 +152,8 @@ def with_parameters(robot: RobotDescription, path: str | Path) -> RobotDescripti
         text = read_text(path)
     except FFGymError as error:
         raise FFGymError(f"Cannot read parameter file {error}") from error
-    tree = parse_toml(text, f"Cannot read parameter file {path}: it")
     with errors_at(str(path)):
-        _check_head(tree.pop("parameters", {}), robot)
-        return with_numbers(robot, tree)
+        return with_numbers(robot, _read_tables(text, path, robot))
 
 
 def draft_with_numbers(draft: RobotDraft, tree: Mapping[str, Any]) -> RobotDraft:
@@ -180,11 +178,26 @@ def with_numbers(robot: RobotDescription, tree: Mapping[str, Any]) -> RobotDescr
     return replace(robot, **parts, quantities=dict(robot.quantities) | quantities)
 
 
-def _check_head(head: Any, robot: RobotDescription) -> None:
-    if not isinstance(head, dict) or not set(head) <= {"robot", "title", "description"}:
-        raise FFGymError(f"[parameters] may have robot and title, and a description, got {head!r}.")
+def _read_tables(text: str, place: str | Path, robot: RobotDescription) -> dict[str, Any]:
+    """Read the tables of a parameter file for a robot, with those of the files that it is to be taken `with`."""
+    tree = parse_toml(text, f"Cannot read parameter file {place}: it")
+    head = tree.pop("parameters", {})
+    if not isinstance(head, dict) or not set(head) <= {"robot", "title", "description", "with"}:
+        raise FFGymError(f"[parameters] may have robot, title, description and with, got {head!r}.")
     if head.get("robot", robot.name) != robot.name:
         raise FFGymError(f"[parameters] are for robot {head['robot']!r}, not for {robot.name!r}.")
+    if not isinstance(names := head.get("with", []), list):
+        raise FFGymError(f"with = {names!r} in [parameters] must be a list of built-in parameter files.")
+    # numbers of other files first; one of those may not name others in turn, so that no file leads back to itself
+    base: dict[str, Any] = {}
+    for name in names:
+        file = _builtin("parameters")[check_choice("with in [parameters]", name, builtin_parameters())]
+        more = tomllib.loads(file.read_text(encoding="utf-8"))
+        head = more.pop("parameters")
+        if head["robot"] != robot.name or "with" in head:
+            raise FFGymError(f"with = [{name!r}] in [parameters] must name files of numbers for {robot.name!r}.")
+        base = merge_tables(base, more)
+    return merge_tables(base, tree)
 
 
 def _parse(tree: Mapping[str, Any], robot: RobotDescription) -> dict[str, Quantity]:

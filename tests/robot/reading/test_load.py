@@ -128,7 +128,9 @@ def test_an_unknown_robot_is_refused_with_those_there_are(name):
 
 
 def test_an_unknown_robot_is_refused_with_the_sets_of_numbers_there_are():
-    with pytest.raises(FFGymError, match="other numbers: irb4600_60_205_arm_losses, irb4600_60_205_commissioned"):
+    with pytest.raises(
+        FFGymError, match="other numbers: irb4600_60_205_arm_drives, irb4600_60_205_arm_losses, irb4600"
+    ):
         load_robot("irb4600_60_205_arm_loss")
 
 

@@ -78,7 +78,7 @@ def test_a_robot_description_without_its_other_parts_is_a_parameter_file(robot, 
     ("old", "new", "message"),
     [
         ('robot = "one_axis"', 'robot = "other"', "are for robot 'other', not for 'one_axis'"),
-        ("title", "titel", r"\[parameters\] may have robot and title"),
+        ("title", "titel", r"\[parameters\] may have robot, title"),
         ("[friction.coulomb]", "[friction.coulumb]", "Unknown entries .*coulumb"),
         ("[drive.rotor_inertia]", "[servo.control_dt]", "Unknown entries .*servo.control_dt"),
         ("value = [0.4]", "value = [0.4, 0.5]", "friction.coulomb"),
@@ -143,6 +143,25 @@ def test_built_in_parameters_are_a_robot_by_their_name(name):
         else:
             assert "fitted" in robot.quantities[entry].origin
     assert robot.servo.control_dt == nominal.servo.control_dt
+
+
+def test_a_parameter_file_takes_numbers_of_other_files(tmp_path):
+    both = load_robot("irb4600_60_205_arm_drives")
+    arm, drives = load_robot("irb4600_60_205_arm_losses"), load_robot("irb4600_60_205_servo_drives")
+    np.testing.assert_array_equal(both.friction.arm_share, arm.friction.arm_share)
+    np.testing.assert_array_equal(both.servo.velocity_gain, arm.servo.velocity_gain)
+    np.testing.assert_array_equal(both.drive.torque_delay, drives.drive.torque_delay)
+    assert both.quantities["drive.torque_lag"].source == drives.quantities["drive.torque_lag"].source
+    # numbers of the file itself come before those that it takes
+    head = '[parameters]\nrobot = "irb4600_60_205"\nwith = ["irb4600_60_205_servo_drives"]\n'
+    own = "[drive.resolver_period]\nvalue = 1e-3\nunit = 's'\norigin = 'chosen'\nsource = 'test'\n"
+    for robot in (load_robot(path := written(tmp_path, head + own)), with_parameters(arm, path)):
+        assert robot.drive.resolver_period == 1e-3
+        np.testing.assert_array_equal(robot.drive.torque_delay, drives.drive.torque_delay)
+    # no file leads back to itself
+    for names, problem in (("['irb4600_60_205_arm_drives']", "of numbers"), ("'x'", "a list"), ("['x']", "with in")):
+        with pytest.raises(FFGymError, match=problem):
+            load_robot(written(tmp_path, head.replace('["irb4600_60_205_servo_drives"]', names)))
 
 
 def own_description(tmp_path, *without):
