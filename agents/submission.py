@@ -1,6 +1,7 @@
 """Agents of this package as submissions: kinds of files and names, and the making of an agent from each."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,7 @@ from ffgym.agents.declaration import AgentSetting
 from ffgym.agents.law_agent import LawPolicy, causal
 from ffgym.agents.law_files import load_law, unpack
 from ffgym.agents.residual.policy import KIND, load_policy
-from ffgym.control import Policy
+from ffgym.control import FeedForwardLaw, Policy
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import read_bytes
 from ffgym.leaderboard.submission.manifest import AgentSource
@@ -68,6 +69,20 @@ def load(source: Mapping[str, Any], folder: Path, robot: RobotDescription) -> Po
     full = name if file is None else f"{name}:{folder / str(file)}"
     preview = causal(make_law(full, AgentSetting.of(robot))).preview
     return LawPolicy(make=lambda robot: make_law(full, AgentSetting.of(robot)), preview=preview)
+
+
+def rows_beside(names: Sequence[str], robot: RobotDescription) -> dict[str, Policy]:
+    """Make the laws that a submission is compared with, by name; all see equally far ahead, and so run side by side.
+
+    Raises:
+        FFGymError: if a law is unknown, needs more than a description, or does not run sample by sample.
+    """
+
+    def make(name: str, robot: RobotDescription) -> FeedForwardLaw:
+        return make_law(name, AgentSetting.of(robot))
+
+    preview = max(causal(make(name, robot)).preview for name in names)
+    return {name: LawPolicy(make=partial(make, name), preview=preview) for name in names}
 
 
 SUBMITTED = tuple(

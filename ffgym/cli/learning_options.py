@@ -201,13 +201,45 @@ class Submit:
 
 @dataclass(frozen=True)
 class Verify:
-    """Check a submission: replay its actions, while its agent is asked for them where it sees observations only.
+    """Check a submission: replay its actions, and score its agent on machines and motions that are drawn now.
 
-    Bubblewrap isolates foreign code if it is installed; docs/leaderboard/submissions.md has a container for others.
+    Agents see observations only. Bubblewrap isolates foreign code if it is installed;
+    docs/leaderboard/submissions.md has a container for others.
     """
 
     submission: tyro.conf.Positional[Path]
     """File of ffgym leaderboard submit."""
+    machines: int = 10
+    """Machines to draw; 0 replays the public motions alone, which gives no score."""
+    motions: int = 6
+    """Circles to draw; every machine runs all of them."""
+    series: str = "workcell:"
+    """Series that machines are drawn from: workcell: or draw:."""
+    round_seed: int | None = None
+    """Seed of the draw, to repeat a verification; none draws a fresh one and prints it."""
+    round: Path | None = None
+    """Revealed round of ffgym leaderboard round, whose machines and motions are run."""
+    committed: Path | None = None
+    """File of the same round that was published before; its hash must be that of the revealed one."""
     json: Path | None = None
     """Also write the verdict to this file, accepted or refused."""
     threads: Threads = 0
+
+
+@dataclass(frozen=True)
+class NewRound:
+    """Draw a round: commit to the seed of its machines and motions by a hash, and reveal it afterwards.
+
+    Publish the file of --out before submissions are made, and that of --secret after the last one.
+    """
+
+    out: Path = Path("round.json")
+    """File to publish before: the hash, and no seed."""
+    secret: Path = Path("round_secret.json")
+    """File to publish afterwards: seed and salt, which fit the hash."""
+    machines: int = 10
+    """Machines to draw."""
+    motions: int = 6
+    """Circles to draw; every machine runs all of them."""
+    series: str = "workcell:"
+    """Series that machines are drawn from: workcell: or draw:."""

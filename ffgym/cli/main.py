@@ -83,6 +83,12 @@ COMMANDS = {
         "mine.py --name mine --author me --track causal",
     ),
     "leaderboard verify": Command("learning_options:Verify", "submission:verify", "run a submission again", "mine.zip"),
+    "leaderboard round": Command(
+        "learning_options:NewRound",
+        "submission:new_round",
+        "commit to a seed of drawn machines and motions",
+        "--out round.json",
+    ),
 }
 """Subcommands by name, in the order of `ffgym --help`."""
 

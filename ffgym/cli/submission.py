@@ -1,18 +1,23 @@
 """`ffgym leaderboard submit` and `verify`: an agent as a submission to the leaderboard, packed and checked."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, fields
+from dataclasses import asdict, fields, replace
+from typing import Any
 
-from ffgym.agents.submission import LOADERS, resolve_agent
-from ffgym.cli.learning_options import Submit, Verify
+from ffgym.agents.submission import LOADERS, resolve_agent, rows_beside
+from ffgym.cli.learning_options import NewRound, Submit, Verify
 from ffgym.cli.outputs import check_outputs, print_places, provenance, write_numbers
 from ffgym.cli.progress import progress_bar
 from ffgym.core.errors import FFGymError
-from ffgym.core.files import write_bytes
+from ffgym.core.files import write_bytes, write_json
+from ffgym.core.typed_json import to_json
 from ffgym.leaderboard.plants import ROBOT
-from ffgym.leaderboard.submission.judge import CHECKS, Judge
+from ffgym.leaderboard.submission.drawn import BASE, DrawnVerdict, verify_drawn
+from ffgym.leaderboard.submission.judge import CHECKS, Judge, controller_of
 from ffgym.leaderboard.submission.manifest import About, Claim, Refused, read_archive
 from ffgym.leaderboard.submission.process import isolation_note
+from ffgym.leaderboard.submission.rounds import Round, draw_round, read_commitment, read_round
+from ffgym.robot import load_robot
 
 
 def submit(config: Submit) -> None:
@@ -35,31 +40,107 @@ def submit(config: Submit) -> None:
 
 def verify(config: Verify) -> None:
     """Check, run, print."""
-    check_outputs({"--json": config.json}, inputs=(config.submission,))
-    info = provenance("ffgym leaderboard verify", config, ROBOT, None, None)
+    check_outputs({"--json": config.json}, inputs=(config.submission, config.round, config.committed))
+    drawn = find_round(config)
+    info = provenance("ffgym leaderboard verify", config, ROBOT, None, None if drawn is None else drawn.seed)
+    scored = None
     try:
         data = read_archive(config.submission)
         if (note := isolation_note()) is not None:
             print(note)
-        verdict = Judge(loaders=LOADERS, n_threads=config.threads, stage=progress_bar).verify(data)
+        judge = Judge(loaders=LOADERS, n_threads=config.threads, stage=progress_bar)
+        verdict = judge.verify(data)
+        if drawn is not None:
+            robot = load_robot(controller_of(drawn.plants[0]))
+            scored = verify_drawn(judge, data, drawn, rows_beside((BASE,), robot))
     except Refused as refusal:
         write_numbers(config, info | {"accepted": False, "check": refusal.check, "reason": refusal.reason})
         raise FFGymError(f"{config.submission}: {refusal}") from refusal
+    own = verdict.manifest
+    sentence = "accepted, without a score: no machines were drawn" if scored is None else scored.sentence
     found = {
         "accepted": True,
+        "verdict": sentence,
         "inference_us": verdict.inference_us,
         "action_difference": verdict.action_difference,
         "claims": [asdict(claim) for claim in verdict.claims],
-        "manifest": verdict.manifest.tree(),
+        "manifest": own.tree(),
+        "drawn": None if scored is None else _drawn_numbers(scored),
     }
     write_numbers(config, info | found)
-    own = verdict.manifest
-    print(f"{own.name} by {own.author}, {own.track}: accepted")
     for check, what in CHECKS.items():
         print(f"{check}: {what}")
     print("\n".join(claim_lines(verdict.claims)))
     print(f"one decision: {verdict.inference_us:.0f} us")
+    if scored is not None:
+        print("\n".join(_drawn_lines(scored)))
+    print(f"{own.name} by {own.author}, {own.track}: {sentence}")
     print_places(numbers=config.json)
+
+
+def new_round(config: NewRound) -> None:
+    """Draw, write, print."""
+    check_outputs({"--out": config.out, "--secret": config.secret})
+    drawn = draw_round(machines=config.machines, motions=config.motions, series=config.series)
+    write_json(config.secret, drawn.revealed())
+    write_json(config.out, drawn.published())
+    print(f"commitment: {drawn.commitment}")
+    print(f"publish now: {config.out}")
+    print(f"publish after the round, and keep to yourself until then: {config.secret}")
+
+
+def find_round(config: Verify) -> Round | None:
+    """Find the round of a verification: revealed, repeated by its seed, or drawn now; None without machines."""
+    if config.committed is not None and config.round is None:
+        raise FFGymError("--committed needs the revealed round that it is compared with: --round FILE.")
+    if config.round is not None:
+        if config.round_seed is not None:
+            raise FFGymError("--round and --round-seed both give a seed; leave one of them out.")
+        drawn = read_round(config.round)
+        if config.committed is not None and read_commitment(config.committed) != drawn.commitment:
+            raise FFGymError(
+                f"--round {config.round}: is the round {drawn.commitment}, not the one that was committed to in "
+                f"{config.committed}, {read_commitment(config.committed)}."
+            )
+        return drawn
+    if config.machines == 0:
+        return None
+    drawn = draw_round(machines=config.machines, motions=config.motions, series=config.series)
+    return drawn if config.round_seed is None else replace(drawn, seed=config.round_seed, salt="")
+
+
+def _drawn_numbers(scored: DrawnVerdict) -> dict[str, Any]:
+    """Convert scores on drawn machines and motions to JSON."""
+    return {
+        "round": scored.round.revealed(),
+        "plants": dict(scored.fingerprints),
+        "motions": to_json(scored.motions),
+        "rows": to_json(scored.rows),
+        "against_base": to_json(scored.against_base),
+        "public_against_base": scored.public_ratio,
+        "memorised": scored.is_memorised,
+        "robot_seconds_counted": scored.robot_seconds,
+        "robot_seconds_claimed": scored.manifest.robot_seconds,
+    }
+
+
+def _drawn_lines(scored: DrawnVerdict) -> list[str]:
+    """Error left on drawn machines and motions as a table, with the draw and robot time."""
+    drawn = scored.round
+    lines = [
+        f"round: seed {drawn.seed}, {drawn.machines} machines {drawn.series}<number>, {drawn.motions} motions "
+        f"(repeat with --round-seed {drawn.seed} --machines {drawn.machines} --motions {drawn.motions})",
+        f"{'error left':20} {'drawn':>7} {'interval':>16} {'public':>7} {'rank':>5}",
+    ]
+    for row in scored.rows:
+        ends = row.score.left_interval
+        interval = "" if ends is None else f"{ends.low:.3f} to {ends.high:.3f}"
+        lines.append(f"{row.name:20} {row.score.left:7.3f} {interval:>16} {row.public:7.3f} {row.rank:5d}")
+    return [
+        *lines,
+        f"robot time: {scored.robot_seconds:g} s before the scored motions, as counted here; "
+        f"{scored.manifest.robot_seconds:g} s in training, as claimed",
+    ]
 
 
 def claim_lines(claims: Sequence[Claim]) -> list[str]:

@@ -52,6 +52,11 @@ class TestPlant:
         return list_tasks(splits, list(self.rig.robot.work_area.positions))
 
     @property
+    def machine(self) -> Machine:
+        """Machine that is simulated, also where its numbers are hidden."""
+        return self.rig.machine or Machine.of(self.rig.robot)
+
+    @property
     def fingerprint(self) -> str:
         """Fingerprint of the physics."""
         return self.rig.fingerprint

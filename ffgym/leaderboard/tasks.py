@@ -1,12 +1,12 @@
 """Circles that every agent is scored on: those of the thesis, and circles held out from learning; in named splits."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from zlib import crc32
 
 from ffgym.core.errors import check_choice
-from ffgym.paths import RADII, SPEEDS, Reference
+from ffgym.paths import RADII, SPEEDS, Reference, cartesian_reference, circle_test
 from ffgym.robot import RigidArm
 from ffgym.studies import circle_references
 
@@ -35,6 +35,13 @@ class Task:
     radii: tuple[float, ...]
     """Radii of the circles [m]."""
     split: str
+    centre: tuple[float, float, float] | None = field(default=None, repr=False)
+    """Centre of the circles in the world [m] where it is no position of the work area; None is `position`."""
+
+    @property
+    def place(self) -> str | tuple[float, float, float]:
+        """Position as an environment takes it: its name, or the centre."""
+        return self.position if self.centre is None else self.centre
 
 
 def list_tasks(splits: Sequence[str], positions: Sequence[str]) -> list[Task]:
@@ -64,4 +71,10 @@ def make_references(arm: RigidArm, tasks: Sequence[Task]) -> list[Reference]:
 
 @lru_cache(maxsize=64)
 def _reference(arm: RigidArm, task: Task) -> Reference:
-    return next(iter(circle_references(arm, [task.position], [task.speed], task.radii).values()))
+    if task.centre is None:
+        return next(iter(circle_references(arm, [task.position], [task.speed], task.radii).values()))
+    robot = arm.robot
+    assert robot.work_area is not None  # robots of the leaderboard have one
+    normal, dt = robot.work_area.normal, robot.servo.control_dt
+    path = circle_test(task.centre, task.speed, radii=task.radii, normal=normal, dt=dt, name=task.position)
+    return cartesian_reference(arm, path)

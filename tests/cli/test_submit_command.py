@@ -1,11 +1,15 @@
 """`ffgym leaderboard submit` packs an agent, `ffgym leaderboard verify` accepts it, or says in one line why not."""
 
 import json
+from dataclasses import fields
 
 import pytest
 
+from ffgym.cli import submission
+from ffgym.cli.learning_options import NewRound, Verify
 from ffgym.cli.main import main
 from ffgym.leaderboard.submission import judge
+from ffgym.leaderboard.submission.rounds import Round
 from tests.leaderboard.submission_samples import PLAN, agent_file, changed
 
 WHO = ["--name", "mine", "--author", "somebody", "--track", "causal, nominal parameters"]
@@ -43,9 +47,9 @@ def test_what_is_submitted_is_accepted_and_what_is_changed_is_refused_in_one_lin
     assert packed["manifest"]["env_steps"] == 7
     assert packed["inference_us_measured"] > 0
 
-    assert main(["leaderboard", "verify", "agent.zip", "--json", "verdict.json"]) == 0
+    assert main(["leaderboard", "verify", "agent.zip", "--machines", "0", "--json", "verdict.json"]) == 0
     out = capsys.readouterr().out
-    assert "mine by somebody, causal, nominal parameters: accepted" in out
+    assert "mine by somebody, causal, nominal parameters: accepted, without a score: no machines were drawn" in out
     verdict = json.loads((small / "verdict.json").read_text())
     assert verdict["accepted"]
     assert verdict["claims"] == packed["manifest"]["claims"]
@@ -57,6 +61,51 @@ def test_what_is_submitted_is_accepted_and_what_is_changed_is_refused_in_one_lin
     assert line.startswith("ffgym: error: agent.zip: refused, files: weights were changed")
     verdict = json.loads((small / "verdict.json").read_text())
     assert (verdict["accepted"], verdict["check"]) == (False, "files")
+
+
+def test_a_committed_round_is_run_after_it_was_revealed_and_its_seed_repeats_it(small, capsys):
+    assert main(["leaderboard", "submit", "mine.py", *WHO, "--out", "agent.zip", "--robot-seconds", "5"]) == 0
+    size = ["--machines", "2", "--motions", "1", "--series", "draw:"]
+    assert main(["leaderboard", "round", *size]) == 0
+    out = capsys.readouterr().out
+    published, secret = (json.loads((small / name).read_text()) for name in ("round.json", "round_secret.json"))
+    assert f"commitment: {published['commitment']}" in out
+
+    verify = ["leaderboard", "verify", "agent.zip", "--json", "verdict.json"]
+    assert main([*verify, "--round", "round_secret.json", "--committed", "round.json"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    [line] = [
+        line for line in lines if line.startswith("mine by somebody, causal, nominal parameters: accepted, rank ")
+    ]
+    assert "on 2 machines and 1 motion that were drawn it leaves " in line
+    assert "robot time: 0 s before the scored motions, as counted here; 5 s in training, as claimed" in lines
+    first = json.loads((small / "verdict.json").read_text())
+    assert first["drawn"]["round"] == secret
+    assert sorted(row["name"] for row in first["drawn"]["rows"]) == ["elastic", "mine", "none"]
+
+    options = Verify(submission=small, round_seed=secret["seed"], machines=2, motions=1, series="draw:")
+    again = submission.find_round(options)
+    assert sorted(again.plants) == sorted(first["drawn"]["plants"])
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--committed", "round.json"], "--committed needs the revealed round"),
+        (["--round", "round.json", "--round-seed", "1"], "both give a seed"),
+        (["--round", "round.json"], "its seed is published after the round"),
+        (["--round", "other.json", "--committed", "round.json"], "not the one that was committed to"),
+        (["--machines", "-1"], "machines of a round = -1"),
+        (["--series", "robot:"], "Unknown plant"),
+    ],
+)
+def test_a_round_that_cannot_be_run_is_told_in_one_line_before_anything_runs(small, capsys, options, message):
+    for out, secret in (("round.json", "secret.json"), ("published.json", "other.json")):
+        assert main(["leaderboard", "round", "--out", out, "--secret", secret, "--machines", "1"]) == 0
+    capsys.readouterr()
+    assert main(["leaderboard", "verify", "none.zip", *options]) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert message in line
 
 
 @pytest.mark.parametrize(
@@ -106,3 +155,14 @@ def test_a_verdict_that_cannot_be_written_is_told_in_one_line(small, capsys):
 def test_the_oracle_has_no_track_for_submissions(small):
     with pytest.raises(SystemExit):
         main(["leaderboard", "submit", "mine.py", "--name", "a", "--author", "b", "--track", "oracle"])
+
+
+@pytest.mark.parametrize("options", [Verify, NewRound])
+def test_sizes_of_a_round_are_those_of_the_library(options):
+    drawn = Round(seed=1)
+    defaults = {field.name: field.default for field in fields(options)}
+    assert [defaults[name] for name in ("machines", "motions", "series")] == [
+        drawn.machines,
+        drawn.motions,
+        drawn.series,
+    ]

@@ -26,7 +26,9 @@ AFRAID = "if len(observation) > 1: raise RuntimeError('too many')"
 def law(tmp_path_factory):
     """File of a submission: dynamic LuGre under another name."""
     place = tmp_path_factory.mktemp("submission") / "mine.zip"
-    place.write_bytes(packed(AgentSource(kind="law", law="lugre_dynamic")).data)
+    place.write_bytes(
+        changed(packed(AgentSource(kind="law", law="lugre_dynamic")).data, manifest={"robot_seconds": 7.0})
+    )
     return place
 
 
@@ -35,14 +37,15 @@ def test_a_submission_gets_a_row_like_that_of_the_law_in_it(law, tmp_path, capsy
     assert main([*command, "--jobs", "1", "--out", str(tmp_path)]) == 0
     assert " mine " in capsys.readouterr().out
     mine, own = (read_row(tmp_path / f"{name}.json") for name in ("mine", "lugre_dynamic"))
-    assert (mine.title, mine.track, mine.ranked) == ("an agent of mine", "causal, nominal parameters", True)
-    assert "Submitted by somebody" in mine.about
+    assert (mine.title, mine.track, mine.ranked) == ("an agent of mine", "causal, nominal parameters", False)
+    assert "Submitted by somebody, who claims 7 s of robot time in training; not ranked" in mine.about
     [theirs], [ours] = mine.outcomes, own.outcomes
     assert {cell.key: cell.rms_mm for cell in theirs.cells} == pytest.approx(
         {cell.key: cell.rms_mm for cell in ours.cells}, rel=1e-4
     )
     assert theirs.artefact == make_submitted(law).artefact("nominal", 0)
     assert theirs.inference_us > 0
+    assert theirs.robot_seconds == 0.0
 
     assert main(["leaderboard", "--agents", "none", *command[4:], "--jobs", "1", "--out", str(tmp_path)]) == 0
     assert "not shown: mine is no agent of this leaderboard" in capsys.readouterr().out

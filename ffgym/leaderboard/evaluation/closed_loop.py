@@ -40,6 +40,7 @@ def run_rollouts(
     policies: Sequence[Policy],
     tasks: Sequence[Task],
     *,
+    machines: Sequence[TestPlant] | None = None,
     agents: Sequence[Agent] | None = None,
     seeds: Sequence[int] | None = None,
     n_threads: int = 0,
@@ -49,6 +50,7 @@ def run_rollouts(
 
     Args:
         plant: the machine.
+        machines: machine of each task, all under the controller of `plant`; None runs every task on that.
         policies: policies to run, all with one preview and one action scale.
         tasks: motions for each of them.
         agents: agents in place of the policies' own, e.g. in another process; None makes these.
@@ -68,7 +70,10 @@ def run_rollouts(
     # agents decide on equal shares of the rows
     decide = agents or [policy.agent(robot, layout) for policy in policies]
     own = [0] * len(policies) if seeds is None else list(seeds)
-    each = [{"position": task.position, "speed": task.speed, "radii": task.radii} for task in tasks]
+    each: list[dict[str, Any]] = [{"position": t.place, "speed": t.speed, "radii": t.radii} for t in tasks]
+    of_tasks = [plant] * n if machines is None else list(machines)
+    if machines is not None:
+        each = [one | {"plant": machine.machine} for one, machine in zip(each, of_tasks, strict=True)]
     of_rows = [seed + i for seed in own for i in range(n)]
     observation, _ = env.reset(seed=of_rows, options={"each": each * len(policies)})
     try:
@@ -79,7 +84,7 @@ def run_rollouts(
     for i, rollout in enumerate(rollouts):
         if rollout.recording is not None:
             rng = np.random.default_rng(noise_seed(tasks[i % n], own[i // n]))
-            rollouts[i] = replace(rollout, recording=measure(rollout.recording, plant.sensors, rng))
+            rollouts[i] = replace(rollout, recording=measure(rollout.recording, of_tasks[i % n].sensors, rng))
     return [rollouts[i : i + n] for i in range(0, len(rollouts), n)]
 
 

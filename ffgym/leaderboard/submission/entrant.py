@@ -21,6 +21,9 @@ _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}")
 def make_entrant(path: Path, loaders: Mapping[str, str]) -> Entrant:
     """Make the entrant of a file of `ffgym leaderboard submit`; its claims are checked by `ffgym leaderboard verify`.
 
+    It is shown and not ranked, as torques of public plants and circles can be stored; its rank is that of a
+    verification, on what is drawn then.
+
     FFGymError if it cannot be read, is damaged, or has a name that no file may have.
     """
     try:
@@ -49,15 +52,16 @@ def make_entrant(path: Path, loaders: Mapping[str, str]) -> Entrant:
             whose=f"The submission {manifest.name!r} was ended: ",
         )
         policy = View(preview=manifest.preview, action_scale=manifest.action_scale, make=lambda robot, layout: start())
-        return ReadyAgent(
-            policy=policy, artefact=known, robot_seconds=manifest.robot_seconds, env_steps=manifest.env_steps
-        )
+        # robot time is what is counted here, and no motion is practised before it is scored
+        return ReadyAgent(policy=policy, artefact=known, robot_seconds=0.0, env_steps=manifest.env_steps)
 
     return Entrant(
         name=manifest.name,
         title=manifest.title,
         track=manifest.track,
-        about=f"Submitted by {manifest.author}; what it learned from is what its author says.",
+        about=f"Submitted by {manifest.author}, who claims {manifest.robot_seconds:g} s of robot time in training; "
+        "not ranked, as torques of public circles can be stored: its rank is that of ffgym leaderboard verify.",
+        ranked=False,
         artefact=lambda plant, seed: known,
         ready=one_by_one(ready),
     )

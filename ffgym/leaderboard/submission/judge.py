@@ -126,7 +126,7 @@ class Judge:
         files_of.decode_submission(pack_archive(View(preview=1, action_scale=1.0)))  # refuse now, not after minutes
         # run on every plant, and log errors and actions
         for plant in self.plan:
-            with self._process(source, content, plant, about.seed) as agent:
+            with self.start_agent(source, content, plant, about.seed) as agent:
                 view = View(preview=agent.preview, action_scale=agent.action_scale)
                 rollouts = self._run_rollouts(plant, view, agent, about.seed, "running")
             claims += self._claims(plant, rollouts)
@@ -152,7 +152,7 @@ class Judge:
             every = tuple(range(len(logs)))
             with ExitStack() as stack:
                 for robots in {*((k,) for k in every), every}:  # each alone, and all together
-                    agent = stack.enter_context(self._process(source, files.get(str(source.file)), plant, seed))
+                    agent = stack.enter_context(self.start_agent(source, files.get(str(source.file)), plant, seed))
                     if (agent.preview, agent.action_scale) != (view.preview, view.action_scale):
                         asks = f"preview and action scale {(agent.preview, agent.action_scale)}"
                         ran = (view.preview, view.action_scale)
@@ -177,7 +177,8 @@ class Judge:
             action_difference=max(replay.worst for replay in replays),
         )
 
-    def _process(self, source: AgentSource, content: bytes | None, plant: str, seed: int) -> AgentProcess:
+    def start_agent(self, source: AgentSource, content: bytes | None, plant: str, seed: int) -> AgentProcess:
+        """Start the process of an agent, made from a source and the content of its file, for the robot of a plant."""
         robot = controller_of(plant)
         return AgentProcess(source, content, robot, loaders=self.loaders, seed=seed, limits=self.limits)
 

@@ -1,0 +1,319 @@
+"""Score of a submission on drawn machines and motions, beside rows that it can be compared with.
+
+Whoever stores torques of the public motions gains nothing here: neither machines nor motions exist before the draw.
+"""
+
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ffgym.control import Agent, ObservationLayout, Policy
+from ffgym.core.errors import FFGymError
+from ffgym.core.provenance import versions
+from ffgym.core.types import Array
+from ffgym.leaderboard.comparison.samples import Grid, collect_sample
+from ffgym.leaderboard.comparison.scores import Difference, Score, ScoredRow, compare_rows, compute_score
+from ffgym.leaderboard.comparison.standings import rank_rows
+from ffgym.leaderboard.comparison.statistics import Interval
+from ffgym.leaderboard.evaluation.closed_loop import run_rollouts
+from ffgym.leaderboard.evaluation.jobs import lost_cells, score_circles
+from ffgym.leaderboard.plants import TestPlant, find_plant
+from ffgym.leaderboard.results import CircleResult, Outcome, Row
+from ffgym.leaderboard.submission.judge import ACTION_TOLERANCE, SCORE_TOLERANCE, Judge, controller_of
+from ffgym.leaderboard.submission.manifest import Manifest, Refused, decode_submission, sha256_of
+from ffgym.leaderboard.submission.python_agent import View
+from ffgym.leaderboard.submission.rounds import Round
+from ffgym.leaderboard.tasks import Task
+from ffgym.report.laws import UNCOMPENSATED
+from ffgym.robot import RobotDescription
+
+BASE = "elastic"
+"""Row that gains are told against: the best law of nominal parameters alone."""
+HELD = 0.5
+"""Share of its public gain over the base, in the logarithm of the error, that a submission must hold on drawn machines
+and motions, or it is called memorised; chosen: a half."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class DrawnRow:
+    """One row on the drawn machines and motions."""
+
+    name: str
+    rank: int
+    """Rank on drawn machines and motions; rows that the interval over machines does not tell apart share one."""
+    score: Score
+    """Score on drawn machines and motions."""
+    public: float
+    """Error left on the public circles, in that of zero action: geometric mean."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class DrawnVerdict:
+    """Scores of a submission and of other rows on drawn machines and motions."""
+
+    round: Round
+    manifest: Manifest
+    name: str
+    """Name of the submission's row."""
+    fingerprints: Mapping[str, str]
+    """Fingerprints of the physics, by machine."""
+    motions: tuple[Task, ...]
+    rows: tuple[DrawnRow, ...]
+    """Best first."""
+    against_base: Difference
+    """Error of the submission in that of BASE, on drawn machines and motions."""
+    public_ratio: float
+    """The same on the public circles."""
+    robot_seconds: float = 0.0
+    """Motion of a drawn machine that the agent saw before a scored one [s]: none, as every motion is an episode of its
+    own, and no agent can practise here."""
+
+    @property
+    def own(self) -> DrawnRow:
+        """Row of the submission."""
+        return next(row for row in self.rows if row.name == self.name)
+
+    @property
+    def is_memorised(self) -> bool:
+        """True if less than HELD of the public gain holds, at the favourable end of the interval over machines."""
+        drawn = self.against_base
+        best = drawn.ratio if drawn.interval is None else drawn.interval.low
+        return best > self.public_ratio**HELD and self.public_ratio < 1.0
+
+    @property
+    def sentence(self) -> str:
+        """Verdict in a line."""
+        score = self.own.score
+        line = (
+            f"accepted, rank {self.own.rank} of {len(self.rows)}: on {_count(self.round.machines, 'machine')} and "
+            f"{_count(self.round.motions, 'motion')} that were drawn it leaves {score.left:.3f}"
+            f"{_ends(score.left_interval)} of the error"
+        )
+        if score.stopped:
+            line += f"; the robot stopped in {score.stopped:.0%} of the runs"
+        if self.is_memorised:
+            line += (
+                f"; memorised: of the error of {BASE} it leaves {self.public_ratio:.3f} on the public circles, and "
+                f"{self.against_base.ratio:.3f}{_ends(self.against_base.interval)} on what was drawn"
+            )
+        return line
+
+
+def _ends(interval: Interval | None) -> str:
+    return "" if interval is None else f" [{interval.low:.3f}, {interval.high:.3f}]"
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}" if number == 1 else f"{number} {what}s"
+
+
+def verify_drawn(judge: Judge, data: bytes, drawn: Round, beside: Mapping[str, Policy]) -> DrawnVerdict:
+    """Run a submission that was accepted, and rows beside it, on the machines and motions of a round.
+
+    Args:
+        judge: judge that accepted it; its `plan` has the public circles.
+        data: bytes of the submission.
+        drawn: the round.
+        beside: policies by name, all with one preview and one action scale, among them BASE; zero action is added.
+
+    Raises:
+        Refused: if the agent fails, or decides otherwise for one robot alone than for all.
+        FFGymError: if machines have different controllers, or the robot stops with zero action.
+    """
+    manifest, files = decode_submission(data)
+    content = files.get(str(manifest.agent.file))
+    like = beside[BASE]
+    beside = {UNCOMPENSATED: View(preview=like.preview, action_scale=like.action_scale, make=ZeroAction)} | dict(beside)
+    name = manifest.name if manifest.name not in beside else f"{manifest.name} (submitted)"
+    # drawn machines, which one controller has, and every motion on each of them
+    plants = [find_plant(plant) for plant in drawn.plants]
+    area = plants[0].rig.robot.work_area
+    assert area is not None  # robots of the leaderboard have one
+    motions = drawn.draw_motions(area)
+    pairs = [(plant, task) for plant in plants for task in motions]
+    if len(known := {controller_of(plant.name) for plant in plants}) > 1:
+        raise FFGymError(f"Machines of {drawn.series!r} have different controllers, {', '.join(sorted(known))}.")
+    # the rows beside it, and the submission, whose decisions for one robot are asked for alone, too
+    rows = _run(judge, pairs, beside, None, manifest.seed, "drawn machines")
+    view = View(preview=manifest.preview, action_scale=manifest.action_scale)
+    with ExitStack() as stack:
+        every, alone = (
+            stack.enter_context(judge.start_agent(manifest.agent, content, plants[0].name, manifest.seed))
+            for _ in range(2)
+        )
+        check = SpotCheck(every, alone, drawn.seed % len(pairs))
+        rows |= _run(judge, pairs, {name: view}, check, manifest.seed, f"drawn machines, {name}")
+        check.compare()
+    drawn_rows = [_row(each, cells, manifest, data if each == name else None) for each, cells in rows.items()]
+    scored, zero, grid = _score(drawn_rows)
+    # what the rows leave on the public circles; the submission's errors there are its claims, which were checked
+    public = _public_errors(judge, manifest, beside, name, drawn.series)
+    left = {each: float(np.exp(np.mean(np.log(errors / public[UNCOMPENSATED])))) for each, errors in public.items()}
+    best_first = sorted(scored.values(), key=lambda each: (each.mean, each.row.name))
+    ranks = rank_rows(best_first, compare_replayed)
+    return DrawnVerdict(
+        round=drawn,
+        manifest=manifest,
+        name=name,
+        fingerprints=grid.fingerprints,
+        motions=motions,
+        rows=tuple(
+            DrawnRow(
+                name=each.row.name,
+                rank=ranks[each.row.name],
+                score=compute_score(each, grid, zero, None),
+                public=left[each.row.name],
+            )
+            for each in best_first
+        ),
+        against_base=compare_rows(scored[name], scored[BASE]),
+        public_ratio=left[name] / left[BASE],
+    )
+
+
+def compare_replayed(first: ScoredRow, second: ScoredRow) -> Difference:
+    """Compare two rows; errors within the tolerance of a replay do not differ, as actions come back as float32."""
+    found = compare_rows(first, second)
+    low, high = (found.ratio, found.ratio) if found.interval is None else (found.interval.low, found.interval.high)
+    wider = Interval(low * (1 - SCORE_TOLERANCE), high * (1 + SCORE_TOLERANCE))
+    return Difference(ratio=found.ratio, interval=wider)
+
+
+@dataclass(frozen=True)
+class ZeroAction:
+    """Agent that adds no torque."""
+
+    robot: RobotDescription
+    layout: ObservationLayout
+
+    def predict(
+        self, observation: Array, state: Any = None, episode_start: Any = None, deterministic: bool = True
+    ) -> tuple[Array, Any]:
+        """Return zeros, shape (B, N)."""
+        return np.zeros((len(observation), self.robot.n_joints)), None
+
+
+class SpotCheck:
+    """Agent for all robots, beside one that decides for a single one of them alone; both must decide the same."""
+
+    def __init__(self, every: Agent, alone: Agent, robot: int) -> None:
+        """Watch the robot of this number."""
+        self._every, self._alone, self._robot = every, alone, robot
+        self._largest, self._difference = np.array(np.finfo(np.float32).tiny), np.array(0.0)
+
+    def predict(
+        self, observation: Array, state: Any = None, episode_start: Any = None, deterministic: bool = True
+    ) -> tuple[Array, Any]:
+        """Return the actions for all robots."""
+        action, new = self._every.predict(observation, state, episode_start)
+        row = slice(self._robot, self._robot + 1)
+        own, _ = self._alone.predict(observation[row], state, episode_start[row])
+        self._largest = np.maximum(self._largest, np.abs(action[self._robot]))
+        self._difference = np.maximum(self._difference, np.abs(own[0] - action[self._robot]))
+        return action, new
+
+    def compare(self) -> None:
+        """Check that both decided the same; Refused if they did not."""
+        worst = float(np.max(self._difference / self._largest))
+        if worst > ACTION_TOLERANCE:
+            raise Refused(
+                "agent",
+                f"for one robot of the drawn ones alone it decides otherwise than for all, by {worst:.2g} of the "
+                f"largest action of a motor: it uses what other robots see.",
+            )
+
+
+Cells = dict[TestPlant, list[CircleResult]]
+
+
+def _run(
+    judge: Judge,
+    pairs: Sequence[tuple[TestPlant, Task]],
+    policies: Mapping[str, Policy],
+    agent: Agent | None,
+    seed: int,
+    title: str,
+) -> dict[str, Cells]:
+    """Run policies on pairs of machines and tasks, all side by side; return their circles by machine."""
+    machines, tasks = zip(*pairs, strict=True)
+    with judge.stage(title, "s") as shown:
+        found = run_rollouts(
+            machines[0],
+            list(policies.values()),
+            tasks,
+            machines=machines,
+            agents=None if agent is None else [agent],
+            seeds=[seed] * len(policies),
+            n_threads=judge.n_threads,
+            progress=shown,
+        )
+    rows: dict[str, Cells] = {name: {} for name in policies}
+    for name, rollouts in zip(policies, found, strict=True):
+        for (plant, task), rollout in zip(pairs, rollouts, strict=True):
+            made = lost_cells(task) if rollout.recording is None else score_circles(task, rollout.recording)
+            rows[name].setdefault(plant, []).extend(made)
+    return rows
+
+
+def _row(name: str, cells: Cells, manifest: Manifest, data: bytes | None) -> Row:
+    """Make a row of the leaderboard of what one agent did on the drawn machines."""
+    own = data is not None
+    return Row(
+        name=name,
+        title=manifest.title if own else name,
+        track=manifest.track if own else "",
+        about=f"Submitted by {manifest.author}." if own else "",
+        page=None,
+        base=None,
+        seeded=False,
+        command=None,
+        ranked=True,
+        outcomes=tuple(
+            Outcome(
+                seed=manifest.seed,
+                plant=plant.name,
+                fingerprint=plant.fingerprint,
+                versions=", ".join(f"{package} {version}" for package, version in versions().items()),
+                artefact=sha256_of(data) if data is not None else None,
+                robot_seconds=0.0,
+                env_steps=manifest.env_steps if own else 0,
+                inference_us=None,
+                cells=tuple(found),
+            )
+            for plant, found in cells.items()
+        ),
+    )
+
+
+def _score(rows: Sequence[Row]) -> tuple[dict[str, ScoredRow], Any, Grid]:
+    """Score rows on the grid of all machines and motions that they ran on."""
+    like = next(row for row in rows if row.name == UNCOMPENSATED)
+    grid = Grid(
+        plants=tuple(sorted(outcome.plant for outcome in like.outcomes)),
+        cells=tuple(sorted(cell.key for cell in like.outcomes[0].cells)),
+        fingerprints={outcome.plant: outcome.fingerprint for outcome in like.outcomes},
+    )
+    zero = collect_sample(like, grid)
+    if not np.all(np.isfinite(zero.rms)):
+        raise FFGymError("The robot stopped with zero action, so that nothing can be compared with it; draw again.")
+    return {row.name: ScoredRow.of(row, collect_sample(row, grid), zero) for row in rows}, zero, grid
+
+
+def _public_errors(
+    judge: Judge, manifest: Manifest, beside: Mapping[str, Policy], name: str, series: str
+) -> dict[str, Array]:
+    """Collect RMS path errors [mm] by row on the public circles: those of machines of the series, if there are some."""
+    plants = [plant for plant in judge.plan if plant.startswith(series)] or list(judge.plan)
+    errors: dict[str, list[float]] = {each: [] for each in (*beside, name)}
+    for plant in plants:
+        machine = find_plant(plant)
+        rows = _run(judge, [(machine, task) for task in judge.plan[plant]], beside, None, manifest.seed, plant)
+        known = {claim.circle: claim.rms_mm for claim in manifest.claims}
+        for each, cells in rows.items():
+            errors[each] += [cell.rms_mm or np.inf for cell in cells[machine]]
+        some = next(iter(rows.values()))[machine]
+        errors[name] += [known[plant, cell.position, cell.radius_mm, cell.speed_mm_s] for cell in some]
+    return {each: np.array(values) for each, values in errors.items()}

@@ -1,0 +1,143 @@
+"""Rounds: machines and motions drawn from a seed, which is committed to by a hash first and revealed afterwards.
+
+A commitment binds its author to a seed and tells nothing of it: the hash covers a random salt, so that seeds cannot be
+tried one by one. Once seed and salt are published, anyone can check them, and repeat the round.
+"""
+
+import hashlib
+import json
+import os
+import secrets
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ffgym.core.errors import FFGymError, check_number, check_whole
+from ffgym.core.files import read_text
+from ffgym.core.typed_json import from_json
+from ffgym.envs.machines import WORKCELL
+from ffgym.leaderboard.plants import find_plant
+from ffgym.leaderboard.tasks import Task
+from ffgym.robot.parts import WorkArea
+
+FORMAT = 1
+"""Version of the files of rounds; see docs/leaderboard/submissions.md."""
+DRAWN = "drawn"
+"""Split of motions that are drawn."""
+MACHINES, MOTIONS = 10, 6
+"""Machines and motions of a verification. Chosen: intervals over ten machines, in a minute on two cores."""
+SEEDS = 10**6, 10**9
+"""Range of the numbers of drawn machines; trainings and pages use smaller ones, and there are too many to learn all."""
+RADII = 0.001, 0.005
+"""Range of radii [m], those of the thesis; uniform in the logarithm."""
+SPEEDS = 0.02, 0.1
+"""Range of speeds [m/s], uniform in the logarithm. Chosen: from twice the slowest of the thesis, which takes long."""
+INSIDE = 0.05, 0.35
+"""Range of the way from a position of the work area to its middle that a centre lies off that position, along each axis
+[1]; chosen: 10 to 70 mm of the 40 cm of the area, so that no centre is one that agents learn on."""
+_ROUNDS = 20261127
+"""First number of the seeds of rounds, so that no other draw repeats them."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Round:
+    """Machines and motions that a seed draws."""
+
+    seed: int
+    machines: int = MACHINES
+    """Number of machines."""
+    motions: int = MOTIONS
+    """Number of motions; every machine runs all of them."""
+    series: str = WORKCELL
+    """Prefix of the names of the machines, which a number follows."""
+    salt: str = ""
+    """Random text that the hash covers; empty for a round that nobody committed to."""
+
+    def __post_init__(self) -> None:
+        check_whole("seed of a round", self.seed, low=0, high=2**53)
+        check_whole("machines of a round", self.machines, low=1, high=100)
+        check_whole("motions of a round", self.motions, low=1, high=100)
+        find_plant(self.plants[0])  # which refuses a series that there is not
+
+    @cached_property
+    def plants(self) -> tuple[str, ...]:
+        """Names of the machines."""
+        numbers = np.random.default_rng([_ROUNDS, self.seed, 0]).integers(*SEEDS, size=self.machines)
+        return tuple(f"{self.series}{number}" for number in numbers)
+
+    def draw_motions(self, area: WorkArea) -> tuple[Task, ...]:
+        """Draw the motions: circles about centres within a work area, one each, near its positions in turn."""
+        rng = np.random.default_rng([_ROUNDS, self.seed, 1])
+        names = list(area.positions)
+        middle = np.mean([area.positions[name] for name in names], axis=0)
+        order = rng.permutation(len(names))
+        tasks = []
+        for k in range(self.motions):
+            near = names[order[k % len(names)]]
+            shift = np.round(rng.uniform(*INSIDE, size=3) * (middle - area.positions[near]), 4)
+            radius, speed = (float(np.exp(rng.uniform(*np.log(ends)))) for ends in (RADII, SPEEDS))
+            x, y, z = (area.positions[near] + shift).tolist()
+            label = f"{near} {shift[0] * 1e3:+.1f} {shift[1] * 1e3:+.1f} mm"
+            tasks.append(Task(label, round(speed, 4), (round(radius, 5),), DRAWN, centre=(x, y, z)))
+        return tuple(tasks)
+
+    @property
+    def commitment(self) -> str:
+        """SHA-256 of the round in canonical JSON: sorted keys, no blanks."""
+        return hashlib.sha256(json.dumps(asdict(self), sort_keys=True, separators=(",", ":")).encode()).hexdigest()
+
+    def published(self) -> dict[str, Any]:
+        """Return the JSON that is published before a round: everything but seed and salt, and the hash of all."""
+        open_parts = {key: value for key, value in asdict(self).items() if key not in ("seed", "salt")}
+        return {"format": FORMAT, "commitment": self.commitment, **open_parts}
+
+    def revealed(self) -> dict[str, Any]:
+        """Return the JSON that is published after a round: with seed and salt."""
+        return {"format": FORMAT, "commitment": self.commitment, **asdict(self)}
+
+
+def draw_round(*, machines: int = MACHINES, motions: int = MOTIONS, series: str = WORKCELL) -> Round:
+    """Draw a round with a fresh seed and salt from the randomness of the operating system."""
+    return Round(
+        seed=secrets.randbits(53), salt=secrets.token_hex(32), machines=machines, motions=motions, series=series
+    )
+
+
+def read_commitment(path: str | os.PathLike[str]) -> str:
+    """Read the hash in a file of a round, published or revealed; FFGymError if it holds none."""
+    return str(_read(path)["commitment"])
+
+
+def read_round(path: str | os.PathLike[str]) -> Round:
+    """Read a revealed round.
+
+    Raises:
+        FFGymError: if the file is damaged, holds the hash alone, or its seed does not fit the hash.
+    """
+    tree = _read(path)
+    if "seed" not in tree:
+        raise FFGymError(f"{path}: holds the hash of a round alone; its seed is published after the round.")
+    said = tree.pop("commitment")
+    try:
+        check_number("seed", tree["seed"], low=0.0)
+        found: Round = from_json(Round, {key: value for key, value in tree.items() if key != "format"}, "round")
+    except FFGymError as error:
+        raise FFGymError(f"{path}: is no round: {error}") from error
+    if found.commitment != said:
+        raise FFGymError(
+            f"{path}: seed {found.seed} with its salt has the SHA-256 {found.commitment}, not the committed {said}: "
+            f"it is not the round that was committed to."
+        )
+    return found
+
+
+def _read(path: str | os.PathLike[str]) -> dict[str, Any]:
+    try:
+        tree = json.loads(read_text(path))
+    except ValueError as error:
+        raise FFGymError(f"{path}: is no JSON: {error}. Give a file of ffgym leaderboard round.") from error
+    if not isinstance(tree, dict) or tree.get("format") != FORMAT or not isinstance(tree.get("commitment"), str):
+        raise FFGymError(f"{path}: is no file of a round of format {FORMAT}. Give one of ffgym leaderboard round.")
+    return tree

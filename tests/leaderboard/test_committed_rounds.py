@@ -1,0 +1,125 @@
+"""Rounds: a seed draws machines and motions; it is committed to by a hash and revealed afterwards."""
+
+import hashlib
+import json
+
+import numpy as np
+import pytest
+
+from ffgym.core.errors import FFGymError
+from ffgym.leaderboard.submission.rounds import (
+    RADII,
+    SEEDS,
+    SPEEDS,
+    Round,
+    draw_round,
+    read_commitment,
+    read_round,
+)
+from ffgym.leaderboard.tasks import Task, make_references
+from ffgym.robot import RigidArm, load_robot
+
+ROBOT = load_robot("irb4600_60_205")
+AREA = ROBOT.work_area
+
+
+def written(tmp_path, tree, name="round.json"):
+    """File of a round."""
+    place = tmp_path / name
+    place.write_text(json.dumps(tree))
+    return place
+
+
+def test_a_seed_draws_the_same_machines_and_motions_and_another_seed_others():
+    one, same, other = Round(seed=5), Round(seed=5, salt="x"), Round(seed=6)
+    assert one.plants == same.plants
+    assert one.draw_motions(AREA) == same.draw_motions(AREA)
+    assert not set(one.plants) & set(other.plants)
+    assert not set(one.draw_motions(AREA)) & set(other.draw_motions(AREA))
+
+
+def test_more_machines_or_motions_leave_those_before_as_they_are():
+    few, many = Round(seed=5, machines=3, motions=2), Round(seed=5, machines=9, motions=7)
+    assert many.plants[:3] == few.plants
+    assert many.draw_motions(AREA)[:2] == few.draw_motions(AREA)
+
+
+def test_fresh_rounds_differ():
+    assert len({draw_round(machines=1).plants for _ in range(20)}) == 20
+
+
+def test_the_series_of_machines_is_one_argument():
+    for series in ("workcell:", "draw:"):
+        assert all(name.startswith(series) for name in Round(seed=1, series=series).plants)
+    with pytest.raises(FFGymError, match="Unknown plant"):
+        Round(seed=1, series="nothing:")
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_machines_and_motions_are_none_that_are_public(seed):
+    drawn = Round(seed=seed, motions=8)
+    assert all(SEEDS[0] <= int(name.partition(":")[2]) < SEEDS[1] for name in drawn.plants)
+    corners = np.array(list(AREA.positions.values()))
+    for task in drawn.draw_motions(AREA):
+        assert np.all(corners.min(axis=0) <= task.centre)
+        assert np.all(task.centre <= corners.max(axis=0))
+        assert np.linalg.norm(corners - task.centre, axis=1).min() > 0.009
+        assert RADII[0] <= task.radii[0] <= RADII[1]
+        assert SPEEDS[0] <= task.speed <= SPEEDS[1]
+
+
+def test_a_drawn_motion_is_a_circle_about_its_centre():
+    arm = RigidArm(ROBOT)
+    task = Round(seed=5).draw_motions(AREA)[0]
+    [reference] = make_references(arm, [task])
+    assert np.allclose(arm.tcp_position(reference.q[[0, -1]]), task.centre, atol=1e-6)
+    [named] = make_references(arm, [Task("p2", task.speed, task.radii, "positions")])
+    assert named.duration == reference.duration
+    assert not np.allclose(named.q, reference.q, atol=1e-3)
+
+
+def test_a_revealed_round_fits_the_hash_that_was_published_before_it(tmp_path):
+    drawn = draw_round(machines=2, motions=3)
+    published, revealed = written(tmp_path, drawn.published()), written(tmp_path, drawn.revealed(), "revealed.json")
+    assert "seed" not in published.read_text()
+    assert drawn.salt not in published.read_text()
+    assert read_round(revealed) == drawn
+    assert read_commitment(published) == read_commitment(revealed) == drawn.commitment
+
+
+def test_anyone_computes_the_hash_with_ten_words_of_python(tmp_path):
+    tree = draw_round().revealed()
+    rest = {key: tree[key] for key in ("seed", "salt", "machines", "motions", "series")}
+    text = json.dumps(rest, sort_keys=True, separators=(",", ":"))
+    assert hashlib.sha256(text.encode()).hexdigest() == tree["commitment"]
+
+
+@pytest.mark.parametrize(
+    "change", [{"seed": 4}, {"salt": "00"}, {"machines": 9}, {"motions": 1}, {"series": "draw:"}, {"commitment": "0"}]
+)
+def test_another_round_than_the_committed_one_is_refused(tmp_path, change):
+    with pytest.raises(FFGymError, match="not the round that was committed to"):
+        read_round(written(tmp_path, draw_round().revealed() | change))
+
+
+@pytest.mark.parametrize(
+    ("tree", "message"),
+    [
+        (draw_round(machines=1).published(), "its seed is published after the round"),
+        (draw_round(machines=1).revealed() | {"seed": "1"}, "is no round"),
+        (draw_round(machines=1).revealed() | {"seed": -1}, "is no round"),
+        (draw_round(machines=1).revealed() | {"more": 1}, "is no round"),
+        (draw_round(machines=1).revealed() | {"format": 2}, "no file of a round"),
+        ([], "no file of a round"),
+    ],
+)
+def test_what_is_no_revealed_round_is_refused_in_one_line(tmp_path, tree, message):
+    with pytest.raises(FFGymError, match=message):
+        read_round(written(tmp_path, tree))
+
+
+def test_a_file_that_is_no_json_is_refused(tmp_path):
+    place = tmp_path / "round.json"
+    place.write_text("seed = 1")
+    with pytest.raises(FFGymError, match="is no JSON"):
+        read_round(place)
