@@ -129,7 +129,8 @@ def _drawn_lines(scored: DrawnVerdict) -> list[str]:
     drawn = scored.round
     lines = [
         f"round: seed {drawn.seed}, {drawn.machines} machines {drawn.series}<number>, {drawn.motions} motions "
-        f"(repeat with --round-seed {drawn.seed} --machines {drawn.machines} --motions {drawn.motions})",
+        f"(repeat with --round-seed {drawn.seed} --machines {drawn.machines} --motions {drawn.motions} "
+        f"--series {drawn.series})",
         f"{'error left':20} {'drawn':>7} {'interval':>16} {'public':>7} {'rank':>5}",
     ]
     for row in scored.rows:

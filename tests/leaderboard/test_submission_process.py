@@ -4,6 +4,7 @@ import os
 import socket
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -99,24 +100,141 @@ def test_random_numbers_begin_at_the_seed():
 isolated = pytest.mark.skipif(processes._exposed() is not None, reason="no bubblewrap that works here")
 
 
-@isolated
-@pytest.mark.parametrize(
-    "denied",
-    [
-        "import ffgym.workcell.cell",
-        "open(SECRET)",
-        "os.kill(PARENT, 0)",
-        "open(os.__file__ + '.written', 'w')",
-        "socket.create_connection(('127.0.0.1', PORT), timeout=2)",
-    ],
-)
-def test_an_isolated_agent_reaches_neither_truth_nor_files_nor_processes_nor_network(tmp_path, denied):
-    secret = tmp_path / "secret.txt"
+SEARCH = """
+import ctypes
+import os
+import socket
+import subprocess
+import sys
+
+libc = ctypes.CDLL(None, use_errno=True)
+
+
+def libc_open(path):
+    if libc.open(path.encode(), os.O_RDONLY) < 0:
+        raise OSError(path)
+
+
+def arrow_open(path):
+    import pyarrow
+
+    pyarrow.OSFile(path).read()
+
+
+def started(*command):
+    if subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode:
+        raise OSError(command)
+
+
+def uncover():
+    if libc.umount2(TRUTH.encode(), 2):
+        raise OSError(TRUTH)
+
+
+def connect(kind, place):
+    with socket.socket(kind) as client:
+        client.settimeout(2)
+        client.connect(place)
+
+
+def written():
+    if not os.access(os.__file__, os.W_OK):
+        raise OSError(os.__file__)
+
+
+def listed():
+    if not any(os.path.exists(os.path.join(place, "ffgym/workcell/data/thesis.toml")) for place in sys.path):
+        raise OSError("nothing")
+
+
+SHELL = f"umount {TRUTH}; cat {TRUTH}/data/*"
+TRIED = {
+    "truth, by import": lambda: __import__("ffgym.workcell.cell"),
+    "truth, on the path of Python": listed,
+    "truth, by a C library": lambda: libc_open(os.path.join(TRUTH, "cell.py")),
+    "truth, uncovered": uncover,
+    "truth, in namespaces of its own": lambda: started("unshare", "-Urm", "sh", "-c", SHELL),
+    "home, by Python": lambda: open(SECRET),
+    "home, by a C library": lambda: libc_open(SECRET),
+    "home, by pyarrow": lambda: arrow_open(SECRET),
+    "home, by another process": lambda: started("cat", SECRET),
+    "home, by a disk": lambda: os.mknod("disk", 0o60600, DISK),
+    "another process": lambda: os.kill(PARENT, 0),
+    "the network": lambda: connect(socket.AF_INET, ("127.0.0.1", PORT)),
+    "a local socket": lambda: connect(socket.AF_UNIX, LOCAL),
+    "a local socket without a file": lambda: connect(socket.AF_UNIX, ABSTRACT),
+    "libraries, to write": written,
+}
+reached = []
+for what, attempt in TRIED.items():
+    try:
+        attempt()
+    except (ImportError, OSError):
+        pass
+    else:
+        reached.append(what)
+"""
+"""What an agent does to find more than it is given."""
+
+
+def reached(tmp_path):
+    """What an agent reaches of the truth, of files, processes and networks."""
+    secret, local, abstract = tmp_path / "secret.txt", tmp_path / "local", f"\0ffgym-test-{os.getpid()}"
     secret.write_text("seen")
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        names = f"SECRET, PARENT, PORT = {str(secret)!r}, {os.getpid()}, {server.getsockname()[1]}\n"
-        head = f"import os, socket\n{names}try:\n    {denied}\nexcept (ImportError, OSError):\n    pass\nelse:\n"
-        assert decide(agent_file(head=head + "    raise ValueError('reached')")).shape == (1, 1, 6)
+    with (
+        socket.create_server(("127.0.0.1", 0)) as network,
+        socket.socket(socket.AF_UNIX) as by_file,
+        socket.socket(socket.AF_UNIX) as by_name,
+    ):
+        for server, place in ((by_file, str(local)), (by_name, abstract)):
+            server.bind(place)
+            server.listen()
+        told = {
+            "SECRET": str(secret),
+            "TRUTH": str(Path(ffgym.__file__).resolve().parent / "workcell"),
+            "DISK": os.stat(tmp_path).st_dev,
+            "PARENT": os.getpid(),
+            "PORT": network.getsockname()[1],
+            "LOCAL": str(local),
+            "ABSTRACT": abstract,
+        }
+        lines = [f"{name} = {value!r}" for name, value in told.items()]
+        head = "\n".join([*lines, SEARCH, "raise ValueError(' / '.join(reached) or 'nothing')"])
+        with pytest.raises(Refused) as caught:
+            decide(agent_file(head=head))
+    assert caught.value.reason.startswith("it raised ValueError: ")
+    return caught.value.reason.removeprefix("it raised ValueError: ").partition(" (agent.py")[0].split(" / ")
+
+
+@isolated
+def test_an_isolated_agent_reaches_neither_truth_nor_files_nor_processes_nor_network(tmp_path):
+    assert reached(tmp_path) == ["nothing"]
+
+
+@isolated
+def test_another_copy_of_the_package_is_covered_too(tmp_path, monkeypatch):
+    data = tmp_path / "ffgym" / "workcell" / "data"
+    data.mkdir(parents=True)
+    monkeypatch.setattr("sys.path", [*sys.path, str(tmp_path)])
+    assert str(data.parent) in processes._bubble(tmp_path)
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the attempts are those of Linux")
+def test_without_isolation_the_same_agent_reaches_all_that_its_user_does(tmp_path, monkeypatch):
+    monkeypatch.setattr(processes, "_exposed", lambda: "not in this test")
+    wanted = {
+        "truth, by import",
+        "truth, on the path of Python",
+        "truth, by a C library",
+        "home, by Python",
+        "home, by a C library",
+        "home, by another process",
+        "another process",
+        "the network",
+        "a local socket",
+        "a local socket without a file",
+    }
+    assert wanted <= set(reached(tmp_path))
 
 
 @isolated

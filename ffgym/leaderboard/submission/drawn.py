@@ -14,6 +14,7 @@ from ffgym.control import Agent, ObservationLayout, Policy
 from ffgym.core.errors import FFGymError
 from ffgym.core.provenance import versions
 from ffgym.core.types import Array
+from ffgym.envs.machines import is_workcell
 from ffgym.leaderboard.comparison.samples import Grid, collect_sample
 from ffgym.leaderboard.comparison.scores import Difference, Score, ScoredRow, compare_rows, compute_score
 from ffgym.leaderboard.comparison.standings import rank_rows
@@ -305,8 +306,8 @@ def _score(rows: Sequence[Row]) -> tuple[dict[str, ScoredRow], Any, Grid]:
 def _public_errors(
     judge: Judge, manifest: Manifest, beside: Mapping[str, Policy], name: str, series: str
 ) -> dict[str, Array]:
-    """Collect RMS path errors [mm] by row on the public circles: those of machines of the series, if there are some."""
-    plants = [plant for plant in judge.plan if plant.startswith(series)] or list(judge.plan)
+    """Collect RMS path errors [mm] by row on the public circles: those of workcells, if workcells are drawn."""
+    plants = [plant for plant in judge.plan if is_workcell(plant) or not is_workcell(series)] or list(judge.plan)
     errors: dict[str, list[float]] = {each: [] for each in (*beside, name)}
     for plant in plants:
         machine = find_plant(plant)

@@ -35,7 +35,10 @@ DECLARED = "FFGYM_ISOLATED"
 _PACKAGE = Path(os.path.realpath(ffgym.__file__ or "")).parent
 _SYSTEM = ("/usr", "/bin", "/lib", "/lib64", "/etc/alternatives", "/etc/ld.so.cache", "/etc/localtime", "/nix")
 """Folders of programs and libraries."""
-_BUBBLE = ("--unshare-all", "--die-with-parent", "--proc", "/proc", "--dev", "/dev", "--tmpfs", "/tmp")
+_BUBBLE = (
+    *("--unshare-all", "--die-with-parent", "--cap-drop", "ALL"),  # root would otherwise keep the right to unmount
+    *("--proc", "/proc", "--dev", "/dev", "--tmpfs", "/tmp"),
+)
 _PYTHON = (sys.executable, "-P", "-s", "-B")
 """Command of Python, which searches neither its folder nor the user's own packages, and writes no byte code."""
 _HEAD = struct.Struct("<II")
@@ -264,7 +267,11 @@ def _bubble(own: Path) -> list[str]:
     command = [shutil.which("bwrap") or "bwrap", *_BUBBLE]
     for place in dict.fromkeys(libraries):
         command += ["--ro-bind-try", place, place]
-    return [*command, "--tmpfs", str(_PACKAGE / "workcell"), "--bind", str(own), str(own), "--chdir", str(own)]
+    # the truth of the workcells is covered, in every copy of this package that Python finds
+    copies = [_PACKAGE, *(Path(os.path.realpath(place)) / "ffgym" for place in sys.path)]
+    for secret in dict.fromkeys(str(copy / "workcell") for copy in copies if (copy / "workcell").is_dir()):
+        command += ["--tmpfs", secret]
+    return [*command, "--bind", str(own), str(own), "--chdir", str(own)]
 
 
 def _end(process: subprocess.Popen[bytes], folder: "TemporaryDirectory[str]") -> None:
