@@ -12,6 +12,7 @@ from ffgym.core.provenance import is_installed, versions
 
 CORE = {"numpy", "scipy", "gymnasium", "mujoco", "threadpoolctl", "lazy-loader"}
 EXTRAS = {
+    "fast",
     "rl",
     "plot",
     "cli",
@@ -28,6 +29,7 @@ EXTRAS = {
     "tune",
 }
 OPTIONAL = (
+    "llvmlite",
     "torch",
     "matplotlib",
     "tyro",

@@ -175,6 +175,13 @@ class TorqueEffect(Effect):
     follows_motor: ClassVar[bool] = False
     """True if its torque behind the gearbox depends on the motor alone, not on the deflection of the joint."""
 
+    def check_step(self, dt: float) -> None:
+        """Check that the effect can be computed at physics steps of `dt` [s].
+
+        Raises:
+            FFGymError: if it cannot.
+        """
+
     def initial_memory(self, state: State) -> Array:
         """Return the memory of a machine at rest, shape (..., N, M); without memory M = 0."""
         return no_memory(state)

@@ -236,4 +236,5 @@ def _slip_along(slip: Array, steps: Array) -> Array:
 def _steps(dq: Array, next_dq: Array, dt: float, widths: Array) -> Array:
     """Travel in widths, (..., N, W)."""
     travel = 0.5 * dt * (dq + next_dq)
-    return np.asarray(travel[..., None] / widths)
+    steps: Array = travel[..., None] / widths
+    return steps

@@ -19,6 +19,7 @@ from ffgym.core.errors import FFGymError
 from ffgym.core.provenance import is_installed
 from ffgym.core.types import Array
 from ffgym.effects import EFFECTS, Effect
+from ffgym.envs.machines import find_machine
 from ffgym.robot import RigidArm, RobotDescription, load_robot
 from ffgym.simulation import Run, simulate
 from ffgym.simulation.bare import bare_rate
@@ -27,6 +28,7 @@ from ffgym.studies import circle_references, sine_references, thesis_laws
 from scripts.bench.turns import Amount, Rate, Ratio, rate_of, take_turns
 
 CIRCLES, JOINTS, ONE_AXIS = "ffgym/CirclePath-v0", "ffgym/JointMotion-v0", "ffgym/OneAxis-v0"
+CELLS = "ffgym/WorkcellCircles-v0"
 
 # ---- the batch simulation against the bare engine: as many simulations of the same model and lengths
 
@@ -99,6 +101,32 @@ def effect_ratios(name: str, repeats: int, threads: int) -> Iterator[Ratio]:
             worn = holding_rate(Machine(robot=robot, effects=eight_effects(robot)[:count]), copies, threads)
             title = f"{copies} machine{'s' * (copies > 1)} with {count} effect{'s' * (count > 1)} / without"
             yield take_turns(title, worn, nominal, repeats, unit="physics/s")
+
+
+WORKCELLS = ("workcell:thesis", "workcell:12")
+"""Workcells that are measured: one by hand, and one that is drawn."""
+REAL_DRIVE = "irb4600_60_205_servo_drives"
+"""Robot whose drives delay and limit torque, and read resolvers."""
+
+
+def cell_ratios(repeats: int, threads: int) -> Iterator[Ratio]:
+    """Measure workcells and real drives against the nominal robot, 64 and 1 of each, and one against real time."""
+    nominal, real = load_robot("irb4600_60_205"), Machine(robot=load_robot(REAL_DRIVE))
+    machines = {name: find_machine(name) for name in WORKCELLS} | {REAL_DRIVE: real}
+    for copies in (64, 1):
+        bare = holding_rate(Machine(robot=nominal), copies, threads)
+        for name, machine in machines.items():
+            wanted = 0.6 if copies == 64 else None
+            rate = holding_rate(machine, copies, threads)
+            yield take_turns(f"{copies} x {name} / nominal", rate, bare, repeats, unit="physics/s", wanted=wanted)
+    # environments, with all that Python does in a step
+    for n in (64, 1):
+        cells, circles = (Stepped(name, n, n_threads=threads) for name in (CELLS, CIRCLES))
+        wanted = 0.6 if n == 64 else None
+        yield take_turns(f"{CELLS}, {n} / {CIRCLES}", cells.rate, circles.rate, repeats, unit="steps/s", wanted=wanted)
+    real_time = 1 / nominal.servo.control_dt
+    title = f"{CELLS}, one / real time"
+    yield take_turns(title, cells.rate, lambda: real_time, repeats, unit="steps/s", wanted=10.0)
 
 
 # ---- vector environments against the bare engine, and against Gymnasium's vectors of single environments
@@ -311,7 +339,7 @@ def parts(robot: str, repeats: int, long_repeats: int, threads: int) -> dict[str
     """Measurements of each part by its name; each returns one result or several."""
     return {
         "simulation": [partial(simulation_ratios, robot, long_repeats, threads)],
-        "effects": [partial(effect_ratios, robot, repeats, threads)],
+        "effects": [partial(effect_ratios, robot, repeats, threads), partial(cell_ratios, repeats, threads)],
         "environments": [partial(against_the_engine, repeats, threads), partial(beginnings, threads)],
         "vectors": [partial(against_vectors_of_single_ones, repeats, threads)],
         "agents": [partial(decision_ratios, (1, 64), long_repeats)],

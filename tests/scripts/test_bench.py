@@ -16,6 +16,7 @@ from scripts.bench.cases import (
     Bare,
     Stepped,
     bare_rate,
+    cell_ratios,
     decision_ratios,
     effect_ratios,
     import_time,
@@ -73,6 +74,13 @@ def test_effects_cost_something_but_not_everything():
     ratios = effect_ratios("irb4600_60_205", 1, threads=1)
     assert [ratio.title.split(" / ")[0] for ratio in ratios][-1] == "36 machines with 8 effects"
     assert all(0 < ratio.quartiles()[1] < 1.2 for ratio in ratios)
+
+
+def test_workcells_and_real_drives_are_measured_against_the_nominal_robot_and_against_time():
+    ratios = list(cell_ratios(1, threads=1))
+    assert [ratio.wanted for ratio in ratios] == [*[0.6] * 3, *[None] * 3, 0.6, None, 10.0]
+    assert "one / real time" in ratios[-1].title
+    assert all(0.05 < ratio.quartiles()[1] < 1.5 for ratio in ratios[:-1])
 
 
 def test_the_bare_engine_steps_as_often_as_the_environment():

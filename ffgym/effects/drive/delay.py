@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import final
 
 import numpy as np
@@ -57,9 +56,18 @@ class TorqueDelay(TorqueEffect):
         "T_c", unit="s", low=0.0, high=0.0005, minimum=0.0, source="current loops of 300 Hz and more bandwidth"
     )
 
-    @cached_property
-    def _has_lag(self) -> bool:
-        return bool(np.any(self.lag))
+    def check_step(self, dt: float) -> None:
+        """Check that the commands of the delay can be remembered.
+
+        Raises:
+            FFGymError: if they are too many at that step.
+        """
+        steps = np.max(self.delay, initial=0.0) / dt
+        if steps > LENGTH - 2:
+            raise FFGymError(
+                f"A delay of {steps:.1f} physics steps is too long for effect torque_delay, which remembers "
+                f"{LENGTH - 2}; give a shorter delay or a longer physics_dt."
+            )
 
     def initial_memory(self, state: State) -> Array:
         """Return commands, the latest first, then the torque of the current loop; at rest all are one torque."""
@@ -67,13 +75,14 @@ class TorqueDelay(TorqueEffect):
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
         """Return the torque of the delayed current loop beyond the command."""
+        self.check_step(dt)
         given = memory[..., -1]
         # dead time: commands move up by one, the one that is due is interpolated
         later = np.empty_like(memory)
         commands = later[..., :-1]
         commands[..., 0], commands[..., 1:] = state.loop_torque, memory[..., :-2]
         due = _interpolate(commands, self.delay / dt)
-        later[..., -1] = given = next_torque(given, due, loop_decay(self.lag, dt)) if self._has_lag else due
+        later[..., -1] = given = next_torque(given, due, loop_decay(self.lag, dt))
         return Torques(motor=given - state.loop_torque), later
 
     def torques_over(self, states: State, dt: float) -> Torques:
@@ -121,15 +130,8 @@ def _shift(commands: Array, steps: float) -> Array:
 
 def _interpolate(commands: Array, steps: Array) -> Array:
     """Return the command `steps` physics steps ago, (..., N), of `commands` (..., N, M), the latest first."""
-    if steps.max(initial=0.0) > LENGTH - 2:
-        raise FFGymError(
-            f"A delay of {np.max(steps):.1f} physics steps is too long for effect torque_delay, which remembers "
-            f"{LENGTH - 2}; give a shorter delay or a longer physics_dt."
-        )
-    flat = commands.reshape(-1, commands.shape[-1])
-    each = np.arange(len(flat))
-    steps = (steps if steps.shape == commands.shape[:-1] else np.broadcast_to(steps, commands.shape[:-1])).ravel()
-    whole = steps.astype(np.intp)
-    part = steps - whole
-    found: Array = (1 - part) * flat[each, whole] + part * flat[each, whole + 1]
-    return found.reshape(commands.shape[:-1])
+    whole = np.trunc(np.broadcast_to(steps, commands.shape[:-1]))
+    part, index = steps - whole, whole.astype(np.intp)[..., None]
+    one, before = (np.take_along_axis(commands, index + k, axis=-1)[..., 0] for k in (0, 1))
+    found: Array = (1 - part) * one + part * before
+    return found

@@ -1,13 +1,16 @@
 """Joint quantities in MuJoCo's arrays: where they stand, and how robots and servos are read from them."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from functools import cached_property
 
 import mujoco
 import numpy as np
 from mujoco import batch
 
 from ffgym.core.types import Array, BoolArray, IntArray
+from ffgym.effects import Torques
+from ffgym.effects.together import add
 from ffgym.robot import RobotDescription
 from ffgym.robot.drive import Drive
 from ffgym.robot.model.names import (
@@ -41,6 +44,18 @@ class Addresses:
     arm_bristle: IntArray
     """Bristles of the friction behind the elasticity."""
     has_arm_bristle: BoolArray
+
+    @cached_property
+    def key(self) -> bytes:
+        """All addresses, to tell whether two layouts are the same."""
+        return b"".join(np.append(value := getattr(self, f.name), len(value)).tobytes() for f in fields(self))
+
+    @cached_property
+    def deflection_of_joint(self) -> IntArray:
+        """Addresses of deflections, one per joint, shape (N,); -1 for rigid joints."""
+        addresses = np.full(len(self.is_elastic), -1)
+        addresses[self.is_elastic] = self.deflection_qpos
+        return addresses
 
     @classmethod
     def of(cls, model: mujoco.MjModel, robot: RobotDescription) -> "Addresses":
@@ -148,3 +163,14 @@ def servo_reader(engine: batch.Batch, at: Addresses, drive: Drive) -> Callable[[
         return state
 
     return read
+
+
+def hinge_torques(drive: Drive, total: Torques) -> tuple[Array | None, Array | None, Array | None]:
+    """Compute generalised forces of effects, link side [N m]: motor hinges turn rotor and link, deflections the link.
+
+    Returns:
+        Torques that effects add to motors, then those on motor hinges and on deflection hinges, (B, N) each; None for
+        nothing.
+    """
+    motor = None if total.motor is None else drive.joint_torque(total.motor)
+    return motor, add(motor, total.link), add(total.spring, total.link)

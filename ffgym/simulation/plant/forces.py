@@ -4,7 +4,8 @@ Nothing here runs while no machine of the batch has such an effect.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -13,12 +14,16 @@ from mujoco import batch
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.effects import ResolverEffect, ResolverError, State, TorqueEffect, Torques
 from ffgym.effects.stack import by_kind, stack_effects
-from ffgym.effects.together import add, relax, step
+from ffgym.effects.together import relax, step
 from ffgym.robot.drive import loop_decay
-from ffgym.simulation.plant.engine_state import Addresses
+from ffgym.simulation.plant.compiled.code import can_compile
+from ffgym.simulation.plant.compiled.engine_hook import is_free
+from ffgym.simulation.plant.compiled.formulas import Layout, untraceable_kinds
+from ffgym.simulation.plant.compiled.step import CompiledStep
+from ffgym.simulation.plant.engine_state import Addresses, hinge_torques
 from ffgym.simulation.plant.machine import Machine
 from ffgym.simulation.plant.reading import EngineState, Reading, stack_numbers
-from ffgym.simulation.plant.resolvers import Resolvers
+from ffgym.simulation.plant.resolvers import Resolvers, read_beyond, sum_errors
 
 READING = "reading"
 """Name of the motor angles and speeds that servos know, beside the names of MuJoCo's arrays."""
@@ -47,7 +52,7 @@ class Forces:
     """Torque and resolver effects of B machines, one row each, with their memories."""
 
     def __init__(self, engine: batch.Batch, at: Addresses, machines: Sequence[Machine]) -> None:
-        self._at, self._n_robots = at, len(machines)
+        self._engine, self._at, self._n_robots = engine, at, len(machines)
         self._drive = machines[0].robot.drive
         self._dt = float(engine.get_model(0).opt.timestep)
         self._n = n = machines[0].robot.n_joints
@@ -62,7 +67,7 @@ class Forces:
             for kind, members in by_kind([machine.torque_effects for machine in machines])
         ]
         self._resolver = [
-            stack_effects(kind, members, n)
+            (stack_effects(kind, members, n), np.array([m is not None for m in members]))
             for kind, members in by_kind([machine.resolver_effects for machine in machines])
         ]
         robots = [machine.physical for machine in machines]
@@ -73,10 +78,16 @@ class Forces:
             kind = type(effect)
             self._keys.append((kind, sum(known is kind for known, _ in self._keys)))
         self._motor = np.zeros((self._n_robots, n))  # what effects added to motors last, link side
+        for effect, _ in self._torque:
+            effect.check_step(self._dt)
         # memory of the effects at rest
         self._everyone = self.choose(slice(None))
         state = self.state(self._everyone)
-        self._memory = relax(self._everyone.torque, state)
+        shapes = (self._n_robots, n)
+        self._memory = [
+            np.array(np.broadcast_to(memory, (*shapes, memory.shape[-1])), dtype=np.float64, order="C")
+            for memory in relax(self._everyone.torque, state)
+        ]
 
     @staticmethod
     def needed(machines: Sequence[Machine]) -> bool:
@@ -94,7 +105,7 @@ class Forces:
             numbers={name: values[rows] for name, values in self._numbers.items()},
             torque=tuple(_rows_of(effect, rows) for effect, _ in self._torque),
             present=tuple(None if have.all() else have[rows, None] for _, have in self._torque),
-            resolver=tuple(_rows_of(effect, rows) for effect in self._resolver),
+            resolver=tuple(_rows_of(effect, rows) for effect, _ in self._resolver),
         )
 
     @property
@@ -110,7 +121,7 @@ class Forces:
         """Joint positions [rad] at which resolvers read `joint_q`, where a servo has come to rest; (B', N)."""
         wanted, shift = self._drive.motor_angle(joint_q), np.zeros_like(joint_q)
         for _ in range(_ROUNDS if chosen.resolver else 0):
-            shift = _resolver_error(chosen.resolver, wanted - shift, np.zeros_like(wanted)).angle
+            shift = sum_errors(chosen.resolver, wanted - shift, np.zeros_like(wanted)).angle
         return joint_q - self._drive.joint_angle(shift)
 
     def begin(self, chosen: Chosen, state: State) -> None:
@@ -168,23 +179,20 @@ class Forces:
     def _sense(self, chosen: Chosen, angle: Array, speed: Array) -> tuple[Array, Array]:
         """Motor angles [rad] and speeds [rad/s] that resolvers see, with their errors, (B', N) each."""
         if chosen.resolver:
-            error = _resolver_error(chosen.resolver, angle, speed)
+            error = sum_errors(chosen.resolver, angle, speed)
             angle, speed = angle + error.angle, speed + error.speed
         return angle, speed
 
     def _error(self, chosen: Chosen, angle: Array, speed: Array) -> ResolverError:
         """Compute what servos know beyond true motor angles [rad] and speeds [rad/s], (B', N) each."""
         if self._readings is None:
-            return _resolver_error(chosen.resolver, angle, speed)
+            return sum_errors(chosen.resolver, angle, speed)
         read = self._readings.read(chosen.rows)
-        off = ResolverError(angle=read[0] - angle, speed=read[1] - speed)
         if self._readings.all_present:
-            return off
+            return ResolverError(angle=read[0] - angle, speed=read[1] - speed)
         # those that read nothing keep their bits
-        error, there = _resolver_error(chosen.resolver, angle, speed), self._readings.present[chosen.rows]
-        return ResolverError(
-            angle=np.where(there, off.angle, error.angle), speed=np.where(there, off.speed, error.speed)
-        )
+        error = sum_errors(chosen.resolver, angle, speed)
+        return read_beyond(read, angle, speed, error, self._readings.present[chosen.rows])
 
     def state(self, chosen: Chosen) -> State:
         """State of simulations now, (B', N) each."""
@@ -194,6 +202,85 @@ class Forces:
         self, engine: batch.Batch, controls: Array, record: tuple[str, ...], ids: IntArray | None
     ) -> dict[str, Array]:
         """Roll out `controls` (B, S, 3 N) as the engine does, with torques of effects in each physics step."""
+        compiled, by_numpy = self._compiled
+        odd = by_numpy if ids is None else by_numpy[ids]
+        if compiled is None or odd.all() or not is_free():
+            return self._rollout_by_numpy(engine, controls, record, ids)
+        if not odd.any():
+            return self._rollout_compiled(compiled, controls, record, ids)
+        # machines with an effect that has no code run apart, so that the others keep their bits
+        rows = np.arange(self._n_robots) if ids is None else ids
+        parts = {
+            True: self._rollout_by_numpy(engine, controls[odd], record, rows[odd]),
+            False: self._rollout_compiled(compiled, controls[~odd], record, rows[~odd]),
+        }
+        out = {name: np.empty((*controls.shape[:2], *parts[True][name].shape[2:])) for name in record}
+        for is_odd, part in parts.items():
+            for name, values in part.items():
+                out[name][odd == is_odd] = values
+        return out
+
+    @cached_property
+    def _compiled(self) -> tuple[CompiledStep | None, BoolArray]:
+        """Physics step as compiled code, None without, and the mask (B,) of machines that numpy must compute."""
+        everything = np.ones(self._n_robots, dtype=np.bool_)
+        layout = self._layout()
+        odd = untraceable_kinds(layout) if can_compile() else None
+        if odd is None:
+            return None, everything
+        by_numpy = np.zeros(self._n_robots, dtype=np.bool_)
+        for effect, have in (*self._torque, *self._resolver):
+            by_numpy |= have & (type(effect) in odd)
+        if by_numpy.all():
+            return None, everything
+        # numbers and memories of those that have code, in their order
+        numbers: dict[Any, Array] = {("machine", name): values for name, values in self._numbers.items()}
+        torque = [(effect, have, memory) for (effect, have), memory in zip(self._torque, self._memory, strict=True)]
+        torque = [each for each in torque if type(each[0]) not in odd]
+        for k, (effect, have, _) in enumerate(torque):
+            numbers |= {("effect", k, name): values for name, values in effect.values().items()}
+            numbers["present", k] = have[:, None].astype(np.float64)
+        resolver = [effect for effect, _ in self._resolver if type(effect) not in odd]
+        for k, error in enumerate(resolver):
+            numbers |= {("resolver effect", k, name): values for name, values in error.values().items()}
+        readings = () if self._readings is None else self._readings.memory
+        if self._readings is not None:
+            numbers |= {("resolver", name): values for name, values in self._readings.numbers.items()}
+        layout = replace(
+            layout,
+            kinds=tuple(each for each in layout.kinds if each[0] not in odd),
+            resolver_kinds=tuple(type(effect) for effect in resolver),
+        )
+        memories = [*(memory for _, _, memory in torque), self._motor, *readings]
+        return CompiledStep(self._engine, layout, numbers, memories, self._engine_state.outputs), by_numpy
+
+    def _layout(self) -> Layout:
+        """Structure of all simulations."""
+        memories = zip(self._torque, self._memory, strict=True)
+        return Layout(
+            kinds=tuple((type(effect), memory.shape[-1]) for (effect, _), memory in memories),
+            resolver_kinds=tuple(type(effect) for effect, _ in self._resolver),
+            reads=self._readings is not None,
+            dt=self._dt,
+            names=tuple(self._numbers),
+            n_velocities=self._applied.shape[1],
+            key=self._at.key + self._drive.matrix.tobytes(),
+            at=self._at,
+            drive=self._drive,
+        )
+
+    def _rollout_compiled(
+        self, compiled: CompiledStep, controls: Array, record: tuple[str, ...], ids: IntArray | None
+    ) -> dict[str, Array]:
+        """Roll out as `rollout` does, with compiled code within the engine's steps."""
+        reading = np.empty((*controls.shape[:2], 2 * self._n)) if READING in record else None
+        out = compiled.rollout(controls, tuple(name for name in record if name != READING), ids, reading)
+        return out if reading is None else out | {READING: reading}
+
+    def _rollout_by_numpy(
+        self, engine: batch.Batch, controls: Array, record: tuple[str, ...], ids: IntArray | None
+    ) -> dict[str, Array]:
+        """Roll out as `rollout` does, physics step for physics step with numpy."""
         rows = slice(None) if ids is None or len(ids) == engine.nsim else ids
         ids = None if isinstance(rows, slice) else ids
         bound = {name: engine.bind(name) for name in record if name != READING}
@@ -240,25 +327,15 @@ class Forces:
             self._write(chosen, total)
 
     def _write(self, chosen: Chosen, total: Torques) -> None:
-        """Generalised forces: motor hinges turn rotor and link, deflection hinges the link alone."""
+        """Set applied forces of the engine."""
         at = self._at
-        motor = None if total.motor is None else self._drive.joint_torque(total.motor)
+        motor, turning, behind = hinge_torques(self._drive, total)
         if motor is not None:
             self._motor[chosen.rows] = motor
-        turning, behind = add(motor, total.link), add(total.spring, total.link)
         if turning is not None:
             self._applied[chosen.everyone, at.motor_qpos] = turning
         if behind is not None:
             self._applied[chosen.everyone, at.deflection_qpos] = behind[:, at.is_elastic]
-
-
-def _resolver_error(effects: Sequence[ResolverEffect], motor_angle: Array, motor_speed: Array) -> ResolverError:
-    """All errors of the position sensors together, one after the other as in `Machine.read_by_resolver`."""
-    angle, speed = motor_angle, motor_speed
-    for effect in effects:
-        error = effect.error(angle, speed)
-        angle, speed = angle + error.angle, speed + error.speed
-    return ResolverError(angle=angle - motor_angle, speed=speed - motor_speed)
 
 
 def _rows_of(effect: Any, rows: IntArray | slice) -> Any:

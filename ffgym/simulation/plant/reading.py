@@ -76,20 +76,20 @@ class Reading(State):
 
     def read_deflection(self) -> Array:
         """Read deflections of elastic joints, link side [rad]."""
-        return _spread(self._qpos, self._at.deflection_qpos, self._at.is_elastic)
+        return _spread(self._qpos, self._at.deflection_of_joint, self._at.is_elastic)
 
     def read_deflection_rate(self) -> Array:
         """Read their rates, link side [rad/s]."""
-        return _spread(self._qvel, self._at.deflection_qpos, self._at.is_elastic)
+        return _spread(self._qvel, self._at.deflection_of_joint, self._at.is_elastic)
 
     def read_bristle(self) -> Array:
         """Read deflections of bristles, motor side [rad]."""
-        return _spread(self._act, self._at.bristle[self._at.has_bristle], self._at.has_bristle)
+        return _spread(self._act, self._at.bristle, self._at.has_bristle)
 
     def read_feedback_torque(self) -> Array:
         """Compute what MuJoCo's `pid` gives in the coming step, motor side [N m]."""
         controls, at = self._controls, self._at
-        integral = _spread(self._act, at.integral[at.has_integral], at.has_integral)
+        integral = _spread(self._act, at.integral, at.has_integral)
         end = 3 * integral.shape[1]
         feedback: Array = (
             self.position_gain * (controls[:, 0:end:3] - self.motor_angle)
@@ -108,7 +108,7 @@ class Reading(State):
         at = self._at
         if not at.has_torque.any():
             return self.motor_torque
-        torque = _spread(self._act, at.torque[at.has_torque], at.has_torque)
+        torque = _spread(self._act, at.torque, at.has_torque)
         later = next_torque(torque, self.motor_torque, self.loop_decay, self.loop_most)
         return np.where(at.has_torque, later, self.motor_torque)
 
@@ -120,10 +120,9 @@ def stack_numbers(machines: Sequence[Machine]) -> dict[str, Array]:
 
 
 def _spread(values: Array, places: IntArray, where: BoolArray) -> Array:
-    """Read the values at `places` for the joints `where`, 0 for the others, (B, N)."""
-    found = values[:, places]
-    if found.shape[1] == len(where):
-        return found
-    spread = np.zeros((len(found), len(where)))
-    spread[:, where] = found
-    return spread
+    """Read the values at `places` (N,) for the joints `where`, 0 for the others, (B, N)."""
+    if where.all():
+        return values[:, places]
+    if not where.any():
+        return np.zeros((len(values), len(where)))
+    return np.where(where, values[:, np.where(where, places, 0)], 0.0)

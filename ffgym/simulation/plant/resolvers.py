@@ -6,6 +6,7 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array, BoolArray, IntArray
+from ffgym.effects import ResolverEffect, ResolverError
 from ffgym.robot import RobotDescription
 
 
@@ -36,12 +37,17 @@ class Resolvers:
         self._step = np.array([[robot.sensors.resolver_step] for robot in robots])
         shape = (len(robots), robots[0].n_joints)
         self._angle, self._speed = np.zeros(shape), np.zeros(shape)
-        self._count = np.zeros((len(robots), 1))
+        self._count = np.zeros(shape)
 
     @property
     def memory(self) -> tuple[Array, Array, Array]:
-        """Angles [rad] and speeds [rad/s] that were read last, (B, N) each, and physics steps since then, (B, 1)."""
+        """Angles [rad] and speeds [rad/s] that were read last, (B, N) each, and physics steps since then, (B, N)."""
         return self._angle, self._speed, self._count
+
+    @property
+    def numbers(self) -> dict[str, Array]:
+        """Physics steps between readings, their period [s] and step [rad], and who reads, (B, 1) each."""
+        return {"every": self._every, "period": self._period, "step": self._step, "present": self.present}
 
     def begin(self, rows: IntArray | slice, angle: Array, speed: Array) -> None:
         """Read resolvers at motor angles [rad] of robots that move at `speed` [rad/s] up to now, (B', N) each."""
@@ -52,24 +58,59 @@ class Resolvers:
         self._count[rows] = 0.0
 
     def count(self, rows: IntArray | slice) -> BoolArray | None:
-        """Go one physics step on; returns the mask of robots whose time to read has come, (B', 1), None for none."""
-        count = self._count[rows] + 1
-        due = count >= self._every[rows]
-        if not due.any():
-            self._count[rows] = count
-            return None
-        self._count[rows] = np.where(due, 0.0, count)
-        return due
+        """Go one physics step on; returns the mask of robots whose time to read has come, (B', N), None for none."""
+        self._count[rows], due = count_step(self._count[rows], self._every[rows])
+        return due if due.any() else None
 
     def look(self, rows: IntArray | slice, due: BoolArray, angle: Array) -> None:
-        """Read resolvers at motor angles [rad] (B', N) of the robots that are `due`, (B', 1)."""
-        now, before = _round(angle, self._step[rows]), self._angle[rows]
-        self._speed[rows] = np.where(due, (now - before) / self._period[rows], self._speed[rows])
-        self._angle[rows] = np.where(due, now, before)
+        """Read resolvers at motor angles [rad] of the robots that are `due`, (B', N) each."""
+        before = self._angle[rows], self._speed[rows]
+        self._angle[rows], self._speed[rows] = look_again(before, due, angle, self._step[rows], self._period[rows])
 
     def read(self, rows: IntArray | slice) -> tuple[Array, Array]:
         """Angles [rad] and speeds [rad/s] that were read last, (B', N) each."""
         return self._angle[rows], self._speed[rows]
+
+
+def count_step(count: Array, every: Array) -> tuple[Array, BoolArray]:
+    """Count a physics step, (..., N); returns steps since the last reading, and where it is time for the next."""
+    count = count + 1
+    due = count >= every
+    return np.where(due, 0.0, count), due
+
+
+def look_again(
+    before: tuple[Array, Array], due: BoolArray, angle: Array, step: Array, period: Array
+) -> tuple[Array, Array]:
+    """Return angles [rad] and speeds [rad/s] as resolvers read them now where it is time, else those `before`."""
+    now, (last, speed) = _round(angle, step), before
+    return np.where(due, now, last), np.where(due, (now - last) / period, speed)
+
+
+def sum_errors(effects: Sequence[ResolverEffect], motor_angle: Array, motor_speed: Array) -> ResolverError:
+    """Sum all errors of the position sensors, one after the other as in `Machine.read_by_resolver`."""
+    angle, speed = motor_angle, motor_speed
+    for effect in effects:
+        error = effect.error(angle, speed)
+        angle, speed = angle + error.angle, speed + error.speed
+    return ResolverError(angle=angle - motor_angle, speed=speed - motor_speed)
+
+
+def read_beyond(
+    read: tuple[Array, Array], angle: Array, speed: Array, error: ResolverError, present: BoolArray
+) -> ResolverError:
+    """What servos know beyond true motor angles [rad] and speeds [rad/s], (..., N) each.
+
+    Args:
+        read: angles and speeds that resolvers have read last.
+        angle: true ones.
+        speed: true ones.
+        error: of the sensors, for servos that read nothing.
+        present: mask of robots whose servos read resolvers.
+    """
+    return ResolverError(
+        angle=np.where(present, read[0] - angle, error.angle), speed=np.where(present, read[1] - speed, error.speed)
+    )
 
 
 def _round(angle: Array, step: Array) -> Array:

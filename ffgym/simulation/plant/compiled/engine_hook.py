@@ -1,0 +1,125 @@
+"""Compiled physics steps within MuJoCo's own: its control callback, and the addresses of its data."""
+
+import ctypes
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import cache
+
+import mujoco
+import numpy as np
+from mujoco import batch
+
+from ffgym.core.types import Array, IntArray
+from ffgym.simulation.plant.compiled.code import compile_code
+
+FIELDS = ("qpos", "qvel", "act", "ctrl", "qfrc_applied", "qfrc_actuator", "qacc", "xfrc_applied")
+"""Fields of MuJoCo's data that a physics step of effects reads or writes."""
+
+_MARK = 4.8271e-301
+"""Number by which a simulation of ours is known; chosen: no force that anybody applies."""
+
+_PROBE = """
+<mujoco>
+  <worldbody><body><joint name="j"/><geom size="1"/></body></worldbody>
+  <actuator><general joint="j" dyntype="integrator"/></actuator>
+</mujoco>
+"""
+
+
+@cache
+def data_offsets() -> dict[str, int]:
+    """Offsets [B] of `FIELDS` and of the time in MuJoCo's structure of data, found in a simulation that is made here.
+
+    Pointers are looked for by the addresses that MuJoCo's own Python package gives for their arrays.
+    """
+    data = mujoco.MjData(mujoco.MjModel.from_xml_string(_PROBE))
+    data.time = 1.2345678901e89
+    wanted = {getattr(data, name).ctypes.data: name for name in FIELDS}
+    wanted[int(np.float64(data.time).view(np.int64))] = "time"
+    # fields without elements share the address of the next one, so that the last place is the right one
+    found: dict[str, int] = {}
+    words = ctypes.cast(data._address, ctypes.POINTER(ctypes.c_int64))
+    place = 0
+    while len(found) < len(wanted) or words[place] in wanted:
+        if (name := wanted.get(words[place])) is not None:
+            found[name] = 8 * place
+        place += 1
+    return found
+
+
+@cache
+def _callback() -> tuple[object, object]:
+    """MuJoCo's callback: calls the compiled step of a simulation that bears our mark; kept with its module."""
+    text = f"""
+define void @callback(ptr %model, ptr %data) {{
+entry:
+  %slot = getelementptr i8, ptr %data, i64 {data_offsets()["xfrc_applied"]}
+  %force = load ptr, ptr %slot
+  %mark = load double, ptr %force
+  %ours = fcmp oeq double %mark, 0x{np.float64(_MARK).view(np.uint64):016X}
+  br i1 %ours, label %step, label %done
+step:
+  %context.p = getelementptr double, ptr %force, i64 1
+  %context.d = load double, ptr %context.p
+  %context.i = fptoui double %context.d to i64
+  %context = inttoptr i64 %context.i to ptr
+  %row.p = getelementptr double, ptr %force, i64 2
+  %row.d = load double, ptr %row.p
+  %row = fptosi double %row.d to i64
+  %function = load ptr, ptr %context
+  call void %function(ptr %context, i64 %row, ptr %data)
+  br label %done
+done:
+  ret void
+}}
+"""
+    module = compile_code(text)
+    kind = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)
+    return module, kind(module.get_function_address("callback"))
+
+
+_lock = threading.Lock()
+_users = 0
+
+
+def is_free() -> bool:
+    """Tell if no control callback of someone else is set, which ours would replace."""
+    return _users > 0 or mujoco.get_mjcb_control() is None
+
+
+@contextmanager
+def hooked(engine: batch.Batch, context: IntArray, rows: IntArray | slice) -> Iterator[None]:
+    """Let physics steps of simulations `rows` begin with a compiled step.
+
+    The callback is one for the whole process, and leaves all simulations alone that do not bear our mark: forces on the
+    world's body, which MuJoCo does not read. They stand in the state only for as long as this lasts.
+
+    Args:
+        engine: simulations.
+        context: table of the compiled step; its first entry is the address of the function.
+        rows: which simulations.
+    """
+    global _users
+    marks = engine.bind("xfrc_applied")[:, 0, :3]
+    own = np.empty((engine.nsim, 3))
+    own[:, 0], own[:, 1], own[:, 2] = _MARK, context.ctypes.data, np.arange(engine.nsim)
+    with _lock:
+        _users += 1
+        if _users == 1:
+            mujoco.set_mjcb_control(_callback()[1])
+    marks[rows] = own[rows]
+    try:
+        yield
+    finally:
+        marks[rows] = 0.0
+        with _lock:
+            _users -= 1
+            if _users == 0:
+                mujoco.set_mjcb_control(None)
+
+
+def address(array: Array | IntArray) -> int:
+    """Address of an array's first number."""
+    assert array.flags.c_contiguous
+    return array.ctypes.data
