@@ -13,7 +13,7 @@ from ffgym.effects import EFFECTS, ResolverEffect, TorqueEffect, Torques, parame
 from ffgym.robot import load_robot
 from ffgym.simulation.plant import Climate, Machine, Plant
 from ffgym.simulation.plant.compiled import engine_hook, functions
-from ffgym.simulation.plant.compiled.code import LoopCode, Place, Slots, compile_code, declarations
+from ffgym.simulation.plant.compiled.code import JointPlace, LoopCode, Slots, compile_code, declarations
 from ffgym.simulation.plant.compiled.operations import LIBRARY, OPERATIONS
 from ffgym.simulation.plant.compiled.tracing import Graph
 from ffgym.workcell import draw, workcell
@@ -248,8 +248,8 @@ def test_each_operation_is_that_of_numpy(name):
     given = [graph.given(k).nodes[()] for k in range(len(operands))]
     node = graph.cast(graph.apply(name, given), "number")
     code = LoopCode("probe", len(one), Slots())
-    (value,) = code.compute([node], lambda k: Place(base=f"%in{k}"))
-    code.store(value, Place(base="%out"))
+    (value,) = code.compute([node], lambda k: JointPlace(base=f"%in{k}"))
+    code.store(value, JointPlace(base="%out"))
     module = compile_code("\n".join([declarations(), code.function(["ptr %in0", "ptr %in1", "ptr %out"], [])]))
     found = np.empty(len(one))
     call = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 3)(module.get_function_address("probe"))

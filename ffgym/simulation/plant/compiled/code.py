@@ -24,7 +24,7 @@ class Slots:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Place:
+class JointPlace:
     """Address of a number of each joint: base pointer, and the index from it."""
 
     base: str
@@ -50,7 +50,7 @@ class LoopCode:
         self._count += 1
         return f"%v{self._count}"
 
-    def compute(self, nodes: Iterable[Node], places: Callable[[Any], Place | str]) -> list[str]:
+    def compute(self, nodes: Iterable[Node], places: Callable[[Any], JointPlace | str]) -> list[str]:
         """Compute nodes; returns their names in the code.
 
         Args:
@@ -59,7 +59,7 @@ class LoopCode:
         """
         return [self._compute(node, places) for node in nodes]
 
-    def _compute(self, wanted: Node, places: Callable[[Any], Place | str]) -> str:
+    def _compute(self, wanted: Node, places: Callable[[Any], JointPlace | str]) -> str:
         stack = [wanted]
         while stack:
             node = stack[-1]
@@ -74,11 +74,11 @@ class LoopCode:
             stack.pop()
         return self._values[wanted]
 
-    def _emit(self, node: Node, places: Callable[[Any], Place | str]) -> str:
+    def _emit(self, node: Node, places: Callable[[Any], JointPlace | str]) -> str:
         if node.operation == "number":
             return _literal(float.fromhex(node.value))
         if node.is_fixed:
-            name = self.load(Place(base="%numbers", offset=self._slots.place(node) * self._n))
+            name = self.load(JointPlace(base="%numbers", offset=self._slots.place(node) * self._n))
             return self._true(name) if node.gives == "truth" else name
         if node.operation == "given":
             place = places(node.value)
@@ -114,7 +114,7 @@ class LoopCode:
             f"{name} = load double, ptr {name}.p",
         ]
 
-    def _pointer(self, place: Place) -> str:
+    def _pointer(self, place: JointPlace) -> str:
         name = self._new()
         if place.addresses is None:
             self.lines.append(f"{name}.s = mul i64 %joint, {place.stride}")
@@ -130,13 +130,13 @@ class LoopCode:
             return f"{name}.else"
         return name
 
-    def load(self, place: Place) -> str:
+    def load(self, place: JointPlace) -> str:
         """Load the number at a place; returns its name in the code."""
         pointer, name = self._pointer(place), self._new()
         self.lines.append(f"{name} = load double, ptr {pointer}")
         return name
 
-    def store(self, value: str, place: Place) -> None:
+    def store(self, value: str, place: JointPlace) -> None:
         """Store a number at a place."""
         self.lines.append(f"store double {value}, ptr {self._pointer(place)}")
 

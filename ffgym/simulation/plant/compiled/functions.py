@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
-from ffgym.simulation.plant.compiled.code import LoopCode, Place, Slots, compile_code, declarations
+from ffgym.simulation.plant.compiled.code import JointPlace, LoopCode, Slots, compile_code, declarations
 from ffgym.simulation.plant.compiled.engine_hook import FIELDS, data_offsets
 from ffgym.simulation.plant.compiled.formulas import Layout, Stores, trace_step
 from ffgym.simulation.plant.compiled.tracing import Graph, Node
@@ -15,7 +15,7 @@ CONTEXT = ("function", "numbers", "steps", "driven", "acceleration", "reading", 
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Code:
+class StepCode:
     """Compiled step of a layout."""
 
     graph: Graph
@@ -29,7 +29,7 @@ class Code:
 
 
 @lru_cache(maxsize=256)
-def compile_layout(layout: Layout) -> Code:
+def compile_layout(layout: Layout) -> StepCode:
     """Compile the step of a layout.
 
     Raises:
@@ -53,7 +53,7 @@ def compile_layout(layout: Layout) -> Code:
         text.append(code.function(["ptr %context", "i64 %row", *names], _rows(layout, len(slots.places))))
     module = compile_code("\n".join([*text, _on_step(layout), _finish(layout)]))
     kind = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 4, *[ctypes.c_int64] * 2)
-    return Code(
+    return StepCode(
         graph=graph,
         slots=tuple(slots.places),
         module=module,
@@ -66,25 +66,25 @@ def _write(code: LoopCode, layout: Layout, stores: Stores) -> None:
     """Write code that computes and stores; all is loaded before anything is stored."""
     sizes = dict(layout.memories)
 
-    def place(source: Any) -> Place | str:
+    def place(source: Any) -> JointPlace | str:
         if source == "time":
             return "%time"
         what, where, *rest = source
         if what == "memory":
-            return Place(base=f"%memory.{where}", stride=sizes[where], offset=rest[0])
+            return JointPlace(base=f"%memory.{where}", stride=sizes[where], offset=rest[0])
         if what == "known":
-            return Place(base="%known", offset=where)
-        return Place(base=f"%{where}", addresses=rest[0])
+            return JointPlace(base="%known", offset=where)
+        return JointPlace(base=f"%{where}", addresses=rest[0])
 
     values = code.compute([node for _, node in stores], place)
     for value, (source, _) in zip(values, stores, strict=True):
         target = place(source)
-        assert isinstance(target, Place)
+        assert isinstance(target, JointPlace)
         code.store(value, target)
 
 
 def _rows(layout: Layout, n_numbers: int) -> list[str]:
-    """Code that finds the numbers and memories of a robot."""
+    """Write code that finds the numbers and memories of a robot."""
     entries = [("%numbers", 1, n_numbers)]
     entries += [(f"%memory.{name}", len(CONTEXT) + k, size) for k, (name, size) in enumerate(layout.memories)]
     lines = []
@@ -98,12 +98,12 @@ def _rows(layout: Layout, n_numbers: int) -> list[str]:
 
 
 def _entry(name: str, entry: int, kind: str = "ptr") -> list[str]:
-    """Code that loads an entry of the table of a compiled step."""
+    """Write code that loads an entry of the table of a compiled step."""
     return [f"{name}.e = getelementptr ptr, ptr %context, i64 {entry}", f"{name} = load {kind}, ptr {name}.e"]
 
 
 def _on_step(layout: Layout) -> str:
-    """Code that MuJoCo calls before each physics step of a simulation."""
+    """Write code that MuJoCo calls before each physics step of a simulation."""
     offsets = data_offsets()
     lines = [f"%unread = alloca [{2 * layout.n_joints} x double]"]
     for name in (*FIELDS[:7], "time"):
@@ -145,7 +145,7 @@ def _on_step(layout: Layout) -> str:
 
 
 def _finish(layout: Layout) -> str:
-    """Code that reads resolvers after the last physics step, and finds the place for what servos know then."""
+    """Write code that reads resolvers after the last physics step, and finds the place for what servos know then."""
     entries = [line for name in ("reading", "position", "length") for line in _entry(f"%{name}", CONTEXT.index(name))]
     known = [
         *entries,
