@@ -80,7 +80,7 @@ def test_workcells_and_real_drives_are_measured_against_the_nominal_robot_and_ag
     ratios = list(cell_ratios(1, threads=1))
     assert [ratio.wanted for ratio in ratios] == [*[0.6] * 3, *[None] * 3, 0.6, None, 10.0]
     assert "one / real time" in ratios[-1].title
-    assert all(0.05 < ratio.quartiles()[1] < 1.5 for ratio in ratios[:-1])
+    assert all(0.1 < ratio.quartiles()[1] < 100 for ratio in ratios)
 
 
 def test_the_bare_engine_steps_as_often_as_the_environment():
