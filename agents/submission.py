@@ -75,12 +75,15 @@ def rows_beside(names: Sequence[str], robot: RobotDescription) -> dict[str, Poli
     """Make the laws that a submission is compared with, by name; all see equally far ahead, and so run side by side.
 
     Raises:
-        FFGymError: if a law is unknown, needs more than a description, or does not run sample by sample.
+        FFGymError: if a law is unknown, or is not made from the robot's description alone.
     """
 
     def make(name: str, robot: RobotDescription) -> FeedForwardLaw:
         return make_law(name, AgentSetting.of(robot))
 
+    for name in names:
+        if find_entry(name).name not in SUBMITTED:
+            raise FFGymError(f"Agent {name!r} learns, or needs a whole motion at once; choose {', '.join(SUBMITTED)}.")
     preview = max(causal(make(name, robot)).preview for name in names)
     return {name: LawPolicy(make=partial(make, name), preview=preview) for name in names}
 

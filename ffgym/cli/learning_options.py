@@ -221,6 +221,9 @@ class Verify:
     """Revealed round of ffgym leaderboard round, whose machines and motions are run."""
     committed: Path | None = None
     """File of the same round that was published before; its hash must be that of the revealed one."""
+    beside: tuple[str, ...] = ("elastic",)
+    """Laws of docs/agents to run on the same machines and motions, which need no learning; elastic and zero action
+    always run."""
     json: Path | None = None
     """Also write the verdict to this file, accepted or refused."""
     threads: Threads = 0

@@ -42,6 +42,8 @@ def verify(config: Verify) -> None:
     """Check, run, print."""
     check_outputs({"--json": config.json}, inputs=(config.submission, config.round, config.committed))
     drawn = find_round(config)
+    names = tuple(dict.fromkeys((BASE, *config.beside)))
+    beside = {} if drawn is None else rows_beside(names, load_robot(controller_of(drawn.plants[0])))
     info = provenance("ffgym leaderboard verify", config, ROBOT, None, None if drawn is None else drawn.seed)
     scored = None
     try:
@@ -51,8 +53,7 @@ def verify(config: Verify) -> None:
         judge = Judge(loaders=LOADERS, n_threads=config.threads, stage=progress_bar)
         verdict = judge.verify(data)
         if drawn is not None:
-            robot = load_robot(controller_of(drawn.plants[0]))
-            scored = verify_drawn(judge, data, drawn, rows_beside((BASE,), robot))
+            scored = verify_drawn(judge, data, drawn, beside)
     except Refused as refusal:
         write_numbers(config, info | {"accepted": False, "check": refusal.check, "reason": refusal.reason})
         raise FFGymError(f"{config.submission}: {refusal}") from refusal

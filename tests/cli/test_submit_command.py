@@ -72,7 +72,8 @@ def test_a_committed_round_is_run_after_it_was_revealed_and_its_seed_repeats_it(
     assert f"commitment: {published['commitment']}" in out
 
     verify = ["leaderboard", "verify", "agent.zip", "--json", "verdict.json"]
-    assert main([*verify, "--round", "round_secret.json", "--committed", "round.json"]) == 0
+    committed = ["--round", "round_secret.json", "--committed", "round.json"]
+    assert main([*verify, *committed, "--beside", "lugre_dynamic"]) == 0
     lines = capsys.readouterr().out.splitlines()
     [line] = [
         line for line in lines if line.startswith("mine by somebody, causal, nominal parameters: accepted, rank ")
@@ -81,7 +82,7 @@ def test_a_committed_round_is_run_after_it_was_revealed_and_its_seed_repeats_it(
     assert "robot time: 0 s before the scored motions, as counted here; 5 s in training, as claimed" in lines
     first = json.loads((small / "verdict.json").read_text())
     assert first["drawn"]["round"] == secret
-    assert sorted(row["name"] for row in first["drawn"]["rows"]) == ["elastic", "mine", "none"]
+    assert sorted(row["name"] for row in first["drawn"]["rows"]) == ["elastic", "lugre_dynamic", "mine", "none"]
 
     options = Verify(submission=small, round_seed=secret["seed"], machines=2, motions=1, series="draw:")
     again = submission.find_round(options)
@@ -97,6 +98,8 @@ def test_a_committed_round_is_run_after_it_was_revealed_and_its_seed_repeats_it(
         (["--round", "other.json", "--committed", "round.json"], "not the one that was committed to"),
         (["--machines", "-1"], "machines of a round = -1"),
         (["--series", "robot:"], "Unknown plant"),
+        (["--beside", "nobody"], "Unknown agent 'nobody'"),
+        (["--beside", "bsn_extended"], "learns"),
     ],
 )
 def test_a_round_that_cannot_be_run_is_told_in_one_line_before_anything_runs(small, capsys, options, message):

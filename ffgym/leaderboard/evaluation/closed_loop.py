@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
+from zlib import crc32
 
 import gymnasium as gym
 import numpy as np
@@ -50,7 +51,8 @@ def run_rollouts(
 
     Args:
         plant: the machine.
-        machines: machine of each task, all under the controller of `plant`; None runs every task on that.
+        machines: machine of each task, all under the controller of `plant`, each with noise of its own; None runs
+            every task on `plant`.
         policies: policies to run, all with one preview and one action scale.
         tasks: motions for each of them.
         agents: agents in place of the policies' own, e.g. in another process; None makes these.
@@ -80,10 +82,11 @@ def run_rollouts(
         rollouts = _run(env, recorder, decide, observation, progress)
     finally:
         env.close()
-    # sensors' noise by task and seed, whatever runs beside
+    # sensors' noise by task, seed and machine, whatever runs beside
     for i, rollout in enumerate(rollouts):
         if rollout.recording is not None:
-            rng = np.random.default_rng(noise_seed(tasks[i % n], own[i // n]))
+            of_machine = [] if machines is None else [crc32(machines[i % n].name.encode())]
+            rng = np.random.default_rng([*noise_seed(tasks[i % n], own[i // n]), *of_machine])
             rollouts[i] = replace(rollout, recording=measure(rollout.recording, of_tasks[i % n].sensors, rng))
     return [rollouts[i : i + n] for i in range(0, len(rollouts), n)]
 

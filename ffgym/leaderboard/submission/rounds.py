@@ -26,6 +26,8 @@ FORMAT = 1
 """Version of the files of rounds; see docs/leaderboard/submissions.md."""
 DRAWN = "drawn"
 """Split of motions that are drawn."""
+SERIES = WORKCELL
+"""Series of the machines of a verification: prefix of their names, which a number follows."""
 MACHINES, MOTIONS = 10, 6
 """Machines and motions of a verification. Chosen: intervals over ten machines, in a minute on two cores."""
 SEEDS = 10**6, 10**9
@@ -50,7 +52,7 @@ class Round:
     """Number of machines."""
     motions: int = MOTIONS
     """Number of motions; every machine runs all of them."""
-    series: str = WORKCELL
+    series: str = SERIES
     """Prefix of the names of the machines, which a number follows."""
     salt: str = ""
     """Random text that the hash covers; empty for a round that nobody committed to."""
@@ -98,7 +100,7 @@ class Round:
         return {"format": FORMAT, "commitment": self.commitment, **asdict(self)}
 
 
-def draw_round(*, machines: int = MACHINES, motions: int = MOTIONS, series: str = WORKCELL) -> Round:
+def draw_round(*, machines: int = MACHINES, motions: int = MOTIONS, series: str = SERIES) -> Round:
     """Draw a round with a fresh seed and salt from the randomness of the operating system."""
     return Round(
         seed=secrets.randbits(53), salt=secrets.token_hex(32), machines=machines, motions=motions, series=series
