@@ -116,7 +116,11 @@ def _drawn_numbers(scored: DrawnVerdict) -> dict[str, Any]:
         "round": scored.round.revealed(),
         "plants": dict(scored.fingerprints),
         "motions": to_json(scored.motions),
-        "rows": to_json(scored.rows),
+        "rows": [
+            {"name": row.name, "rank": row.rank, "public": row.public, "score": to_json(row.score)}
+            | {"circles": [{"plant": o.plant} | to_json(cell) for o in row.row.outcomes for cell in o.cells]}
+            for row in scored.rows
+        ],
         "against_base": to_json(scored.against_base),
         "public_against_base": scored.public_ratio,
         "memorised": scored.is_memorised,

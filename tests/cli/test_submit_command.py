@@ -3,6 +3,7 @@
 import json
 from dataclasses import fields
 
+import numpy as np
 import pytest
 
 from ffgym.cli import submission
@@ -82,7 +83,14 @@ def test_a_committed_round_is_run_after_it_was_revealed_and_its_seed_repeats_it(
     assert "robot time: 0 s before the scored motions, as counted here; 5 s in training, as claimed" in lines
     first = json.loads((small / "verdict.json").read_text())
     assert first["drawn"]["round"] == secret
-    assert sorted(row["name"] for row in first["drawn"]["rows"]) == ["elastic", "lugre_dynamic", "mine", "none"]
+    rows = {row["name"]: row for row in first["drawn"]["rows"]}
+    left = [
+        ours["rms_mm"] / none["rms_mm"]
+        for ours, none in zip(*(rows[n]["circles"] for n in ("mine", "none")), strict=True)
+    ]
+    assert rows["mine"]["score"]["left"] == pytest.approx(np.exp(np.mean(np.log(left))), rel=1e-9)
+    assert {circle["plant"] for circle in rows["mine"]["circles"]} == set(first["drawn"]["plants"])
+    assert sorted(rows) == ["elastic", "lugre_dynamic", "mine", "none"]
 
     options = Verify(submission=small, round_seed=secret["seed"], machines=2, motions=1, series="draw:")
     again = submission.find_round(options)

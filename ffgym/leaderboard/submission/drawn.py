@@ -44,13 +44,19 @@ and motions, or it is called memorised; chosen: a half."""
 class DrawnRow:
     """One row on the drawn machines and motions."""
 
-    name: str
+    row: Row
+    """Errors on every machine and motion."""
     rank: int
     """Rank on drawn machines and motions; rows that the interval over machines does not tell apart share one."""
     score: Score
     """Score on drawn machines and motions."""
     public: float
     """Error left on the public circles, in that of zero action: geometric mean."""
+
+    @property
+    def name(self) -> str:
+        """Name of the row."""
+        return self.row.name
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -166,7 +172,7 @@ def verify_drawn(judge: Judge, data: bytes, drawn: Round, beside: Mapping[str, P
         motions=motions,
         rows=tuple(
             DrawnRow(
-                name=each.row.name,
+                row=each.row,
                 rank=ranks[each.row.name],
                 score=compute_score(each, grid, zero, None),
                 public=left[each.row.name],
