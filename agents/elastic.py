@@ -160,6 +160,11 @@ class ElasticLaw(CausalLaw):
         torque[0] = 0.0
         return torque
 
+    def own_errors(self, reference: Reference) -> tuple[Array, Array]:
+        """Compute the errors of `own_error` for all samples at once."""
+        lead, drive = self._along(reference)[1], self.model.robot.drive
+        return -drive.motor_angle(lead.angle), -drive.motor_angle(lead.speed)
+
     def motor_torque(self, reference: Reference) -> Array:
         """Compute all torque that the motors must give, gravity included [N m], shape (T, N).
 

@@ -17,6 +17,7 @@ from ffgym.agents.residual.composition import per_motor
 from ffgym.agents.residual.plan import ENCODER_BITS, ENVIRONMENT
 from ffgym.agents.residual.policy import ResidualPolicy
 from ffgym.core.errors import FFGymError, check_whole
+from ffgym.core.registration import find_spec
 from ffgym.core.types import Array
 from ffgym.envs import Sensing
 from ffgym.robot import load_robot
@@ -88,7 +89,7 @@ def _errors(policy: ResidualPolicy, robot: str, plants: int, seed: int) -> Array
     # one robot for each plant, point and speed, all at once
     count = plants * len(POINTS) * len(SPEEDS)
     env: Any = gym.make_vec(
-        ENVIRONMENT,
+        find_spec(ENVIRONMENT),
         num_envs=count,
         autoreset_mode=AutoresetMode.SAME_STEP,
         robot=robot,

@@ -17,7 +17,7 @@ from ffgym.cli.progress import progress_bar
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
 from ffgym.core.files import check_writable
 from ffgym.core.measures import rms
-from ffgym.core.registration import ENVIRONMENTS
+from ffgym.core.registration import ENVIRONMENTS, find_spec
 from ffgym.core.types import Array
 from ffgym.envs import ResidualAction
 from ffgym.envs.machines import WORKCELL, is_workcell, make_rig
@@ -90,7 +90,7 @@ def make(config: Play) -> Any:
         machine["plant"] = name
     law = next(law for law in thesis_laws(robot) if law.name == config.law)
     return gym.make(
-        config.env,
+        find_spec(config.env),
         render_mode="rgb_array",
         layers=(ResidualAction(law),),
         action_scale=ACTION_SCALE,

@@ -105,6 +105,19 @@ class CausalLaw(FeedForwardLaw):
         still = np.zeros((*memory.shape[:-1], self.n_joints))
         return still, still
 
+    def own_errors(self, reference: Reference) -> tuple[Array, Array]:
+        """Return `own_error` at every sample of a reference, position [rad] and speed [rad/s], shape (T, N) each."""
+        self.check_joints(reference)
+        angle, speed = np.zeros_like(reference.q), np.zeros_like(reference.q)
+        if type(self).own_error is CausalLaw.own_error:
+            return angle, speed
+        windows = Window.along(reference, self.preview)
+        memory = self.initial_memory(windows[0])
+        for k in range(len(angle) - 1):
+            angle[k + 1], speed[k + 1] = self.own_error(memory)
+            memory = self.step(memory, windows[k])[1]
+        return angle, speed
+
     def torque(self, reference: Reference) -> Array:
         """Return torque along a whole reference, motor side [N m], shape (T, N); zero at sample 0, which is set before.
 

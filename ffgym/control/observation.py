@@ -27,24 +27,49 @@ class ObservationEntry:
     meaning: str
 
 
+TENTHS = 0.1
+"""Unit of errors beside features, in f_s / K: errors under a law that knows its robot are tenths of it."""
+
+
 class ObservationLayout(Mapping[str, ObservationEntry]):
     """Entries of an observation by name; `read` gives physical values without counting of indices.
 
     Sample 0 of the reference is now; `reference_velocity` is sample 0, `reference_velocity_1` the one after it, and so
     on up to `preview`. An action sets the torque that is reached at sample 1.
+
+    Args:
+        robot: robot of the controller.
+        preview: samples of the reference after the present one.
+        action_torque: torque of an action of 1, motor side [N m], shape (N,).
+        sees_errors: False leaves out the errors of the motors, as the track feed-forward does.
+        features: True adds the torque of the base at the next sample and the direction of each sample of the reference,
+            and counts errors in tenths.
     """
 
-    def __init__(self, robot: RobotDescription, preview: int, action_torque: Array) -> None:
+    def __init__(
+        self,
+        robot: RobotDescription,
+        preview: int,
+        action_torque: Array,
+        *,
+        sees_errors: bool = True,
+        features: bool = False,
+    ) -> None:
         self.preview = check_whole("preview", preview, low=0, high=1000)
         self.n_joints = n = robot.n_joints
+        self.sees_errors, self.features = sees_errors, features
         scales = Scales.of(robot)
         # scale of each entry: tracking error, its rate, last action, then the reference over the preview
         motor_position = scales.position * robot.drive.gear_ratio  # with its sign, as joint positions are read
         length = " or ".join(dict.fromkeys(robot.kinematics.units))
         reference = np.concatenate([motor_position, scales.velocity, scales.acceleration])
-        self._scale = np.concatenate(
-            [scales.error, scales.error_rate, np.ones(n), np.tile(reference, self.preview + 1)]  # actions as they are
-        )
+        unit = TENTHS if features else 1.0
+        errors = {"error": unit * scales.error, "error_rate": unit * scales.error_rate}
+        self._stribeck_velocity, breakaway = robot.friction.stribeck_velocity, robot.friction.static
+        before = [*(errors.values() if sees_errors else ()), np.ones(n), *([breakaway] if features else [])]
+        direction = np.ones(n if features else 0)
+        ahead_of_now = np.tile(np.concatenate([reference, direction]), self.preview + 1)
+        self._scale = np.concatenate([*before, ahead_of_now])
         # catalogue of entries by name, in the order of the vector
         self._entries: dict[str, ObservationEntry] = {}
 
@@ -54,9 +79,13 @@ class ObservationLayout(Mapping[str, ObservationEntry]):
                 slice=slice(start, start + n), unit=unit, side=side, scale=scale, meaning=meaning
             )
 
-        add("error", "rad", scales.error, "position error, reference - measured")
-        add("error_rate", "rad/s", scales.error_rate, "speed error, reference - measured")
+        beyond = ", beyond what the base asks for" if features else ""
+        if sees_errors:
+            add("error", "rad", errors["error"], f"position error, reference - measured{beyond}")
+            add("error_rate", "rad/s", errors["error_rate"], f"speed error, reference - measured{beyond}")
         add("added_torque", "N m", action_torque, "added torque now: the last action")
+        if features:
+            add("base_torque", "N m", breakaway, "torque of the base law one control step ahead")
         # reference now and ahead, which lets a policy act before an error shows
         for k in range(self.preview + 1):
             when = "now" if k == 0 else f"{k} control step{'s' if k > 1 else ''} ahead"
@@ -69,6 +98,9 @@ class ObservationLayout(Mapping[str, ObservationEntry]):
             )
             add(ahead("reference_velocity", k), "rad/s", scales.velocity, f"motor speed of the reference, {when}")
             add(ahead("reference_acceleration", k), "rad/s^2", scales.acceleration, f"motor acceleration of it, {when}")
+            if features:
+                meaning = f"tanh of the motor speed of the reference in Stribeck velocities, {when}"
+                add(ahead("reference_direction", k), "1", np.ones(n), meaning)
 
     def __getitem__(self, name: str) -> ObservationEntry:
         return self._entries[check_choice("observation entry", name, list(self._entries))]
@@ -87,7 +119,9 @@ class ObservationLayout(Mapping[str, ObservationEntry]):
         """Length of an observation."""
         return len(self._entries) * self.n_joints
 
-    def encode(self, error: Array, error_rate: Array, action: Array, reference: Array) -> Array:
+    def encode(
+        self, error: Array, error_rate: Array, action: Array, reference: Array, base: Array | None = None
+    ) -> Array:
         """Encode observations (B, D): scaled and clipped.
 
         Args:
@@ -96,8 +130,15 @@ class ObservationLayout(Mapping[str, ObservationEntry]):
             action: last action, shape (B, N).
             reference: position, velocity, acceleration, motor side, of samples 0 to `preview`, shape (B, P + 1, 3 N);
                 positions are joint positions times gear ratio, without what coupled joints add.
+            base: torque of the base at sample 1, motor side [N m], shape (B, N); for features alone.
         """
-        out = np.concatenate((error, error_rate, action, reference.reshape(len(error), -1)), axis=1)
+        before = (error, error_rate, action) if self.sees_errors else (action,)
+        if self.features:
+            assert base is not None  # an environment with features has the torque of its base
+            n, before = self.n_joints, (*before, base)
+            direction = np.tanh(reference[:, :, n : 2 * n] / self._stribeck_velocity)
+            reference = np.concatenate((reference, direction), axis=2)
+        out = np.concatenate((*before, reference.reshape(len(error), -1)), axis=1)
         out /= self._scale
         np.maximum(out, -BOUND, out=out)
         return np.minimum(out, BOUND, out=out)

@@ -20,6 +20,7 @@ from .recorder import EpisodeRecorder as EpisodeRecorder
 from .rendering import Rendering as Rendering
 from .rewards import AbsolutePathError as AbsolutePathError
 from .rewards import FeedbackEffort as FeedbackEffort
+from .rewards import LogRMSError as LogRMSError
 from .rewards import MotorError as MotorError
 from .rewards import RelativePathError as RelativePathError
 from .rewards import Reward as Reward
@@ -29,3 +30,4 @@ from .settings import EnvSettings as EnvSettings
 from .tasks import EngineStage as EngineStage
 from .tasks import Sensing as Sensing
 from .tasks import Transition as Transition
+from .vector import EnvState as EnvState

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ffgym.control import FeedForwardLaw
 from ffgym.control.setpoints import interpolate_motion
 from ffgym.core.types import Array, IntArray
 from ffgym.envs.motion import EpisodeMotion, MotionColumns
@@ -25,10 +26,18 @@ class MotionBank:
         columns: columns of the rows.
         padding: number of copies of the last row of a motion behind it.
         plant: plant whose controls are kept; None keeps none.
+        base: law whose torque is in the rows; None for none.
     """
 
-    def __init__(self, n: int, columns: MotionColumns, padding: int, plant: Plant | None = None) -> None:
-        self.columns, self._plant, self._padding = columns, plant, padding
+    def __init__(
+        self,
+        n: int,
+        columns: MotionColumns,
+        padding: int,
+        plant: Plant | None = None,
+        base: FeedForwardLaw | None = None,
+    ) -> None:
+        self.columns, self._plant, self._padding, self._base = columns, plant, padding, base
         self._table = np.zeros((0, columns.width))
         self._controls = None if plant is None else np.zeros((0, plant.n_substeps, plant.model.nu))
         self._filled = 0
@@ -61,7 +70,7 @@ class MotionBank:
         return self._controls.take(first if ids is None else first[ids], axis=0)
 
     def _store(self, motion: EpisodeMotion) -> None:
-        rows, start = motion.rows(self._padding), self._filled
+        rows, start = motion.rows(self._padding, self._base), self._filled
         if start + len(rows) > len(self._table):
             self._make_room(len(rows))
             start = self._filled

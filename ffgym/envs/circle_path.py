@@ -154,8 +154,9 @@ class WorkcellCirclesVectorEnv(CirclePathVectorEnv):
 
     Args:
         num_envs: number of workcells.
-        workcell: name, with or without "workcell:", or seed of one that is drawn; reset option plant, e.g.
-            "workcell:12", changes it for an episode.
+        workcell: name, with or without "workcell:", or seed of one that is drawn; or a list of these, of one make of
+            controller, one of which is drawn for each episode. Reset option plant, e.g. "workcell:12", changes it
+            for an episode.
         autoreset_mode: Gymnasium's NextStep, SameStep or Disabled.
         render_mode: 'rgb_array' or None.
         arguments: others of `CirclePathVectorEnv`, but for robot, plant and randomization.
@@ -165,7 +166,7 @@ class WorkcellCirclesVectorEnv(CirclePathVectorEnv):
         self,
         num_envs: int = 1,
         *,
-        workcell: str | int = "thesis",
+        workcell: str | int | Sequence[str | int] = "thesis",
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         render_mode: str | None = None,
         **arguments: Any,
@@ -176,11 +177,17 @@ class WorkcellCirclesVectorEnv(CirclePathVectorEnv):
                     f"{name} = {arguments[name]!r} cannot be given: a workcell has fixed parameters. Choose another by "
                     f"workcell=<name or seed>, or use ffgym/CirclePath-v0."
                 )
-        plant = WORKCELL + str(workcell).removeprefix(WORKCELL)
+        listed = workcell if isinstance(workcell, Sequence) and not isinstance(workcell, str) else [workcell]
+        plants = [WORKCELL + str(one).removeprefix(WORKCELL) for one in listed]
+        controllers = sorted({find_controller(plant) for plant in plants})
+        if len(controllers) != 1:
+            raise FFGymError(
+                f"workcell = {workcell!r} must be workcells of one controller, at least one; those have {controllers}."
+            )
         super().__init__(
             num_envs,
-            robot=find_controller(plant),
-            plant=plant,
+            robot=controllers[0],
+            plant=plants if len(plants) > 1 else plants[0],
             autoreset_mode=autoreset_mode,
             render_mode=render_mode,
             **({"sensing": Sensing(encoder_bits=16)} | arguments),

@@ -12,21 +12,45 @@ import mujoco
 import numpy as np
 from gymnasium import spaces
 
-from ffgym.control.observation import BOUND, ObservationLayout
+from ffgym.control.observation import BOUND, ObservationLayout, Scales
 from ffgym.control.setpoints import interpolate_motion, interpolate_torque, servo_torque
-from ffgym.core.errors import check_whole
+from ffgym.core.errors import FFGymError, check_whole
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.envs.bank import MotionBank, path_error
+from ffgym.envs.bases import find_base
 from ffgym.envs.motion import EpisodeMotion, MotionColumns
 from ffgym.envs.rewards import Reward, RewardSignals, find_reward
 from ffgym.envs.settings import EnvSettings
 from ffgym.envs.start import Starts
-from ffgym.envs.tasks import MotorSensors, Observer, Tasks, Transition
+from ffgym.envs.tasks import MotorSensors, Observer, Tasks, Transition, copy_changing, restore_changing
 from ffgym.recordings import PHASE_KINDS
 from ffgym.simulation.plant import Plant
 
 _POSITIONS = mujoco.mjtStage.mjSTAGE_POS.value
 _PHASES = np.array(PHASE_KINDS)
+
+
+_CHANGING = (
+    "step_index",
+    "_last_step",
+    "action",
+    "clipped",
+    "_mean_square",
+    "_circle",
+    "tcp_offset",
+    "_centre",
+    "_normal",
+    "_rewards",
+    "_one_reward",
+    "_scores",
+    "_running",
+    "_in_step",
+    "_labels",
+    "_window",
+    "_seen",
+    "signals",
+)
+"""Attributes of the core that steps and resets change, beside those of its parts."""
 
 
 class TrackingCore:
@@ -37,20 +61,29 @@ class TrackingCore:
         self.tasks, self.settings, self.robot = tasks, settings, tasks.robot
         robot = self.robot
         self.starts = Starts(tasks, n, settings)
-        self.plant = Plant(self.starts.machine, n, n_threads=settings.n_threads)
+        self.plant = Plant(self.starts.machines[0], n, n_threads=settings.n_threads)
         self.plant.check_controller(robot)
         # spaces of observations and actions
         self.action_torque = settings.action_torque(robot)
         """Added torque of an action of 1, motor side [N m], shape (N,)."""
-        self.observation_layout = layout = ObservationLayout(robot, settings.preview, self.action_torque)
+        self.observation_layout = layout = ObservationLayout(
+            robot,
+            settings.preview,
+            self.action_torque,
+            sees_errors=settings.track == "feedback",
+            features=settings.features,
+        )
         self.observation_space: spaces.Box = spaces.Box(-BOUND, BOUND, shape=(layout.size,), dtype=np.float64)
         self.action_space: spaces.Box = spaces.Box(-1.0, 1.0, shape=(robot.n_joints,), dtype=np.float32)
         self.decision_dt = robot.servo.control_dt
         self.columns = MotionColumns(n_joints=robot.n_joints, has_tcp=robot.tool is not None)
         # samples of the reference ahead, and instants of physics steps within a control step
         self._width = max(layout.preview + 1, 2)
+        self._error_scale = Scales.of(robot).error
         self._fractions = np.arange(self.plant.n_substeps) / self.plant.n_substeps
-        self._bank = MotionBank(n, self.columns, self._width, self.plant)
+        self.base = find_base(settings.base, robot)
+        """Law whose torque is added beside the action; None for none."""
+        self._bank = MotionBank(n, self.columns, self._width, self.plant, self.base)
         if self.columns.has_tcp:
             self._sites = self.plant.batch.bind("site_xpos")
             self._tcp_site = self.plant.model.site("tcp").id
@@ -66,11 +99,17 @@ class TrackingCore:
         self._last_step: IntArray = np.zeros(n, dtype=np.int64)
         self.action = np.zeros((n, n_joints))
         """Applied action, reached at the present sample, shape (B, N)."""
+        self.clipped: BoolArray = np.zeros((n, n_joints), dtype=np.bool_)
+        """True where the last action was beyond its limits and was clipped, shape (B, N)."""
+        self._mean_square = np.zeros(n)
+        """Mean square of the scored error over the circle so far, shape (B,), see `RewardSignals`."""
+        self._circle: Array = np.full(n, -1.0)
         self.tcp_offset = np.zeros((n, 3))
         """TCP - reference at the start of the episode [m], shape (B, 3)."""
         self._centre, self._normal = np.zeros((n, 3)), np.zeros((n, 3))
         self._rewards: list[Reward] = [find_reward(self.settings.reward, self.robot)] * n
         self._one_reward = True
+        self._scores = self._rewards[0].uses_mean_square
         self._touched = False
         self._running: BoolArray = np.zeros(n, dtype=np.bool_)
         self._in_step = True
@@ -117,6 +156,7 @@ class TrackingCore:
                 self._centre[i], self._normal[i] = start.motion.plane
         self._labels = np.array([str(motion.label) if motion else "" for motion in self.motions])
         self._one_reward = len({id(reward) for reward in self._rewards}) == 1
+        self._scores = any(reward.uses_mean_square for reward in self._rewards)
         # first observation
         fresh = np.zeros(self.n, dtype=np.bool_)
         fresh[ids] = True
@@ -126,6 +166,33 @@ class TrackingCore:
         for observer in self.observers:
             observer.begin(ids)
         return self._observe()
+
+    def save(self) -> list[dict[str, Any]]:
+        """Copy all that steps and resets change.
+
+        Raises:
+            FFGymError: if episodes are recorded: a recording cannot go back.
+        """
+        if self.settings.recorder is not None:
+            raise FFGymError(
+                "The state cannot be taken while episodes are recorded; make an environment without recorder."
+            )
+        own = copy_changing(self, _CHANGING)
+        parts = {"plant": self.plant.save(), "starts": self.starts.save(), "sensors": self._sensors.save()}
+        return [own | {"motions": list(self.motions), **parts}]
+
+    def restore(self, saved: Sequence[Mapping[str, Any]]) -> None:
+        """Go back to what `save` copied, to the bit."""
+        own = dict(saved[0])
+        self.plant.restore(own.pop("plant"))
+        restore_changing(self.starts, own.pop("starts"))
+        restore_changing(self._sensors, own.pop("sensors"))
+        for i, motion in enumerate(own.pop("motions")):
+            if motion is not None:
+                self._bank.assign(i, motion)
+        restore_changing(self, own)
+        if self.columns.has_tcp:  # which pictures show
+            self.plant.batch.forward(None, stage=_POSITIONS)
 
     @contextmanager
     def all_or_nothing(self, ids: IntArray) -> Iterator[None]:
@@ -148,6 +215,7 @@ class TrackingCore:
         """Put robots to the start of their motions, in equilibrium."""
         self._running, self._in_step = self.running, True
         self.step_index[ids], self.action[ids], self._running[ids] = 0, 0.0, True
+        self.clipped[ids] = False
         if self.columns.has_tcp:
             self.plant.batch.forward(ids, stage=_POSITIONS)
             reference = np.stack([motion.arm.tcp_position(motion.reference.q[:1])[0] for motion in motions])
@@ -167,14 +235,16 @@ class TrackingCore:
         """
         if active is not None and active.all():
             active = None
-        action = np.minimum(np.maximum(action, -1.0), 1.0)
+        wanted, action = action, np.minimum(np.maximum(action, -1.0), 1.0)
+        clipped = wanted != action
         # move, and count the step
         self._in_step = False  # until engine and counters agree again
         self._move(action, None if active is None else np.flatnonzero(active))
         if active is None:
-            self.action, self.step_index = action, self.step_index + 1
+            self.action, self.clipped, self.step_index = action, clipped, self.step_index + 1
         else:
             self.action = np.where(active[:, None], action, self.action)
+            self.clipped = np.where(active[:, None], clipped, self.clipped)
             self.step_index = self.step_index + active
         # ends and reward
         self._look(active)
@@ -212,7 +282,7 @@ class TrackingCore:
         if ids is not None:
             rows, last, action = rows[ids], last[ids], action[ids]
         # feed-forward plus added torque at both ends of the step
-        torque = rows[:, :2, at.feedforward].copy()
+        torque = rows[:, :2, at.feedforward].copy() if self.base is None else self.feedforward(rows[:, :2])
         torque[:, 0] += last * self.action_torque
         torque[:, 1] += action * self.action_torque
         # set-points, kept or interpolated
@@ -225,6 +295,15 @@ class TrackingCore:
         interpolate_torque(torque, self._fractions, self.plant.split_controls(controls[:, None])[2])
         return controls
 
+    def feedforward(self, rows: Array) -> Array:
+        """Compute rigid feed-forward and torque of the base [N m], motor side, of rows (..., W); shape (..., N)."""
+        both: Array = rows[..., self.columns.feedforward] + rows[..., self.columns.base]
+        return both
+
+    def added_torque(self, action: Array, ids: IntArray) -> Array:
+        """Compute the torque of base and actions (B', N) [N m], motor side, at the next sample of `ids`."""
+        return action * self.action_torque + self._window[ids, 1, self.columns.base]
+
     def _look(self, fresh: BoolArray | None) -> None:
         """Read the state after a step or a reset; sensors are sampled where it is `fresh`, None is everywhere."""
         # error of the servos
@@ -236,13 +315,17 @@ class TrackingCore:
         error, error_rate = both[:, :n], both[:, n:]
         # true signals, for rewards and info
         tcp = self._sites[:, self._tcp_site].copy() if at.has_tcp else None
+        away = None if tcp is None else path_error(tcp - self.tcp_offset, now, at, self._centre, self._normal)
+        before, after = self._score(error, away, fresh) if self._scores else (None, None)
         self.signals = RewardSignals(
             error=error,
             error_rate=error_rate,
             feedback=servo_torque(self.robot.servo, error, error_rate, state[:, 2 * n :]),
             action=self.action,
             tcp=tcp,
-            path_error=None if tcp is None else path_error(tcp - self.tcp_offset, now, at, self._centre, self._normal),
+            path_error=away,
+            mean_square_before=before,
+            mean_square=after,
         )
         # error that sensors measure, for observations
         if self._sensors.exact:
@@ -251,6 +334,26 @@ class TrackingCore:
         angle, speed = self._sensors.read(state[:, :n], state[:, n : 2 * n], fresh, self.step_index == 0)
         self._seen = (now[:, at.position] - angle, now[:, at.velocity] - speed)
 
+    def _score(self, error: Array, away: Array | None, fresh: BoolArray | None) -> tuple[Array, Array]:
+        """Add the present error to the mean square over its circle; return it before and after, shape (B,) each.
+
+        Args:
+            error: of the motors [rad], shape (B, N), scored by a robot without tool.
+            away: distance of the TCP from its path [m], shape (B,); None for a robot without tool.
+            fresh: where there is a new sample, shape (B,); None is everywhere.
+        """
+        now, at = self._window[:, 0], self.columns
+        per_motor = error / self._error_scale if away is None else away[:, None]
+        square = np.square(per_motor).sum(axis=1) / per_motor.shape[1]
+        # a circle begins with the first sample of another number, and an episode with its first sample
+        circle, share = now[:, at.circle], now[:, at.share]
+        begins = (circle != self._circle) | (self.step_index == 0)
+        before = np.where(begins, 0.0, self._mean_square)
+        after = before + share * square
+        self._mean_square = after if fresh is None else np.where(fresh, after, self._mean_square)
+        self._circle = circle if fresh is None else np.where(fresh, circle, self._circle)
+        return before, after
+
     def _observe(self) -> Array:
         """Encode observations, shape (B, D)."""
         window = self._window[:, : self.observation_layout.preview + 1, self.columns.reference]
@@ -258,7 +361,13 @@ class TrackingCore:
         if drive.coupling is not None:  # laws divide by the own gear ratio only
             window = window.copy()
             window[..., at.position] = drive.joint_angle(window[..., at.position]) * drive.gear_ratio
-        return self.observation_layout.encode(*self._seen, self.action, window)
+        if not self.settings.features:
+            return self.observation_layout.encode(*self._seen, self.action, window)
+        # errors that the base asks for itself say nothing of the machine
+        n, asked = self.robot.n_joints, self._window[:, 0, at.base_error]
+        error, error_rate = self._seen[0] - asked[:, :n], self._seen[1] - asked[:, n:]
+        base = self._window[:, 1, at.base]
+        return self.observation_layout.encode(error, error_rate, self.action, window, base)
 
     def _reward(self, stopped: BoolArray) -> Array:
         """Compute the reward of the last step, shape (B,)."""
@@ -268,10 +377,10 @@ class TrackingCore:
         each = {key: reward(self.signals, self.robot, stopped) for key, reward in rewards.items()}
         return np.array([each[id(reward)][i] for i, reward in enumerate(self._rewards)])
 
-    def info(self) -> dict[str, Array]:
+    def info(self) -> dict[str, Any]:
         """Return signals of machine and simulation beside the observation, each of shape (B, ...), copies."""
         now, signals, at = self._window[:, 0], self.signals, self.columns
-        out: dict[str, Array] = {
+        out: dict[str, Any] = {
             "time": self.time,
             "u_c": signals.feedback.u_fb.copy(),
             "u_i": signals.feedback.u_i.copy(),
@@ -279,6 +388,7 @@ class TrackingCore:
             "phase": _PHASES[now[:, at.phase].astype(np.int64)],
             "circle": now[:, at.circle].astype(np.int64),
             "task": self._labels.copy(),
+            "clipped": self.clipped.copy(),
         }
         if signals.tcp is not None and signals.path_error is not None:
             out |= {"tcp": signals.tcp.copy(), "path_error": signals.path_error.copy()}

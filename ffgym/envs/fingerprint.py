@@ -16,6 +16,7 @@ import numpy as np
 from mujoco import batch
 
 from ffgym.core.errors import FFGymError
+from ffgym.core.registration import find_spec
 from ffgym.core.types import Array
 from ffgym.robot import model_field
 
@@ -37,6 +38,10 @@ EPISODES: tuple[dict[str, Any], ...] = (
 environment lacks are left out; seeds count from 0."""
 
 
+_UNRECORDED = ("clipped",)
+"""Entries of info that came after the first fingerprints, and follow from action and limits."""
+
+
 def fingerprint(name: str) -> dict[str, Any]:
     """Compute the fingerprint of a registered environment with its default arguments.
 
@@ -44,7 +49,7 @@ def fingerprint(name: str) -> dict[str, Any]:
         `mujoco` (version), `model` (hash of the compiled model's numbers), `layout` (of the observation) and
         `behaviour` (numbers along seeded episodes: observations, rewards, torques).
     """
-    core = gym.make(name).unwrapped.core  # type: ignore[attr-defined]
+    core = gym.make(find_spec(name)).unwrapped.core  # type: ignore[attr-defined]
     behaviour = [number for seed, options in enumerate(EPISODES) for number in _episode(name, seed, dict(options))]
     return {
         "mujoco": mujoco.__version__,
@@ -57,7 +62,7 @@ def fingerprint(name: str) -> dict[str, Any]:
 def _episode(name: str, seed: int, options: dict[str, Any]) -> list[float]:
     """Run an episode; return its numbers: observations, sum of rewards, and everything in info."""
     limit = {key: options.pop(key) for key in ("error_limit",) if key in options}
-    env = gym.make(name, **limit).unwrapped
+    env = gym.make(find_spec(name), **limit).unwrapped
     core = env.core  # type: ignore[attr-defined]
     if str(options.get("reward")).endswith("path_error") and core.robot.tool is None:
         return []
@@ -70,9 +75,8 @@ def _episode(name: str, seed: int, options: dict[str, Any]) -> list[float]:
         if terminated or truncated:
             break
     numbers += [*_round(observation), *_round(np.array([total]))]
-    return numbers + [
-        x for _, value in sorted(info.items()) if not isinstance(value, str | dict) for x in _round(value)
-    ]
+    told = [value for key, value in sorted(info.items()) if key not in _UNRECORDED]
+    return numbers + [x for value in told if not isinstance(value, str | dict) for x in _round(value)]
 
 
 def check(name: str) -> None:

@@ -9,7 +9,7 @@ vector environment, in every autoreset mode and in the SB3 adapter. (Gymnasium's
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, final
+from typing import Any, ClassVar, final
 
 import numpy as np
 from gymnasium import spaces
@@ -19,7 +19,7 @@ from ffgym.core.errors import FFGymError, check_number, check_shape, check_whole
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.envs.core import TrackingCore
 from ffgym.envs.motion import EpisodeMotion
-from ffgym.envs.tasks import KEPT, EngineStage, Transition
+from ffgym.envs.tasks import KEPT, EngineStage, Transition, copy_changing, restore_changing
 
 
 class Layer(ABC):
@@ -31,7 +31,10 @@ class Layer(ABC):
 
 
 class PassThroughStage:
-    """A stage that changes nothing, to derive from."""
+    """A stage that changes nothing, to derive from; it lists in `changing` the attributes that steps change."""
+
+    changing: ClassVar[tuple[str, ...]] = ()
+    """Attributes that steps and resets change, by which an episode can be gone on with later."""
 
     def __init__(self, inner: EngineStage, core: TrackingCore) -> None:
         self.inner, self.core = inner, core
@@ -45,6 +48,15 @@ class PassThroughStage:
     def step(self, action: Array, active: BoolArray | None = None) -> Transition:
         """Step below."""
         return self.inner.step(action, active)
+
+    def save(self) -> list[dict[str, Any]]:
+        """Copy all that changes, here first."""
+        return [copy_changing(self, self.changing), *self.inner.save()]
+
+    def restore(self, saved: Sequence[Mapping[str, Any]]) -> None:
+        """Go back."""
+        restore_changing(self, saved[0])
+        self.inner.restore(saved[1:])
 
 
 def stack_layers(core: TrackingCore, layers: Sequence[Layer]) -> EngineStage:
@@ -80,6 +92,8 @@ class History(Layer):
 
 
 class _HistoryStage(PassThroughStage):
+    changing = ("_past",)
+
     def __init__(self, inner: EngineStage, core: TrackingCore, length: int) -> None:
         super().__init__(inner, core)
         box = inner.observation_space
@@ -120,6 +134,8 @@ class LowPassAction(Layer):
 
 
 class _LowPassStage(PassThroughStage):
+    changing = ("_filtered",)
+
     def __init__(self, inner: EngineStage, core: TrackingCore, share: float) -> None:
         super().__init__(inner, core)
         self._share = share
@@ -204,6 +220,8 @@ class ResidualAction(Layer):
 
 
 class _ResidualLawStage(PassThroughStage):
+    changing = ("_torques",)
+
     def __init__(self, inner: EngineStage, core: TrackingCore, law: FeedForwardLaw, scale: float) -> None:
         super().__init__(inner, core)
         if inner.decision_dt != core.robot.servo.control_dt:
@@ -237,6 +255,8 @@ class _ResidualLawStage(PassThroughStage):
 
 
 class _ResidualAgentStage(PassThroughStage):
+    changing = ("_memory", "_starts", "_observation")
+
     def __init__(self, inner: EngineStage, core: TrackingCore, layer: ResidualAction) -> None:
         super().__init__(inner, core)
         self._layer = layer

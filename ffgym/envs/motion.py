@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from ffgym.control import rigid_feedforward
-from ffgym.core.errors import FFGymError
+from ffgym.control import CausalLaw, FeedForwardLaw, rigid_feedforward
+from ffgym.core.errors import FFGymError, check_shape
 from ffgym.core.types import Array, BoolArray
 from ffgym.paths import Reference
 from ffgym.recordings import PHASE_KINDS, Phase
@@ -45,6 +45,13 @@ class MotionColumns:
     """Number of the circle in the motion, from 0, with its leads; -1 between circles."""
     radius: int = field(init=False)
     """Radius [m] on a circle, 0 elsewhere."""
+    share: int = field(init=False)
+    """Share of the sample in the mean square error of its circle, or of the motion if it has none; 0 where errors do
+    not count."""
+    base: slice = field(init=False)
+    """Torque of the base law [N m]."""
+    base_error: slice = field(init=False)
+    """Errors that the base law asks for, position [rad] and speed [rad/s]."""
     tcp: slice = field(init=False)
     """TCP of a rigid arm on the reference [m]; no columns for a robot without tool."""
     tangent: slice = field(init=False)
@@ -54,20 +61,23 @@ class MotionColumns:
 
     def __post_init__(self) -> None:
         n = self.n_joints
-        base = 4 * n
-        wide = 3 if self.has_tcp else 0
+        one, wide = 4 * n, 3 if self.has_tcp else 0
+        tcp = one + 4 + 3 * n
         for name, value in {
             "position": slice(0, n),
             "velocity": slice(n, 2 * n),
             "acceleration": slice(2 * n, 3 * n),
             "reference": slice(0, 3 * n),
-            "feedforward": slice(3 * n, base),
-            "phase": base,
-            "circle": base + 1,
-            "radius": base + 2,
-            "tcp": slice(base + 3, base + 3 + wide),
-            "tangent": slice(base + 3 + wide, base + 3 + 2 * wide),
-            "bend": slice(base + 3 + 2 * wide, base + 3 + 3 * wide),
+            "feedforward": slice(3 * n, one),
+            "phase": one,
+            "circle": one + 1,
+            "radius": one + 2,
+            "share": one + 3,
+            "base": slice(one + 4, one + 4 + n),
+            "base_error": slice(one + 4 + n, tcp),
+            "tcp": slice(tcp, tcp + wide),
+            "tangent": slice(tcp + wide, tcp + 2 * wide),
+            "bend": slice(tcp + 2 * wide, tcp + 3 * wide),
         }.items():
             object.__setattr__(self, name, value)
 
@@ -144,8 +154,13 @@ class EpisodeMotion:
         """Mark the samples of a phase, shape (T,)."""
         return (self.reference.t >= phase.start) & (self.reference.t < phase.end)
 
-    def rows(self, padding: int) -> Array:
-        """Compute one row per sample, and copy the last one `padding` times; shape (T + padding, W)."""
+    def rows(self, padding: int, base: FeedForwardLaw | None = None) -> Array:
+        """Compute one row per sample, and copy the last one `padding` times; shape (T + padding, W).
+
+        Args:
+            padding: number of copies of the last row.
+            base: law whose torque is added at every sample; None adds nothing.
+        """
         reference, at = self.reference, self.columns
         rows = np.zeros((len(reference.t), at.width))
         rows[:, at.position] = reference.motor_q
@@ -153,6 +168,12 @@ class EpisodeMotion:
         rows[:, at.acceleration] = reference.motor_ddq
         rows[:, at.feedforward] = rigid_feedforward(self.arm, reference)
         self._write_phases(rows)
+        _write_shares(rows, at)
+        if base is not None:
+            name = f"torque of feed-forward law {base.name!r}"
+            rows[:, at.base] = check_shape(name, base.torque(reference), reference.q.shape)
+            if isinstance(base, CausalLaw):
+                rows[:, at.base_error] = np.hstack(base.own_errors(reference))
         if at.has_tcp:
             rows[:, at.tcp] = self.arm.tcp_position(reference.q)
             rows[:, at.tangent] = _directions(rows[:, at.tcp])
@@ -178,6 +199,17 @@ class EpisodeMotion:
             circle_here = self._circles.get(phase)
             if circle_here is not None and in_plane:
                 rows[on, at.radius] = circle_here.radius
+
+
+def _write_shares(rows: Array, at: MotionColumns) -> None:
+    """Write the share of each sample in the score: those on circles count if there are any, else all that move."""
+    scored, circle = PHASE_KINDS.index("circle"), rows[:, at.circle]
+    if not np.any(rows[:, at.phase] == scored):
+        scored, circle = PHASE_KINDS.index("motion"), np.zeros(len(rows))
+    counts = rows[:, at.phase] == scored
+    for one in np.unique(circle[counts]):
+        own = counts & (circle == one)
+        rows[own, at.share] = 1 / own.sum()
 
 
 def _directions(points: Array) -> Array:

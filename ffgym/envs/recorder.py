@@ -68,7 +68,7 @@ class EpisodeRecorder:
         state = (engine.qpos, engine.qvel, engine.act, core.plant.reading())
         for i in ids.tolist():
             self._parts[i] = [tuple(None if part is None else part[i : i + 1].copy() for part in state)]
-            self._actions[i] = [np.zeros(core.robot.n_joints)]
+            self._actions[i] = [core.rows[i, core.columns.base].copy()]
 
     def add(self, core: "TrackingCore", ids: IntArray, states: Sequence[Array | None], action: Array) -> None:
         """Keep states of one control step of sub-environments `ids`, and their actions (B', N).
@@ -76,9 +76,10 @@ class EpisodeRecorder:
         `states` are qpos, qvel, act (B', S, ...), and what servos read, None if they read nothing.
         """
         rows = slice(self._stride - 1, None, self._stride)
+        added = core.added_torque(action, ids)
         for k, i in enumerate(ids.tolist()):
             self._parts[i].append(tuple(None if part is None else part[k, rows].copy() for part in states))
-            self._actions[i].append(action[k] * core.action_torque)
+            self._actions[i].append(added[k])
 
     def end(self, core: "TrackingCore", ids: IntArray) -> None:
         """Turn the episodes of sub-environments `ids` into recordings."""

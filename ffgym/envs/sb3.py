@@ -16,6 +16,7 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 
 from ffgym.core.errors import FFGymError, check_choice
+from ffgym.core.registration import find_spec
 from ffgym.core.types import Array, BoolArray
 
 try:
@@ -37,7 +38,7 @@ def make_sb3_env(name: str, n_envs: int = 1, *, info_keys: Sequence[str] = (), *
     for own, instead in {"num_envs": "n_envs", "autoreset_mode": "nothing, it is always SameStep"}.items():
         if own in kwargs:
             raise FFGymError(f"{own} = {kwargs[own]!r} is not for make_sb3_env; give {instead}.")
-    env = gym.make_vec(name, num_envs=n_envs, autoreset_mode=AutoresetMode.SAME_STEP, **kwargs)
+    env = gym.make_vec(find_spec(name), num_envs=n_envs, autoreset_mode=AutoresetMode.SAME_STEP, **kwargs)
     return SB3VecEnv(env, info_keys=info_keys)
 
 

@@ -3,10 +3,11 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, cast, overload
 
 import numpy as np
 
+from ffgym.control import FeedForwardLaw
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_shape, check_whole
 from ffgym.core.types import Array
 from ffgym.envs.recorder import EpisodeRecorder
@@ -23,6 +24,12 @@ ACTION_SCALE = 2.5
 """Torque of an action of 1, in breakaway torques. Static LuGre needs 2.4 on the fastest test motion; the peaks of
 dynamic LuGre need 2.9 on circles at 40 mm/s and 6.7 at 100 mm/s, so choose 8 there. Elastic feed-forward, which moves
 the motors against their servos, needs 7.2 and 102."""
+SENSINGS = {"exact": Sensing(), "resolver": Sensing(encoder_bits=16)}
+"""Sensing by name."""
+TRACKS = ("feedback", "feed-forward")
+"""Tracks: whether an agent sees the present error of the motors."""
+PlantName = Machine | RobotDescription | str | Path
+"""A machine, a description, or the name of one."""
 ERROR_LIMIT = 0.5
 """Servo error at which the controller stops, motor side [rad]; four times the largest uncompensated error of the circle
 test (0.11 rad, joint 1 at 100 mm/s)."""
@@ -32,22 +39,31 @@ test (0.11 rad, joint 1 at 100 mm/s)."""
 class EnvSettings:
     """Keyword arguments of every environment."""
 
-    plant: Machine | RobotDescription | str | Path | None = None
+    plant: PlantName | Sequence[PlantName] | None = None
     """Simulated robot if it is not the nominal one of the controller: a description, a built-in name, a path to a
-    description that ends in .toml, or a machine with physical effects of its own."""
+    description that ends in .toml, or a machine with physical effects of its own; or a list of these, one of which is
+    drawn for each episode."""
     randomization: PlantDistribution | None = None
     """Distribution of plants around `plant`, drawn for every episode; None always simulates `plant` itself."""
     reward: str | Reward = "motor_error"
     """'motor_error', 'path_error' (privileged), 'feedback_effort', or a Reward with its own weights."""
     action_scale: float | Sequence[float] = ACTION_SCALE
-    """Added torque of an action of 1, in units of each joint's breakaway torque f_s; one number, or one per joint."""
+    """Added torque of an action of 1, in units of each joint's breakaway torque f_s; one number, or one per joint.
+    `bound` is another name of it."""
+    base: str | FeedForwardLaw = "none"
+    """Law whose torque is added beside the action, however large: 'none', 'lugre_static', 'lugre_dynamic', 'elastic',
+    'model:machine.toml', made for the robot of the controller, or a law."""
+    track: Literal["feedback", "feed-forward"] = "feedback"
+    """'feedback' observes the motors' errors, 'feed-forward' the reference and what is added alone."""
+    features: bool = False
+    """True observes directions of motion and the torque of the base, too; errors then count in tenths."""
     preview: int = 1
     """Samples of the reference after the present one that are observed."""
     horizon: int | None = None
     """Longest episode [control steps]; None runs to the end of the motion."""
     error_limit: float = ERROR_LIMIT
     """Position error of any motor at which the controller stops the robot, motor side [rad]."""
-    sensing: Sensing = field(default_factory=Sensing)
+    sensing: Sensing | str = field(default_factory=Sensing)
     """Measurement of the motor angle that the agent observes."""
     sampling: Literal["random", "sequence"] = "random"
     """'random' draws the motion of each episode; 'sequence' runs all motions of the task one after the other: the k-th
@@ -71,7 +87,11 @@ class EnvSettings:
         limit = check_number("error_limit", self.error_limit, unit="rad", low=0.0, open_low=True)
         object.__setattr__(self, "error_limit", limit)
         check_choice("sampling", self.sampling, ("random", "sequence"))
+        check_choice("track", self.track, TRACKS)
+        if not isinstance(self.features, bool):
+            raise FFGymError(f"features = {self.features!r} must be True or False.")
         check_horizon(self.horizon)
+        object.__setattr__(self, "sensing", find_sensing(self.sensing))
         for name in _KINDS:
             check_kind(name, getattr(self, name))
 
@@ -82,9 +102,12 @@ class EnvSettings:
         Raises:
             FFGymError: if one is unknown.
         """
-        known = [*own, *(f.name for f in fields(cls))]
+        known = [*own, *(f.name for f in fields(cls)), "bound"]
         for name in values:
             check_choice("keyword argument", name, known)
+        if "bound" in values:  # which an id may set, so that it gives way to the older name
+            values = {"action_scale": values["bound"]} | values
+            del values["bound"]
         return cls(**values)
 
     def action_torque(self, robot: RobotDescription) -> Array:
@@ -106,6 +129,13 @@ _KINDS: dict[str, tuple[type, bool, str]] = {
 """Class of an argument, True if it may be None, and an example."""
 
 
+def find_sensing(sensing: Sensing | str) -> Sensing:
+    """Return sensing as it is, or by its name: 'exact', or 'resolver' for that of the built-in robots, 16 bits."""
+    if isinstance(sensing, str):
+        return SENSINGS[check_choice("sensing", sensing, list(SENSINGS))]
+    return cast(Sensing, check_kind("sensing", sensing))
+
+
 def check_kind(name: str, value: Any) -> Any:
     """Return the value of an argument if it is of its kind, by `_KINDS`."""
     kind, may_be_none, example = _KINDS[name]
@@ -115,6 +145,10 @@ def check_kind(name: str, value: Any) -> Any:
     raise FFGymError(f"{name} = {value!r} must be of class {kind.__name__}, e.g. {example}{also}.")
 
 
+@overload
+def check_horizon(horizon: int) -> int: ...
+@overload
+def check_horizon(horizon: None) -> None: ...
 def check_horizon(horizon: int | None) -> int | None:
     """Return a horizon [control steps] if it is None or at least one step."""
     return None if horizon is None else check_whole("horizon", horizon, unit="control steps", low=1)

@@ -11,7 +11,7 @@ from ffgym.control.observation import ObservationLayout
 from ffgym.core.errors import FFGymError, check_shape
 from ffgym.core.types import Array
 from ffgym.envs.arguments import check_seed
-from ffgym.envs.vector import TrackingVectorEnv
+from ffgym.envs.vector import EnvState, TrackingVectorEnv
 
 
 class TrackingEnv(gym.Env[Array, Array]):
@@ -94,6 +94,22 @@ class TrackingEnv(gym.Env[Array, Array]):
         if self.render_mode == "human":
             self._batch.show()
         return observation[0], float(reward[0]), bool(terminated[0]), bool(truncated[0]), _first(info)
+
+    def get_state(self) -> EnvState:
+        """Return all that decides how the episode goes on, as a copy, for planning; see `set_state`.
+
+        Raises:
+            FFGymError: if no episode has begun, or episodes are recorded.
+        """
+        return self._batch.get_state()
+
+    def set_state(self, state: EnvState) -> None:
+        """Go back to a state of this environment, bit for bit; Gymnasium's wrappers keep counters of their own.
+
+        Raises:
+            FFGymError: if the state is of another environment.
+        """
+        self._batch.set_state(state)
 
     def render(self) -> NDArray[np.uint8] | None:
         """Render the present state, (height, width, 3) of uint8; None in mode 'human', which shows it."""

@@ -12,8 +12,8 @@ from ffgym.core.types import IntArray
 from ffgym.envs.machines import find_machine
 from ffgym.envs.motion import EpisodeMotion
 from ffgym.envs.rewards import Reward, find_reward
-from ffgym.envs.settings import EnvSettings, check_horizon, check_kind
-from ffgym.envs.tasks import Sensing, Tasks
+from ffgym.envs.settings import EnvSettings, check_horizon, check_kind, find_sensing
+from ffgym.envs.tasks import Sensing, Tasks, copy_changing
 from ffgym.simulation.plant import Machine
 
 COMMON_OPTIONS = ("plant", "randomization", "reward", "sensing", "horizon")
@@ -40,8 +40,12 @@ class Starts:
 
     def __init__(self, tasks: Tasks, n: int, settings: EnvSettings) -> None:
         self.tasks, self._n, self._settings = tasks, n, settings
-        self.machine = Machine.of(tasks.robot) if settings.plant is None else find_machine(settings.plant)
-        """Simulated machine, before randomisation."""
+        plant = settings.plant
+        listed = plant if isinstance(plant, Sequence) and not isinstance(plant, str) else (plant,)
+        self.machines = [Machine.of(tasks.robot) if one is None else find_machine(one) for one in listed]
+        """Simulated machines, one of which is drawn for each episode, before randomisation."""
+        if not self.machines:
+            raise FFGymError("plant = [] must name at least one machine, e.g. plant=['workcell:drives-1'].")
         self._listed = tasks.list_options() if settings.sampling == "sequence" else []
         if settings.sampling == "sequence" and not self._listed:
             raise FFGymError("sampling = 'sequence' needs motions that can be listed; random motions cannot.")
@@ -74,13 +78,15 @@ class Starts:
         assert rng is not None  # the environment seeds before it resets
         horizon = check_horizon(options.get("horizon", settings.horizon))
         reward = find_reward(options.get("reward", settings.reward), self.tasks.robot)
-        sensing = check_kind("sensing", options.get("sensing", settings.sensing))
+        sensing = find_sensing(options.get("sensing", settings.sensing))
         distribution = check_kind("randomization", options.get("randomization", settings.randomization))
         task = {k: v for k, v in options.items() if k in self.tasks.option_names and v is not None}
         if self._listed:
             task = self._listed[int(i + self._episodes[i] * self._n) % len(self._listed)] | task
         motion = self.tasks.draw(rng, task)
-        machine = find_machine(options["plant"]) if options.get("plant") is not None else self.machine
+        machine = self.machines[0] if len(self.machines) == 1 else self.machines[int(rng.integers(len(self.machines)))]
+        if options.get("plant") is not None:
+            machine = find_machine(options["plant"])
         if distribution is not None:
             machine = machine.with_robot(distribution.draw(machine.robot, rng))
         return EpisodeStart(
@@ -91,6 +97,10 @@ class Starts:
             sensing=sensing,
             noise=np.random.default_rng(rng.integers(2**63)),
         )
+
+    def save(self) -> dict[str, Any]:
+        """Copy randomness and places in the sequence."""
+        return copy_changing(self, ("rngs", "_episodes"))
 
     @contextmanager
     def all_or_nothing(self) -> Iterator[None]:

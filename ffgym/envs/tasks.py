@@ -3,6 +3,7 @@
 from abc import ABC, abstractmethod
 from collections import OrderedDict
 from collections.abc import Callable, Hashable, Mapping, Sequence
+from copy import deepcopy
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, Protocol
@@ -43,6 +44,44 @@ class EngineStage(Protocol):
 
     def step(self, action: Array, active: BoolArray | None = None) -> Transition:
         """Take one decision where `active`, shape (B,), None is everywhere; `action` (B, N) is finite."""
+
+    def save(self) -> list[dict[str, Any]]:
+        """Copy all that steps and resets change, here first, then in the stages below."""
+
+    def restore(self, saved: Sequence[Mapping[str, Any]]) -> None:
+        """Go back to what `save` copied."""
+
+
+def copy_changing(owner: Any, names: Sequence[str]) -> dict[str, Any]:
+    """Copy attributes of an object: arrays, lists of objects that stay as they are, generators by their state."""
+    return {name: _copy(getattr(owner, name)) for name in names}
+
+
+def restore_changing(owner: Any, saved: Mapping[str, Any]) -> None:
+    """Give an object back the attributes that `copy_changing` copied; generators stay the same objects."""
+    for name, value in saved.items():
+        setattr(owner, name, _copy(value))
+
+
+@dataclass(frozen=True, eq=False)
+class _SavedGenerator:
+    """A generator of random numbers, and its state."""
+
+    rng: np.random.Generator
+    state: Any
+
+
+def _copy(value: Any) -> Any:
+    if isinstance(value, np.ndarray):
+        return value.copy()
+    if isinstance(value, list | tuple):
+        return type(value)(_copy(each) for each in value)
+    if isinstance(value, np.random.Generator):
+        return _SavedGenerator(value, deepcopy(value.bit_generator.state))
+    if isinstance(value, _SavedGenerator):
+        value.rng.bit_generator.state = deepcopy(value.state)
+        return value.rng
+    return value
 
 
 class Observer(Protocol):
@@ -142,6 +181,10 @@ class MotorSensors:
         self._rngs[i] = rng
         self._step[i], self._noise[i], self._exact[i] = sensing.step, sensing.noise, sensing.is_exact
         self.exact = bool(self._exact.all())
+
+    def save(self) -> dict[str, Any]:
+        """Copy sensors and what they measured last."""
+        return copy_changing(self, ("_step", "_noise", "_exact", "_angle", "_speed", "_rngs", "exact"))
 
     def read(self, angle: Array, speed: Array, fresh: BoolArray | None, first: BoolArray) -> tuple[Array, Array]:
         """Measure angle [rad] and speed [rad/s], shape (B, N).

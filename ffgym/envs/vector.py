@@ -1,6 +1,7 @@
 """Vector environment: Gymnasium's interface and automatic reset, around the engine."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from inspect import signature
 from typing import Any, ClassVar
 
@@ -18,8 +19,20 @@ from ffgym.envs.arguments import check_actions, options_for_each, parse_autorese
 from ffgym.envs.core import TrackingCore
 from ffgym.envs.layers import stack_layers
 from ffgym.envs.rendering import EpisodeRenderer, check_render_mode
-from ffgym.envs.settings import EnvSettings
-from ffgym.envs.tasks import Tasks, Transition, finals, masks_for, score
+from ffgym.envs.settings import EnvSettings, check_horizon
+from ffgym.envs.tasks import Tasks, Transition, copy_changing, finals, masks_for, restore_changing, score
+
+_CHANGING = ("_seeds", "_ended", "_flags", "_return", "_length")
+"""Attributes of the vector environment that steps and resets change, beside those of its stages."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class EnvState:
+    """State of an environment, for `set_state` of the same one."""
+
+    owner: "TrackingVectorEnv"
+    own: Mapping[str, Any]
+    stages: Sequence[Mapping[str, Any]]
 
 
 class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
@@ -40,6 +53,7 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
         *,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         render_mode: str | None = None,
+        max_episode_steps: int | None = None,
         **arguments: Any,
     ) -> None:
         """Make the robots.
@@ -48,9 +62,14 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
             num_envs: number of robots.
             autoreset_mode: Gymnasium's NextStep, SameStep or Disabled.
             render_mode: 'rgb_array' or None.
+            max_episode_steps: longest episode [control steps], by which Gymnasium's `make_vec` tells the limit of an
+                id; the shorter one of it and `horizon` counts.
             arguments: those of `tasks` and of `EnvSettings`.
         """
         own = list(signature(self.tasks).parameters)
+        if max_episode_steps is not None:
+            longest = check_horizon(max_episode_steps)
+            arguments["horizon"] = min(longest, arguments.get("horizon") or longest)
         tasks = self.tasks(**{name: value for name, value in arguments.items() if name in own})
         settings = EnvSettings.of({name: value for name, value in arguments.items() if name not in own}, own)
         self.autoreset_mode = parse_autoreset_mode(autoreset_mode)
@@ -155,6 +174,27 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
                 observation = self._begin_again(done)
                 info |= self._info()
         return observation, result.reward, terminated, truncated, info
+
+    def get_state(self) -> EnvState:
+        """Return all that decides how the episodes go on, as a copy, for planning: see `set_state`.
+
+        Raises:
+            FFGymError: if no episode has begun, or episodes are recorded.
+        """
+        if None in self.core.starts.rngs:
+            raise FFGymError("There is no state before the first reset; call reset.")
+        return EnvState(self, copy_changing(self, _CHANGING), self._stage.save())
+
+    def set_state(self, state: EnvState) -> None:
+        """Go back to a state of this environment, bit for bit: physics, motion, randomness, layers, flags, score.
+
+        Raises:
+            FFGymError: if the state is of another environment.
+        """
+        if not isinstance(state, EnvState) or state.owner is not self:
+            raise FFGymError(f"state = {state!r} must be one that get_state of this environment returned.")
+        self._stage.restore(state.stages)
+        restore_changing(self, state.own)
 
     def _begin_again(self, which: BoolArray) -> Array:
         """Begin new episodes without options; return all observations."""

@@ -17,6 +17,7 @@ from ffgym.agents.declaration import AgentSetting
 from ffgym.control import CausalLaw
 from ffgym.core.errors import FFGymError
 from ffgym.core.provenance import is_installed
+from ffgym.core.registration import find_spec
 from ffgym.core.types import Array
 from ffgym.effects import EFFECTS, Effect
 from ffgym.envs.machines import find_machine
@@ -139,7 +140,7 @@ class Stepped:
     """A vector environment that is stepped with random actions made beforehand."""
 
     def __init__(self, name: str, n: int, **arguments: Any) -> None:
-        self.env = gym.make_vec(name, num_envs=n, **arguments)
+        self.env = gym.make_vec(find_spec(name), num_envs=n, **arguments)
         self.env.reset(seed=0)
         shape = (64, *(self.env.action_space.shape or ()))
         self._actions = np.random.default_rng(0).uniform(-1, 1, size=shape).astype(np.float32)
@@ -201,7 +202,7 @@ def against_vectors_of_single_ones(repeats: int, threads: int, n: int = 16) -> I
 def beginnings(threads: int, n: int = 64) -> Iterator[Amount]:
     """Time that one sub-environment needs to begin an episode: at first, and with the motion known."""
     for name in (CIRCLES, JOINTS):
-        env = gym.make_vec(name, num_envs=n, n_threads=threads)
+        env = gym.make_vec(find_spec(name), num_envs=n, n_threads=threads)
         times = []
         for seed in range(6):
             began = time.perf_counter()
@@ -235,7 +236,7 @@ def decision_ratios(sizes: Sequence[int], repeats: int) -> Iterator[Ratio]:
             continue
         assert isinstance(law, CausalLaw)  # all but `none` are
         for size in sizes:
-            env = gym.make_vec(ONE_AXIS, num_envs=size, frequencies=[FREQUENCY], preview=law.preview)
+            env = gym.make_vec(find_spec(ONE_AXIS), num_envs=size, frequencies=[FREQUENCY], preview=law.preview)
             still = np.zeros(env.action_space.shape or ())
             agent, (observation, _) = LawAgent.for_env(law, env), env.reset(seed=0)
             observations = [observation, *(env.step(still)[0] for _ in range(DECISIONS - 1))]

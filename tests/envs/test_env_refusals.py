@@ -58,7 +58,10 @@ ARGUMENTS = {
         ({"horizon": 0}, "horizon = 0.0 control steps is out of range"),
         ({"horizon": -3}, "horizon = -3"),
         ({"horizon": 2.5}, "horizon = 2.5 must be a whole number"),
-        ({"reward": "best"}, "Unknown reward 'best'. Available: feedback_effort, motor_error, path_error"),
+        (
+            {"reward": "best"},
+            "Unknown reward 'best'. Available: feedback_effort, log_rms_error, motor_error, path_error",
+        ),
         ({"reward": MotorError}, "reward = .* must be one of .*motor_error.* or a Reward"),
         ({"action_scale": 0.0}, "action_scale = 0.0 must be > 0"),
         ({"action_scale": [1.0, 2.0]}, r"action_scale has shape \(2,\), must be \(1\)"),

@@ -14,7 +14,7 @@ MAKE = """
 import sys
 import gymnasium as gym
 import ffgym
-env = gym.make("ffgym/CirclePath-v0", render_mode={mode!r}, positions=["p1"], speeds=[0.1])
+env = gym.make(gym.spec("ffgym/CirclePath-v0"), render_mode={mode!r}, positions=["p1"], speeds=[0.1])
 env.reset(seed=0)
 loaded = sorted(name for name in sys.modules if name.split(".")[0] == "OpenGL" or name == "mujoco.viewer")
 print("loaded:", loaded[:1])

@@ -143,6 +143,7 @@ def test_rewards_by_name_say_whether_they_need_what_no_robot_measures():
         "motor_error": False,
         "path_error": True,
         "relative_path_error": True,
+        "log_rms_error": True,
         "feedback_effort": False,
     }
     for name, kind in REWARDS.items():

@@ -12,6 +12,7 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 
 from ffgym.control import Agent, ObservationLayout, Policy
+from ffgym.core.registration import find_spec
 from ffgym.core.types import Array, BoolArray
 from ffgym.envs import EpisodeRecorder
 from ffgym.envs.core import TrackingCore
@@ -94,7 +95,7 @@ def run_rollouts(
 def environment_for(plant: TestPlant, preview: int, action_scale: float, n: int, **arguments: Any) -> Any:
     """Make the environment of a plant: `n` sub-environments that run each task to its end and wait."""
     return gym.make_vec(
-        plant.env_id,
+        find_spec(plant.env_id),
         num_envs=n,
         autoreset_mode=AutoresetMode.DISABLED,
         preview=preview,
