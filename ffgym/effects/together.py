@@ -122,9 +122,15 @@ def find_rest(pull: Callable[[Array], Array], near: Array) -> Array:
     """
     reach: Array = np.abs(near) + _FIRST_REACH
     low, high = near - reach, near + reach
+    # what is not yet between both ends; those that are stay as they are
+    below, above = True, True
     for _ in range(_DOUBLINGS):
-        low = np.where(pull(low) > 0, low - reach, low)
-        high = np.where(pull(high) < 0, high + reach, high)
+        if below:
+            wrong = pull(low) > 0
+            low, below = np.where(wrong, low - reach, low), bool(wrong.any())
+        if above:
+            wrong = pull(high) < 0
+            high, above = np.where(wrong, high + reach, high), bool(wrong.any())
         reach = 2 * reach
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)

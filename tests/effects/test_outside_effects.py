@@ -11,6 +11,8 @@ import pytest
 from ffgym.cli.main import main
 from ffgym.core.errors import FFGymError
 from ffgym.effects import EFFECTS
+from ffgym.robot import load_robot
+from ffgym.simulation.plant import Machine, Plant
 from ffgym.workcell.equations import EQUATIONS
 from scripts.exam.equations import OUTSIDERS, VARIANTS
 
@@ -39,6 +41,15 @@ def installed(tmp_path, monkeypatch):
     monkeypatch.delitem(vars(EFFECTS), "_members")
     yield install
     sys.modules.pop("cover_friction", None)
+
+
+def test_an_effect_of_one_file_elsewhere_has_code(installed):
+    installed(blocks("python")[0])
+    robot = load_robot("one_axis")
+    plant = Plant(Machine(robot=robot, effects=(EFFECTS["cover_friction"].on(robot, share=0.01),)), 1)
+    compiled, by_numpy = plant._forces._compiled
+    assert compiled is not None
+    assert not by_numpy.any()
 
 
 def test_an_effect_of_one_file_elsewhere_is_simulated_and_diagnosed(installed, tmp_path, monkeypatch, capsys):

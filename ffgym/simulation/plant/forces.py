@@ -47,6 +47,14 @@ class Chosen:
     """Mask of machines that have each effect, shape (B', 1); None stands for all."""
     resolver: tuple[ResolverEffect, ...]
 
+    @property
+    def on_links(self) -> "Chosen":
+        """The same simulations with the effects on springs and links alone."""
+        torque = [
+            (effect, have) for effect, have in zip(self.torque, self.present, strict=True) if effect.side == "link"
+        ]
+        return replace(self, torque=tuple(effect for effect, _ in torque), present=tuple(have for _, have in torque))
+
 
 class Forces:
     """Torque and resolver effects of B machines, one row each, with their memories."""

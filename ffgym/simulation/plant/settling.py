@@ -26,7 +26,7 @@ class Settling:
 
     def __init__(self, forces: Forces, rows: IntArray, drive: Drive) -> None:
         self._forces, self._chosen, self._drive = forces, forces.choose(rows), drive
-        self._bent_rows = forces.bends[rows, None]
+        self._on_links, self._bent_rows = self._chosen.on_links, forces.bends[rows, None]
         self._state = forces.state(self._chosen)
         self.set_servo(np.zeros_like(self._state.load))
 
@@ -48,7 +48,7 @@ class Settling:
     def _pull(self, deflection: Array, load: Array) -> Array:
         """Compute the residual of the torque balance of links, (B, N) [N m]; it grows with the deflection."""
         self._state.set_values(deflection=deflection)
-        added = self._forces.resting(self._chosen, self._state)
+        added = self._forces.resting(self._on_links, self._state)
         pull: Array = self._state.joint_stiffness * deflection + load
         for torque in (added.spring, added.link):
             pull = pull if torque is None else pull - torque
@@ -62,7 +62,10 @@ class Settling:
         self.set_servo(held)
         for _ in range(_ROUNDS):
             motor = self._forces.resting(self._chosen, state).motor
-            self.set_servo(held if motor is None else held - motor)
+            before, now = state.motor_torque, held if motor is None else held - motor
+            self.set_servo(now)
+            if np.array_equal(now, before):  # further rounds change nothing
+                break
         return state.motor_torque
 
     def begin(self) -> None:

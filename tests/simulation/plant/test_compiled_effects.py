@@ -153,29 +153,71 @@ def test_going_back_repeats_every_bit():
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class OddDrag(TorqueEffect):
-    """A drag whose formula branches on the state, so that it has no code."""
+class Odd(TorqueEffect):
+    """An effect of which no code can be made."""
 
-    name = "odd_drag"
     title = equation = signature = way_in = "a test"
     side = "motor"
-    drag: np.ndarray = parameter("a", unit="N m", low=0.0, high=0.1, source="a test")  # noqa: RUF009
+    drag: np.ndarray = parameter("a", unit="N m", low=0.0, high=0.1, source="a test")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Branching(Odd):
+    name = "branching"
 
     def torques(self, state, memory, dt):
-        moving = np.any(state.motor_speed != 0, axis=-1, keepdims=True)
-        return Torques(motor=-np.where(moving, self.drag, 0.0) * np.tanh(state.motor_speed)), memory
+        if np.all(state.motor_speed == 0):
+            return Torques(), memory
+        return Torques(motor=-self.drag * np.tanh(state.motor_speed)), memory
 
 
-def test_an_effect_without_code_is_computed_by_numpy_and_leaves_others_their_bits(robot):
-    odd, cell = Machine(robot=robot, effects=(OddDrag.on(robot, drag=0.1),)), draw(12).machine
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Mixing(Odd):
+    name = "mixing"
+
+    def torques(self, state, memory, dt):
+        return Torques(motor=-self.drag * np.tanh(np.roll(state.motor_speed, 1, axis=-1))), memory
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class OfOneJoint(Odd):
+    name = "of_one_joint"
+
+    def torques(self, state, memory, dt):
+        return Torques(motor=-self.drag * np.tanh(state.motor_speed[..., :1])), memory
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Noisy(Odd):
+    name = "noisy"
+    rng = np.random.default_rng(0)
+
+    def torques(self, state, memory, dt):
+        return Torques(motor=-self.drag * np.tanh(state.motor_speed + self.rng.normal())), memory
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class AddingTruths(Odd):
+    name = "adding_truths"
+
+    def torques(self, state, memory, dt):
+        both = (state.motor_speed > 0) + (state.motor_speed > -1)
+        return Torques(motor=-self.drag * both), memory
+
+
+@pytest.mark.parametrize("kind", [Branching, Mixing, OfOneJoint, Noisy, AddingTruths])
+def test_an_effect_without_code_is_computed_by_numpy_and_leaves_others_their_bits(kind, robot):
+    odd, cell = Machine(robot=robot, effects=(kind.on(robot, drag=0.1),)), draw(12).machine
     mixed = plant_of([cell, odd])
     compiled, by_numpy = mixed._forces._compiled
     assert compiled is not None
     assert by_numpy.tolist() == [False, True]
-    together, alone, odd_alone = swing(mixed), swing(plant_of([cell])), swing(plant_of([odd], by_numpy=True))
-    np.testing.assert_array_equal(together[0][0], alone[0][0])
-    np.testing.assert_array_equal(together[0][1], odd_alone[0][0])
     assert plant_of([odd])._forces._compiled[0] is None
+    together, alone = swing(mixed, steps=64), swing(plant_of([cell]), steps=64)
+    np.testing.assert_array_equal(together[0][0], alone[0][0])
+    if kind is not Noisy:
+        odd_alone = swing(plant_of([odd], by_numpy=True), steps=64)
+        np.testing.assert_array_equal(together[0][1], odd_alone[0][0])
 
 
 def test_without_a_compiler_numpy_computes(robot, monkeypatch):

@@ -88,35 +88,40 @@ def is_free() -> bool:
     return _users > 0 or mujoco.get_mjcb_control() is None
 
 
-@contextmanager
-def hooked(engine: batch.Batch, context: IntArray, rows: IntArray | slice) -> Iterator[None]:
-    """Let physics steps of simulations `rows` begin with a compiled step.
-
-    The callback is one for the whole process, and leaves all simulations alone that do not bear our mark: forces on the
-    world's body, which MuJoCo does not read. They stand in the state only for as long as this lasts.
+class Marks:
+    """Marks of simulations of ours: forces on the world's body, which MuJoCo does not read.
 
     Args:
         engine: simulations.
         context: table of the compiled step; its first entry is the address of the function.
-        rows: which simulations.
     """
-    global _users
-    marks = engine.bind("xfrc_applied")[:, 0, :3]
-    own = np.empty((engine.nsim, 3))
-    own[:, 0], own[:, 1], own[:, 2] = _MARK, context.ctypes.data, np.arange(engine.nsim)
-    with _lock:
-        _users += 1
-        if _users == 1:
-            mujoco.set_mjcb_control(_callback()[1])
-    marks[rows] = own[rows]
-    try:
-        yield
-    finally:
-        marks[rows] = 0.0
+
+    def __init__(self, engine: batch.Batch, context: IntArray) -> None:
+        self._place = engine.bind("xfrc_applied")[:, 0, :3]
+        self._own = np.empty((engine.nsim, 3))
+        self._own[:, 0], self._own[:, 1] = _MARK, context.ctypes.data
+        self._own[:, 2] = np.arange(engine.nsim)
+
+    @contextmanager
+    def set(self, rows: IntArray | slice) -> Iterator[None]:
+        """Let physics steps of simulations `rows` begin with the compiled step, for as long as this lasts.
+
+        The callback is one for the whole process, and leaves all simulations alone that do not bear a mark.
+        """
+        global _users
         with _lock:
-            _users -= 1
-            if _users == 0:
-                mujoco.set_mjcb_control(None)
+            _users += 1
+            if _users == 1:
+                mujoco.set_mjcb_control(_callback()[1])
+        self._place[rows] = self._own[rows]
+        try:
+            yield
+        finally:
+            self._place[rows] = 0.0
+            with _lock:
+                _users -= 1
+                if _users == 0 and mujoco.get_mjcb_control() is _callback()[1]:
+                    mujoco.set_mjcb_control(None)
 
 
 def address(array: Array | IntArray) -> int:

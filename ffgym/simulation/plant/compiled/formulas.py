@@ -209,12 +209,12 @@ def trace_step(layout: Layout) -> tuple[Graph, Stores, tuple[Stores, list[Node]]
 
 @cache
 def can_trace(layout: Layout) -> bool:
-    """Tell if the formulas of a layout can be traced."""
+    """Tell if the formulas of a layout can be traced, and are the same each time they are asked."""
     try:
-        trace_step(layout)
+        first, second = trace_step(layout)[0], trace_step(layout)[0]
     except Untraceable:
         return False
-    return True
+    return first.describe() == second.describe()
 
 
 def untraceable_kinds(layout: Layout) -> set[type[TorqueEffect] | type[ResolverEffect]] | None:

@@ -7,7 +7,7 @@ import numpy as np
 from mujoco import batch
 
 from ffgym.core.types import Array, IntArray
-from ffgym.simulation.plant.compiled.engine_hook import address, hooked
+from ffgym.simulation.plant.compiled.engine_hook import Marks, address
 from ffgym.simulation.plant.compiled.formulas import Layout
 from ffgym.simulation.plant.compiled.functions import CONTEXT, compile_layout
 from ffgym.simulation.plant.compiled.operations import OPERATIONS
@@ -83,21 +83,23 @@ class CompiledStep:
         }
         table = [entries.get(name, 0) for name in CONTEXT]
         self._context = np.array([*table, *map(address, memories)], dtype=np.int64)
-        self._qpos, self._qvel = engine.bind("qpos"), engine.bind("qvel")
+        self._marks = Marks(engine, self._context)
+        self._everyone = self._position.copy()
+        # where states stand, for readings after the last step
+        self._states = engine.bind("qpos").ctypes.data, engine.bind("qvel").ctypes.data
+        self._stride = engine.state.strides[0] // engine.state.itemsize
 
     def rollout(
         self, controls: Array, record: tuple[str, ...], ids: IntArray | None, reading: Array | None
     ) -> dict[str, Array]:
         """Roll out controls (B', S, 3 N); `reading` (B', S, 2 N) takes what servos know after each step."""
         engine = self._engine
-        rows = np.arange(engine.nsim) if ids is None else np.ascontiguousarray(ids, dtype=np.int64)
-        self._steps[rows], self._position[rows] = 0, np.arange(len(rows))
+        rows = self._everyone if ids is None else np.ascontiguousarray(ids, dtype=np.int64)
+        self._steps[rows], self._position[rows] = 0, self._everyone[: len(rows)]
         self._context[CONTEXT.index("reading")] = 0 if reading is None else address(reading)
         self._context[CONTEXT.index("length")] = controls.shape[1]
-        with hooked(engine, self._context, slice(None) if ids is None else ids):
+        with self._marks.set(slice(None) if ids is None else ids):
             out: dict[str, Array] = engine.rollout(controls.shape[1], control=controls, record=record, ids=ids)
         if self._layout.reads:
-            stride = engine.state.strides[0] // engine.state.itemsize
-            places = self._context.ctypes.data, rows.ctypes.data, self._qpos.ctypes.data, self._qvel.ctypes.data
-            self._code.finish(*places, len(rows), stride)
+            self._code.finish(self._context.ctypes.data, rows.ctypes.data, *self._states, len(rows), self._stride)
         return out

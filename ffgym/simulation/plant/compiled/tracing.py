@@ -80,6 +80,12 @@ class Graph:
             nodes[place] = self._of_joints(array[(..., *place)] if place else array)
         return nodes
 
+    def describe(self) -> list[tuple[Any, ...]]:
+        """All of it as text and numbers, to tell whether two graphs are the same."""
+        place = {id(node): k for k, node in enumerate(self.nodes.values())}
+        nodes = [(n.operation, n.value, *(place[id(a)] for a in n.arguments)) for n in self.nodes.values()]
+        return [*nodes, *(tuple(table.tolist()) for table in self.tables)]
+
     def _of_joints(self, values: Any) -> Node:
         """Node of one number, or of one for each joint."""
         flat = np.asarray(values, dtype=np.float64)
@@ -97,6 +103,8 @@ class Graph:
     def apply(self, operation: str, arguments: Sequence[Node]) -> Node:
         """Make the node of an operation in `OPERATIONS`."""
         known = OPERATIONS[operation]
+        if operation in ("add", "subtract", "multiply") and all(a.gives == "truth" for a in arguments):
+            raise Untraceable(f"{operation} of truth values")
         fixed = all(argument.is_fixed for argument in arguments)
         return self.make(operation, *(self.cast(a, known.of) for a in arguments), gives=known.gives, fixed=fixed)
 
