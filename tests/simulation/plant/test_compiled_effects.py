@@ -158,7 +158,7 @@ class Odd(TorqueEffect):
 
     title = equation = signature = way_in = "a test"
     side = "motor"
-    drag: np.ndarray = parameter("a", unit="N m", low=0.0, high=0.1, source="a test")
+    drag: np.ndarray = parameter("a", unit="N m", low=0.0, high=0.1, source="a test")  # noqa: RUF009
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
