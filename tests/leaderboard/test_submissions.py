@@ -63,7 +63,7 @@ def hash_of(data):
 
 def code_of_page():
     """The agent that the page shows."""
-    (code,) = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), flags=re.DOTALL)
+    code, *_ = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), flags=re.DOTALL)
     return code
 
 
