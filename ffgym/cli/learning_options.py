@@ -222,8 +222,8 @@ class Verify:
     committed: Path | None = None
     """File of the same round that was published before; its hash must be that of the revealed one."""
     beside: tuple[str, ...] = ("elastic",)
-    """Laws of docs/agents to run on the same machines and motions, which need no learning; elastic and zero action
-    always run."""
+    """Laws that need no learning, and other submissions, files .zip, to run on the same machines and motions; elastic
+    and zero action always run."""
     json: Path | None = None
     """Also write the verdict to this file, accepted or refused."""
     threads: Threads = 0

@@ -42,7 +42,8 @@ def verify(config: Verify) -> None:
     """Check, run, print."""
     check_outputs({"--json": config.json}, inputs=(config.submission, config.round, config.committed))
     drawn = find_round(config)
-    names = tuple(dict.fromkeys((BASE, *config.beside)))
+    others = [read_archive(name) for name in config.beside if name.endswith(".zip")]
+    names = tuple(dict.fromkeys((BASE, *(name for name in config.beside if not name.endswith(".zip")))))
     beside = {} if drawn is None else rows_beside(names, load_robot(controller_of(drawn.plants[0])))
     info = provenance("ffgym leaderboard verify", config, ROBOT, None, None if drawn is None else drawn.seed)
     scored = None
@@ -53,7 +54,7 @@ def verify(config: Verify) -> None:
         judge = Judge(loaders=LOADERS, n_threads=config.threads, stage=progress_bar)
         verdict = judge.verify(data)
         if drawn is not None:
-            scored = verify_drawn(judge, data, drawn, beside)
+            scored = verify_drawn(judge, data, drawn, beside, others)
     except Refused as refusal:
         write_numbers(config, info | {"accepted": False, "check": refusal.check, "reason": refusal.reason})
         raise FFGymError(f"{config.submission}: {refusal}") from refusal

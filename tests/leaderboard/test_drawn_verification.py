@@ -19,12 +19,12 @@ from ffgym.leaderboard.evaluation.closed_loop import run_rollouts
 from ffgym.leaderboard.plants import find_plant
 from ffgym.leaderboard.submission.drawn import BASE, SpotCheck, ZeroAction, verify_drawn
 from ffgym.leaderboard.submission.judge import SCORE_TOLERANCE
-from ffgym.leaderboard.submission.manifest import Refused
+from ffgym.leaderboard.submission.manifest import Refused, sha256_of
 from ffgym.leaderboard.submission.python_agent import View
 from ffgym.leaderboard.submission.rounds import Round
 from ffgym.leaderboard.tasks import Task, make_references
 from ffgym.robot import load_robot
-from tests.leaderboard.submission_samples import ABOUT, PYTHON, ROBOT, judge
+from tests.leaderboard.submission_samples import ABOUT, PYTHON, ROBOT, agent_file, changed, judge, manifest_of
 
 PUBLIC = {"draw:0": (Task("p2", 0.1, (0.003,), "positions"),)}
 """The public machine and circle of these tests."""
@@ -82,8 +82,8 @@ def memoriser():
 
 @pytest.fixture(scope="module")
 def verdict(memoriser):
-    """Verdict on the memoriser, on what is drawn."""
-    return verify_drawn(judge(PUBLIC), memoriser, ROUND, BESIDE)
+    """Verdict on the memoriser, on what is drawn, beside an agent that makes things worse."""
+    return verify_drawn(judge(PUBLIC), memoriser, ROUND, BESIDE, [other(memoriser, agent_file())])
 
 
 def test_stored_torques_of_public_circles_score_as_their_base_on_what_is_drawn(verdict):
@@ -93,11 +93,12 @@ def test_stored_torques_of_public_circles_score_as_their_base_on_what_is_drawn(v
     assert ends == pytest.approx((1.0, 1.0), abs=SCORE_TOLERANCE)
     assert verdict.is_memorised
     assert verdict.sentence.startswith(
-        "accepted, rank 1 of 3: on 3 machines and 2 motions that were drawn it leaves 0."
+        "accepted, rank 1 of 4: on 3 machines and 2 motions that were drawn it leaves 0."
     )
     assert "memorised: of the error of elastic it leaves 0." in verdict.sentence
     ranks = {row.name: row.rank for row in verdict.rows}
     assert ranks["mine"] == ranks["elastic"] == 1 < ranks["none"]
+    assert ranks["other"] > 1
     assert (verdict.robot_seconds, verdict.manifest.robot_seconds > 4) == (0.0, True)
 
 
@@ -153,3 +154,19 @@ def test_machines_of_other_controllers_are_refused_in_one_line(memoriser, monkey
     monkeypatch.setattr("ffgym.leaderboard.submission.drawn.controller_of", str)
     with pytest.raises(FFGymError, match="have different controllers"):
         verify_drawn(judge(PUBLIC), memoriser, ROUND, BESIDE)
+
+
+def test_another_submission_beside_it_is_refused_by_its_name(memoriser):
+    small, cheap = replace(ROUND, machines=1, motions=1), other(memoriser, agent_file())
+    with pytest.raises(Refused, match="other \\(1\\), beside it: refused, agent: It does not define"):
+        verify_drawn(judge(PUBLIC), cheap, small, BESIDE, [other(memoriser, b"PREVIEW = 1")])
+    with pytest.raises(Refused, match="submission 1 beside it: refused, archive"):
+        verify_drawn(judge(PUBLIC), cheap, small, BESIDE, [b"no file"])
+
+
+def other(data, content):
+    """Submission with another agent, and the claims of this one."""
+    files = manifest_of(data)["files"] | {"agent.py": sha256_of(content)}
+    return changed(
+        data, {"agent.py": content}, {"name": "other", "files": files} | {"preview": 1, "action_scale": 10.0}
+    )

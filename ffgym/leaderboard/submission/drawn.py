@@ -23,7 +23,7 @@ from ffgym.leaderboard.evaluation.closed_loop import run_rollouts
 from ffgym.leaderboard.evaluation.jobs import lost_cells, score_circles
 from ffgym.leaderboard.plants import TestPlant, find_plant
 from ffgym.leaderboard.results import CircleResult, Outcome, Row
-from ffgym.leaderboard.submission.judge import ACTION_TOLERANCE, SCORE_TOLERANCE, Judge, controller_of
+from ffgym.leaderboard.submission.judge import ACTION_TOLERANCE, SCORE_TOLERANCE, Judge, check_physics, controller_of
 from ffgym.leaderboard.submission.manifest import Manifest, Refused, decode_submission, sha256_of
 from ffgym.leaderboard.submission.python_agent import View
 from ffgym.leaderboard.submission.rounds import Round
@@ -119,7 +119,9 @@ def _count(number: int, what: str) -> str:
     return f"{number} {what}" if number == 1 else f"{number} {what}s"
 
 
-def verify_drawn(judge: Judge, data: bytes, drawn: Round, beside: Mapping[str, Policy]) -> DrawnVerdict:
+def verify_drawn(
+    judge: Judge, data: bytes, drawn: Round, beside: Mapping[str, Policy], others: Sequence[bytes] = ()
+) -> DrawnVerdict:
     """Run a submission that was accepted, and rows beside it, on the machines and motions of a round.
 
     Args:
@@ -127,49 +129,34 @@ def verify_drawn(judge: Judge, data: bytes, drawn: Round, beside: Mapping[str, P
         data: bytes of the submission.
         drawn: the round.
         beside: policies by name, all with one preview and one action scale, among them BASE; zero action is added.
+        others: bytes of other submissions to run beside it; they are scored, and their claims are not checked.
 
     Raises:
-        Refused: if the agent fails, or decides otherwise for one robot alone than for all.
+        Refused: if an agent fails, or decides otherwise for one robot alone than for all.
         FFGymError: if machines have different controllers, or the robot stops with zero action.
     """
-    manifest, files = decode_submission(data)
-    content = files.get(str(manifest.agent.file))
     like = beside[BASE]
     beside = {UNCOMPENSATED: View(preview=like.preview, action_scale=like.action_scale, make=ZeroAction)} | dict(beside)
-    name = manifest.name if manifest.name not in beside else f"{manifest.name} (submitted)"
-    # drawn machines, which one controller has, and every motion on each of them
-    plants = [find_plant(plant) for plant in drawn.plants]
-    area = plants[0].rig.robot.work_area
-    assert area is not None  # robots of the leaderboard have one
-    motions = drawn.draw_motions(area)
-    pairs = [(plant, task) for plant in plants for task in motions]
-    if len(known := {controller_of(plant.name) for plant in plants}) > 1:
-        raise FFGymError(f"Machines of {drawn.series!r} have different controllers, {', '.join(sorted(known))}.")
-    # the rows beside it, and the submission, whose decisions for one robot are asked for alone, too
-    noise = drawn.seed % 2**31  # which no author chooses
-    rows = _run(judge, pairs, beside, None, noise, "drawn machines")
-    view = View(preview=manifest.preview, action_scale=manifest.action_scale)
-    with ExitStack() as stack:
-        every, alone = (
-            stack.enter_context(judge.start_agent(manifest.agent, content, plants[0].name, manifest.seed))
-            for _ in range(2)
-        )
-        check = SpotCheck(every, alone, drawn.seed % len(pairs))
-        rows |= _run(judge, pairs, {name: view}, check, noise, f"drawn machines, {name}")
-        check.compare()
-    drawn_rows = [_row(each, cells, manifest, data if each == name else None) for each, cells in rows.items()]
-    scored, zero, grid = _score(drawn_rows)
-    # what the rows leave on the public circles; the submission's errors there are its claims, which were checked
-    public = _public_errors(judge, manifest, beside, name, drawn.series)
+    submitted = _decode([data, *others], list(beside), judge.plan)
+    name = next(iter(submitted))
+    # every motion on each machine, by all rows
+    pairs = _pair(drawn)
+    rows: dict[str, Cells] = {}
+    for each, one in submitted.items():
+        rows |= _run_submitted(judge, pairs, each, one, drawn)
+    rows |= _run(judge, pairs, beside, None, drawn.noise, "drawn machines")
+    scored, zero, grid = _score([_row(each, cells, submitted.get(each)) for each, cells in rows.items()])
+    # what the rows leave on the public circles
+    public = _public_errors(judge, submitted, beside, drawn.series)
     left = {each: float(np.exp(np.mean(np.log(errors / public[UNCOMPENSATED])))) for each, errors in public.items()}
     best_first = sorted(scored.values(), key=lambda each: (each.mean, each.row.name))
     ranks = rank_rows(best_first, compare_replayed)
     return DrawnVerdict(
         round=drawn,
-        manifest=manifest,
+        manifest=submitted[name].manifest,
         name=name,
         fingerprints=grid.fingerprints,
-        motions=motions,
+        motions=tuple(dict.fromkeys(task for _, task in pairs)),
         rows=tuple(
             DrawnRow(
                 row=each.row,
@@ -182,6 +169,49 @@ def verify_drawn(judge: Judge, data: bytes, drawn: Round, beside: Mapping[str, P
         against_base=compare_rows(scored[name], scored[BASE]),
         public_ratio=left[name] / left[BASE],
     )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Submitted:
+    """Contents of a submission."""
+
+    manifest: Manifest
+    content: bytes | None
+    """Bytes of the agent's file; None if it has none."""
+    sha256: str
+    """Hash of the submission's file."""
+    whose: str
+    """First words of a refusal."""
+
+
+def _decode(
+    submissions: Sequence[bytes], taken: Sequence[str], plan: Mapping[str, Sequence[Task]]
+) -> dict[str, Submitted]:
+    """Decode submissions by the names of their rows, which are told apart where two have one name."""
+    found: dict[str, Submitted] = {}
+    for k, data in enumerate(submissions):
+        try:
+            manifest, files = decode_submission(data)
+            check_physics(manifest, plan)
+        except Refused as refusal:
+            raise Refused(refusal.check, refusal.reason, f"submission {k} beside it: " if k else "") from refusal
+        name, number = manifest.name, 1
+        while name in found or name in taken:
+            name, number = f"{manifest.name} ({number})", number + 1
+        content = files.get(str(manifest.agent.file))
+        whose = f"{name}, beside it: " if k else ""
+        found[name] = Submitted(manifest=manifest, content=content, sha256=sha256_of(data), whose=whose)
+    return found
+
+
+def _pair(drawn: Round) -> list[tuple[TestPlant, Task]]:
+    """Pair every drawn machine with every drawn motion; FFGymError unless one controller has all machines."""
+    plants = [find_plant(plant) for plant in drawn.plants]
+    if len(known := {controller_of(plant.name) for plant in plants}) > 1:
+        raise FFGymError(f"Machines of {drawn.series!r} have different controllers, {', '.join(sorted(known))}.")
+    area = plants[0].rig.robot.work_area
+    assert area is not None  # robots of the leaderboard have one
+    return [(plant, task) for plant in plants for task in drawn.draw_motions(area)]
 
 
 def compare_replayed(first: ScoredRow, second: ScoredRow) -> Difference:
@@ -209,9 +239,9 @@ class ZeroAction:
 class SpotCheck:
     """Agent for all robots, beside one that decides for a single one of them alone; both must decide the same."""
 
-    def __init__(self, every: Agent, alone: Agent, robot: int) -> None:
-        """Watch the robot of this number."""
-        self._every, self._alone, self._robot = every, alone, robot
+    def __init__(self, every: Agent, alone: Agent, robot: int, whose: str = "") -> None:
+        """Watch the robot of this number; `whose` are the first words of a refusal."""
+        self._every, self._alone, self._robot, self._whose = every, alone, robot, whose
         self._largest, self._difference = np.array(np.finfo(np.float32).tiny), np.array(0.0)
 
     def predict(
@@ -233,10 +263,30 @@ class SpotCheck:
                 "agent",
                 f"for one robot of the drawn ones alone it decides otherwise than for all, by {worst:.2g} of the "
                 f"largest action of a motor: it uses what other robots see.",
+                self._whose,
             )
 
 
 Cells = dict[TestPlant, list[CircleResult]]
+
+
+def _run_submitted(
+    judge: Judge, pairs: Sequence[tuple[TestPlant, Task]], name: str, one: Submitted, drawn: Round
+) -> dict[str, Cells]:
+    """Run the agent of a submission; its decisions for one of the robots are asked for alone, too."""
+    manifest = one.manifest
+    with ExitStack() as stack:
+        every, alone = (
+            stack.enter_context(
+                judge.start_agent(manifest.agent, one.content, pairs[0][0].name, manifest.seed, one.whose)
+            )
+            for _ in range(2)
+        )
+        check = SpotCheck(every, alone, drawn.seed % len(pairs), one.whose)
+        view = View(preview=manifest.preview, action_scale=manifest.action_scale)
+        found = _run(judge, pairs, {name: view}, check, drawn.noise, f"drawn machines, {name}")
+        check.compare()
+    return found
 
 
 def _run(
@@ -268,14 +318,14 @@ def _run(
     return rows
 
 
-def _row(name: str, cells: Cells, manifest: Manifest, data: bytes | None) -> Row:
-    """Make a row of the leaderboard of what one agent did on the drawn machines."""
-    own = data is not None
+def _row(name: str, cells: Cells, submitted: Submitted | None) -> Row:
+    """Make a row of the leaderboard of what one agent did on the drawn machines; None is no submission."""
+    about = None if submitted is None else submitted.manifest
     return Row(
         name=name,
-        title=manifest.title if own else name,
-        track=manifest.track if own else "",
-        about=f"Submitted by {manifest.author}." if own else "",
+        title=name if about is None else about.title,
+        track="" if about is None else about.track,
+        about="" if about is None else f"Submitted by {about.author}.",
         page=None,
         base=None,
         seeded=False,
@@ -283,13 +333,13 @@ def _row(name: str, cells: Cells, manifest: Manifest, data: bytes | None) -> Row
         ranked=True,
         outcomes=tuple(
             Outcome(
-                seed=manifest.seed,
+                seed=0 if about is None else about.seed,
                 plant=plant.name,
                 fingerprint=plant.fingerprint,
                 versions=", ".join(f"{package} {version}" for package, version in versions().items()),
-                artefact=sha256_of(data) if data is not None else None,
+                artefact=None if submitted is None else submitted.sha256,
                 robot_seconds=0.0,
-                env_steps=manifest.env_steps if own else 0,
+                env_steps=0 if about is None else about.env_steps,
                 inference_us=None,
                 cells=tuple(found),
             )
@@ -313,17 +363,21 @@ def _score(rows: Sequence[Row]) -> tuple[dict[str, ScoredRow], Any, Grid]:
 
 
 def _public_errors(
-    judge: Judge, manifest: Manifest, beside: Mapping[str, Policy], name: str, series: str
+    judge: Judge, submitted: Mapping[str, Submitted], beside: Mapping[str, Policy], series: str
 ) -> dict[str, Array]:
-    """Collect RMS path errors [mm] by row on the public circles: those of workcells, if workcells are drawn."""
+    """Collect RMS path errors [mm] by row on the public circles: those of workcells, if workcells are drawn.
+
+    Those of submissions are their claims, which a replay has checked.
+    """
     plants = [plant for plant in judge.plan if is_workcell(plant) or not is_workcell(series)] or list(judge.plan)
-    errors: dict[str, list[float]] = {each: [] for each in (*beside, name)}
+    claims = {name: {claim.circle: claim.rms_mm for claim in one.manifest.claims} for name, one in submitted.items()}
+    errors: dict[str, list[float]] = {name: [] for name in (*beside, *submitted)}
     for plant in plants:
         machine = find_plant(plant)
-        rows = _run(judge, [(machine, task) for task in judge.plan[plant]], beside, None, manifest.seed, plant)
-        known = {claim.circle: claim.rms_mm for claim in manifest.claims}
-        for each, cells in rows.items():
-            errors[each] += [cell.rms_mm or np.inf for cell in cells[machine]]
-        some = next(iter(rows.values()))[machine]
-        errors[name] += [known[plant, cell.position, cell.radius_mm, cell.speed_mm_s] for cell in some]
-    return {each: np.array(values) for each, values in errors.items()}
+        rows = _run(judge, [(machine, task) for task in judge.plan[plant]], beside, None, 0, plant)
+        for name, cells in rows.items():
+            errors[name] += [cell.rms_mm or np.inf for cell in cells[machine]]
+        for cell in rows[UNCOMPENSATED][machine]:
+            for name, known in claims.items():
+                errors[name].append(known[plant, cell.position, cell.radius_mm, cell.speed_mm_s])
+    return {name: np.array(values) for name, values in errors.items()}

@@ -177,10 +177,12 @@ class Judge:
             action_difference=max(replay.worst for replay in replays),
         )
 
-    def start_agent(self, source: AgentSource, content: bytes | None, plant: str, seed: int) -> AgentProcess:
+    def start_agent(
+        self, source: AgentSource, content: bytes | None, plant: str, seed: int, whose: str = ""
+    ) -> AgentProcess:
         """Start the process of an agent, made from a source and the content of its file, for the robot of a plant."""
         robot = controller_of(plant)
-        return AgentProcess(source, content, robot, loaders=self.loaders, seed=seed, limits=self.limits)
+        return AgentProcess(source, content, robot, loaders=self.loaders, seed=seed, limits=self.limits, whose=whose)
 
     def _run_rollouts(self, plant: str, view: View, agent: Agent, seed: int, title: str) -> list[Rollout]:
         tasks, machine = self.plan[plant], find_plant(plant)

@@ -69,6 +69,11 @@ class Round:
         numbers = np.random.default_rng([_ROUNDS, self.seed, 0]).integers(*SEEDS, size=self.machines)
         return tuple(f"{self.series}{number}" for number in numbers)
 
+    @property
+    def noise(self) -> int:
+        """Seed of the sensors' noise, which no author chooses."""
+        return self.seed % 2**31
+
     def draw_motions(self, area: WorkArea) -> tuple[Task, ...]:
         """Draw the motions: circles about centres within a work area, one each, near its positions in turn."""
         rng = np.random.default_rng([_ROUNDS, self.seed, 1])
