@@ -111,8 +111,8 @@ def test_the_extra_all_covers_every_other():
     assert covered == EXTRAS - {"all"}
 
 
-def test_the_command_is_installed_with_what_a_fit_of_masses_needs():
-    assert ("ffgym", {"identify"}, "cli") in list(requirements())
+def test_the_command_is_installed_with_what_fits_of_masses_and_effects_of_machines_need():
+    assert ("ffgym", {"identify", "fast"}, "cli") in list(requirements())
 
 
 def test_the_command_is_installed():
