@@ -153,6 +153,31 @@ def test_going_back_repeats_every_bit():
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
+class Picking(TorqueEffect):
+    """An effect that looks numbers up, some of them side by side in its memory."""
+
+    name = "picking"
+    title = equation = signature = way_in = "a test"
+    side = "motor"
+    size: np.ndarray = parameter("a", unit="N m", low=0.0, high=0.1, source="a test")  # noqa: RUF009
+
+    def initial_memory(self, state):
+        return np.zeros((*state.motor_angle.shape, 4))
+
+    def torques(self, state, memory, dt):
+        index = np.trunc(np.abs(state.motor_angle)).astype(int)[..., None]
+        known = np.stack([state.time + 0 * state.motor_angle, state.motor_speed, state.friction_sign], axis=-1)
+        computed = np.take_along_axis(known, np.clip(index, 0, 2), axis=-1)[..., 0]
+        remembered = np.take_along_axis(memory, np.clip(index, 0, 3), axis=-1)[..., 0]
+        later = np.concatenate([np.tanh(state.motor_speed)[..., None], memory[..., :-1]], axis=-1)
+        return Torques(motor=self.size * np.tanh(computed + remembered)), later
+
+
+def test_an_effect_may_look_numbers_up(robot):
+    assert_same([Machine(robot=robot, effects=(Picking.on(robot, size=0.1),))])
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Odd(TorqueEffect):
     """An effect of which no code can be made."""
 

@@ -3,7 +3,7 @@
 import ctypes
 import struct
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import Any
 
@@ -89,7 +89,8 @@ class LoopCode:
             kind = "i1" if node.gives == "truth" else "double"
             self.lines.append(f"{name} = select i1 {arguments[0]}, {kind} {arguments[1]}, {kind} {arguments[2]}")
         elif node.operation == "pick":
-            self._pick(name, arguments[0], arguments[1:])
+            others = self._row(node.arguments[2:], arguments[2:], places)
+            self._pick(name, arguments[0], arguments[1], others, len(arguments) - 2)
         else:
             self.lines.append(OPERATIONS[node.operation].code.format(*arguments, r=name))
         return name
@@ -99,19 +100,32 @@ class LoopCode:
         self.lines.append(f"{name} = fcmp une double {number}, 0.0")
         return name
 
-    def _pick(self, name: str, index: str, values: Sequence[str]) -> None:
-        """Take one of several values, by way of memory; an index outside is the nearest inside."""
-        n = len(values)
-        self.entry.append(f"{name}.all = alloca [{n} x double]")
+    def _row(self, nodes: Sequence[Node], values: Sequence[str], places: Callable[[Any], JointPlace | str]) -> str:
+        """Write code that has values side by side in memory; returns the pointer to the first."""
+        found = [places(node.value) if node.operation == "given" else "" for node in nodes]
+        first = found[0] if found else ""
+        if isinstance(first, JointPlace) and first.addresses is None:
+            row = [replace(first, offset=first.offset + k) for k in range(len(found))]
+            if found == row:  # as in what an effect remembers
+                return self._pointer(first)
+        name = f"{self._new()}.row"
+        self.entry.append(f"{name} = alloca [{len(values)} x double]")
         for k, value in enumerate(values):
-            self.lines.append(f"{name}.p{k} = getelementptr double, ptr {name}.all, i64 {k}")
+            self.lines.append(f"{name}.p{k} = getelementptr double, ptr {name}, i64 {k}")
             self.lines.append(f"store double {value}, ptr {name}.p{k}")
+        return name
+
+    def _pick(self, name: str, index: str, first: str, others: str, n: int) -> None:
+        """Write code that takes the first value or one of n others, side by side; an index outside is the nearest."""
         self.lines += [
             f"{name}.i = call i64 @llvm.fptosi.sat.i64.f64(double {index})",
-            f"{name}.l = call i64 @llvm.smax.i64(i64 {name}.i, i64 0)",
-            f"{name}.h = call i64 @llvm.smin.i64(i64 {name}.l, i64 {n - 1})",
-            f"{name}.p = getelementptr double, ptr {name}.all, i64 {name}.h",
-            f"{name} = load double, ptr {name}.p",
+            f"{name}.b = sub i64 {name}.i, 1",
+            f"{name}.h = call i64 @llvm.smin.i64(i64 {name}.b, i64 {n - 1})",
+            f"{name}.l = call i64 @llvm.smax.i64(i64 {name}.h, i64 0)",
+            f"{name}.p = getelementptr double, ptr {others}, i64 {name}.l",
+            f"{name}.o = load double, ptr {name}.p",
+            f"{name}.f = icmp sle i64 {name}.i, 0",
+            f"{name} = select i1 {name}.f, double {first}, double {name}.o",
         ]
 
     def _pointer(self, place: JointPlace) -> str:

@@ -125,6 +125,8 @@ class Graph:
     def pick(self, index: Node, nodes: Sequence[Node]) -> Node:
         """Node of the one of `nodes` with that index."""
         numbers = [self.cast(node, "number") for node in nodes]
+        if len(numbers) == 1:
+            return numbers[0]
         return self.make("pick", self.cast(index, "number"), *numbers, fixed=False)
 
 
