@@ -17,13 +17,14 @@ from ffgym.leaderboard.comparison.scores import Difference
 from ffgym.leaderboard.comparison.statistics import Interval
 from ffgym.leaderboard.evaluation.closed_loop import run_rollouts
 from ffgym.leaderboard.plants import find_plant
-from ffgym.leaderboard.submission.drawn import BASE, SpotCheck, ZeroAction, verify_drawn
-from ffgym.leaderboard.submission.judge import SCORE_TOLERANCE
+from ffgym.leaderboard.submission.drawn import BASE, SpotCheck, ZeroAction, list_public, verify_drawn
+from ffgym.leaderboard.submission.judge import SCORE_TOLERANCE, STANDARD
 from ffgym.leaderboard.submission.manifest import Refused, sha256_of
 from ffgym.leaderboard.submission.python_agent import View
 from ffgym.leaderboard.submission.rounds import Round
 from ffgym.leaderboard.tasks import Task, make_references
 from ffgym.robot import load_robot
+from ffgym.simulation.sensors import sensors_of
 from tests.leaderboard.submission_samples import ABOUT, PYTHON, ROBOT, agent_file, changed, judge, manifest_of
 
 PUBLIC = {"draw:0": (Task("p2", 0.1, (0.003,), "positions"),)}
@@ -129,6 +130,25 @@ def test_machines_side_by_side_run_as_each_alone():
         [[alone]] = run_rollouts(machine, [policy], [task], n_threads=1)
         for name, values in alone.recording.columns.items():
             assert np.array_equal(values, rollout.recording.columns[name]), name
+
+
+def test_noise_of_sensors_differs_from_machine_to_machine():
+    task, plant = PUBLIC["draw:0"][0], find_plant("draw:0")
+    machines = [replace(plant, name=name, sensors=sensors_of(load_robot(ROBOT))) for name in ("one", "two", "one")]
+    policy = View(preview=1, action_scale=1.0, make=ZeroAction)
+    [rollouts] = run_rollouts(plant, [policy], [task] * 3, machines=machines, n_threads=1)
+    first, second, same = (rollout.recording.columns["tcp.position.x"] for rollout in rollouts)
+    assert np.array_equal(first, same)
+    assert not np.array_equal(first, second)
+
+
+@pytest.mark.parametrize(
+    ("series", "compared"),
+    [("workcell:", ["workcell:thesis"]), ("workcell:drives-", ["workcell:thesis"]), ("draw:", list(STANDARD))],
+)
+def test_drawn_workcells_are_compared_with_the_public_one(series, compared):
+    assert list_public(STANDARD, series) == compared
+    assert list_public(["nominal"], series) == ["nominal"]
 
 
 def test_an_agent_that_uses_what_other_robots_see_is_refused():

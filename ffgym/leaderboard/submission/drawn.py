@@ -3,7 +3,7 @@
 Whoever stores torques of the public motions gains nothing here: neither machines nor motions exist before the draw.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import Any
@@ -362,14 +362,20 @@ def _score(rows: Sequence[Row]) -> tuple[dict[str, ScoredRow], Any, Grid]:
     return {row.name: ScoredRow.of(row, collect_sample(row, grid), zero) for row in rows}, zero, grid
 
 
+def list_public(plants: Iterable[str], series: str) -> list[str]:
+    """List the public plants that drawn ones are compared with: workcells if those are drawn, else all."""
+    every = list(plants)
+    return [plant for plant in every if is_workcell(plant) or not is_workcell(series)] or every
+
+
 def _public_errors(
     judge: Judge, submitted: Mapping[str, Submitted], beside: Mapping[str, Policy], series: str
 ) -> dict[str, Array]:
-    """Collect RMS path errors [mm] by row on the public circles: those of workcells, if workcells are drawn.
+    """Collect RMS path errors [mm] by row on the public circles.
 
     Those of submissions are their claims, which a replay has checked.
     """
-    plants = [plant for plant in judge.plan if is_workcell(plant) or not is_workcell(series)] or list(judge.plan)
+    plants = list_public(judge.plan, series)
     claims = {name: {claim.circle: claim.rms_mm for claim in one.manifest.claims} for name, one in submitted.items()}
     errors: dict[str, list[float]] = {name: [] for name in (*beside, *submitted)}
     for plant in plants:
