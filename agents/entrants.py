@@ -9,7 +9,6 @@ from ffgym.agents.artefacts import Artefact, ArtefactManifest, locate_artefact, 
 from ffgym.agents.catalogue import list_entries
 from ffgym.agents.declaration import AgentEntry, AgentSetting
 from ffgym.agents.law_agent import LawPolicy
-from ffgym.agents.shared_trials import learn_together
 from ffgym.agents.submission import LOADERS
 from ffgym.agents.trials import CountedTrial, RigTrial, Trial, add_sensors
 from ffgym.control import CausalLaw, FeedForwardLaw, Policy
@@ -17,6 +16,7 @@ from ffgym.leaderboard.entrants import Entrant, Maker, ReadyAgent, Registry, one
 from ffgym.leaderboard.plants import DRAW, NOMINAL, TestPlant
 from ffgym.leaderboard.submission.entrant import make_entrant
 from ffgym.leaderboard.tasks import Task, make_references
+from ffgym.simulation.shared_rig import learn_together
 
 REGISTRY = Registry("ffgym.agents.entrants:ENTRANTS", maker="ffgym.agents.entrants:make_submitted")
 """Names by which other processes find the entrants, and the function that makes one of a submission."""

@@ -1,6 +1,6 @@
 """Trials on the machine that is learned from: motions, runs, and lessons for each motor from recordings."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -16,11 +16,9 @@ from ffgym.recordings.metrics import motor_error
 from ffgym.robot import ModelOptions, RigidArm, RobotDescription
 from ffgym.simulation import RECORD_DT, Rig, Run, Sensor, SimulatedRig
 from ffgym.simulation.sensors import sensors_of
+from ffgym.simulation.shared_rig import Trial as Trial
 from ffgym.studies import circle_references, sine_references
 from ffgym.studies.one_axis import FREQUENCIES
-
-Trial = Callable[[Sequence[Run], int], Sequence[Recording]]
-"""Function that runs motions on a machine and returns one recording for each; the number counts trials from 0."""
 
 Signal = Literal["u_p", "u_c", "e_p"]
 SIGNALS: tuple[Signal, ...] = ("u_p", "u_c", "e_p")

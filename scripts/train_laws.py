@@ -13,12 +13,12 @@ from ffgym.agents.artefacts import TRAINED, Artefact, add_artefacts, describe_ar
 from ffgym.agents.catalogue import list_entries, make_law
 from ffgym.agents.declaration import AgentSetting
 from ffgym.agents.law_files import StoredLaw, save_law
-from ffgym.agents.shared_trials import learn_together
 from ffgym.agents.trials import CountedTrial, Trial, add_sensors
 from ffgym.control import FeedForwardLaw
 from ffgym.core.errors import FFGymError
 from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL, find_plant
 from ffgym.simulation import Rig
+from ffgym.simulation.shared_rig import learn_together
 
 COMMAND = "python -m scripts.train_laws"
 

@@ -45,6 +45,7 @@ class Rig:
         *,
         seed: int | Sequence[np.random.Generator] = 0,
         started: Sequence[float] | None = None,
+        machines: Sequence[Machine | None] | None = None,
         record_dt: float = RECORD_DT,
         n_threads: int = 0,
         progress: Progress | None = None,
@@ -56,6 +57,7 @@ class Rig:
             seed: of the sensors' noise, or the randomness of each run.
             started: when each motion begins, since the time of the day that the machine is set up for [s]; None is
                 that time.
+            machines: machine of each motion, None in it for the rig's own; None is the rig's own for all.
             record_dt: sample time of the recordings [s].
             n_threads: threads of the engine, 0 for all cores.
             progress: called now and then with the simulated seconds done and their total.
@@ -65,7 +67,10 @@ class Rig:
         """
         if started is not None and len(started) != len(runs):
             raise FFGymError(f"There are {len(started)} times at which motions begin, for {len(runs)} runs.")
-        machine, robot = self.machine or Machine.of(self.robot), self.robot
+        if machines is not None and len(machines) != len(runs):
+            raise FFGymError(f"There are {len(machines)} machines for {len(runs)} runs; give one for each, or None.")
+        own, robot = self.machine or Machine.of(self.robot), self.robot
+        each = [own if machine is None else machine for machine in machines or [None] * len(runs)]
         return simulate(
             # a reference names the model that it was made with, which need not be that of this controller
             [
@@ -73,7 +78,7 @@ class Rig:
                 for r in runs
             ],
             arm=self.arm,
-            machine=machine if started is None else [machine.later(since) for since in started],
+            machine=each if started is None else [m.later(since) for m, since in zip(each, started, strict=True)],
             options=self.options,
             sensors=self.sensors,
             seed=seed,

@@ -1,13 +1,13 @@
 import numpy as np
 import pytest
 
-from ffgym.agents.shared_trials import learn_together
 from ffgym.agents.trials import RigTrial
 from ffgym.control import NoCompensation
 from ffgym.core.errors import FFGymError
 from ffgym.robot import RigidArm
 from ffgym.simulation import Run, SimulatedRig
 from ffgym.simulation.sensors import Resolver
+from ffgym.simulation.shared_rig import learn_together
 from ffgym.studies.one_axis import sine_reference
 
 

@@ -1,0 +1,166 @@
+"""Families on the curve of adaptation: each makes a law for a machine from motion within a budget.
+
+Laws with nominal numbers move nothing. Learners spend the budget on laps of one circle, and from `BROAD` laps on laps
+of one radius at three speeds, since a network over speed knows nothing of speeds that it never met.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+from ffgym.agents.amortised.estimator import Estimator, adapt
+from ffgym.agents.artefacts import ANYWHERE, TRAINED, locate_artefact, read_manifest
+from ffgym.agents.bspline import ExtendedBSN
+from ffgym.agents.elastic import elastic_law
+from ffgym.agents.lffc import thesis_training
+from ffgym.agents.lugre import dynamic_lugre
+from ffgym.agents.residual_torque import learn_residual_torque
+from ffgym.control import FeedForwardLaw, NoCompensation
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
+from ffgym.leaderboard.adaptation.protocol import LAP, AdaptationSetting, Adapter, lap, practice_motion
+from ffgym.paths import SPEEDS, Reference
+from ffgym.recordings import Recording
+from ffgym.simulation import Run
+
+LAPS = (1, 3, 10, 36)
+"""Budgets of learners in laps: one, three, a quarter of a minute, a minute."""
+BROAD = 10
+"""Laps from which practice is at all speeds of the thesis."""
+GP_TRIALS = 3
+"""Largest number of trials of the residual torque model, which more do not change."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class OnBase(FeedForwardLaw):
+    """Sum of a base law and a law that was learned on top of it."""
+
+    base: FeedForwardLaw
+    learned: FeedForwardLaw
+
+    @property
+    def name(self) -> str:
+        """Name of both."""
+        return f"{self.learned.name} on {self.base.name}"
+
+    def torque(self, reference: Reference) -> Array:
+        """Return the sum of both torques, motor side [N m], shape (T, N)."""
+        return self.base.torque(reference) + self.learned.torque(reference)
+
+
+def practice_for(setting: AdaptationSetting) -> tuple[list[Reference], int]:
+    """Choose the motions of one trial, and the number of trials that the budget allows."""
+    one, broad = lap(setting.arm), [practice_motion(setting.arm, LAP[0], speed) for speed in SPEEDS]
+    references = [one] if setting.trial.left < BROAD * one.duration - 1e-9 else broad
+    return references, int((setting.trial.left + 1e-9) / sum(each.duration for each in references))
+
+
+def _learn_splines(setting: AdaptationSetting, base: FeedForwardLaw | None) -> FeedForwardLaw:
+    """Train an extended B-spline network as the thesis does, on a base law if there is one."""
+    references, trials = practice_for(setting)
+
+    def trial(runs: Sequence[Run], number: int) -> Sequence[Recording]:
+        together = runs if base is None else [replace(run, law=OnBase(base=base, learned=run.law)) for run in runs]
+        return setting.trial(together, number)
+
+    n = setting.arm.robot.n_joints
+    training = replace(thesis_training(n), iterations=trials - 1)
+    learning = training.learn(ExtendedBSN.zero(n), references, trial)
+    # the best network that was tried; of a single trial, which tried none, the first update
+    network = learning.network if trials == 1 else learning.best
+    return network if base is None else OnBase(base=base, learned=network)
+
+
+def _learn_residual(setting: AdaptationSetting) -> FeedForwardLaw:
+    """Fit the residual torque model."""
+    references, trials = practice_for(setting)
+    return learn_residual_torque(setting.trial, references, min(trials, GP_TRIALS)).law
+
+
+def _adapt_amortised(name: str, setting: AdaptationSetting) -> FeedForwardLaw:
+    """Estimate with the trained network of a seed."""
+    return adapt(_load_estimator(name, setting.seed), setting, name)
+
+
+def _load_estimator(name: str, seed: int) -> Estimator:
+    manifest = read_manifest(name)
+    artefact = None if manifest is None else manifest.find(ANYWHERE, seed)
+    if artefact is None:
+        raise FFGymError(
+            f"There is no estimator {name!r} with seed {seed} in {TRAINED}: run python -m scripts.train_estimator."
+        )
+    return Estimator.load(locate_artefact(name, artefact))
+
+
+def _find_sha256(name: str, seed: int) -> str | None:
+    manifest = read_manifest(name)
+    artefact = None if manifest is None else manifest.find(ANYWHERE, seed)
+    return None if artefact is None else artefact.sha256
+
+
+def _amortised(name: str, title: str, about: str) -> Adapter:
+    manifest = read_manifest(name)
+    adapter: Callable[[AdaptationSetting], FeedForwardLaw] = partial(_adapt_amortised, name)
+    return Adapter(
+        name=name,
+        title=title,
+        about=about,
+        adapt=adapter,
+        laps=(1, 3),
+        seeds=(0,) if manifest is None else manifest.seeds,
+        artefact=partial(_find_sha256, name),
+    )
+
+
+ADAPTERS: tuple[Adapter, ...] = (
+    Adapter(
+        name="none",
+        title="no compensation",
+        about="The existing controller alone.",
+        adapt=lambda setting: NoCompensation(),
+    ),
+    Adapter(
+        name="lugre_dynamic",
+        title="dynamic LuGre",
+        about="Friction of the nominal robot, thesis chapter 4.",
+        adapt=lambda setting: dynamic_lugre(setting.arm.robot),
+    ),
+    Adapter(
+        name="elastic",
+        title="elastic feed-forward",
+        about="Inverse dynamics with flexible joints and friction on both sides of them, nominal numbers.",
+        adapt=lambda setting: elastic_law(setting.arm),
+    ),
+    Adapter(
+        name="bsn_extended",
+        title="B-spline learning",
+        about="Two B-spline networks over speed per motor, learned from zero as in the thesis.",
+        adapt=lambda setting: _learn_splines(setting, None),
+        laps=LAPS,
+    ),
+    Adapter(
+        name="bsn_on_elastic",
+        title="B-spline learning on elastic",
+        about="The same networks, learned on top of elastic feed-forward with nominal numbers.",
+        adapt=lambda setting: _learn_splines(setting, elastic_law(setting.arm)),
+        laps=LAPS,
+    ),
+    Adapter(
+        name="residual_gp",
+        title="Gaussian process",
+        about="A line and a Gaussian process per motor, fitted to the torque that was missing.",
+        adapt=_learn_residual,
+        laps=LAPS,
+    ),
+    _amortised(
+        "amortised_motors",
+        "amortised estimator, motors",
+        "A network estimates the numbers of the machine from feedback torques of laps of one circle.",
+    ),
+    _amortised(
+        "amortised",
+        "amortised estimator, motors and tracker",
+        "The same with the way of the tool, as a laser tracker sees it on these laps.",
+    ),
+)
+"""All families, in the order of tables."""

@@ -1,0 +1,105 @@
+import numpy as np
+import pytest
+
+from ffgym.agents.adapters import ADAPTERS
+from ffgym.agents.amortised.draws import draw_machine
+from ffgym.agents.amortised.estimator import Estimator, adapt, is_silent
+from ffgym.agents.artefacts import TRAINED
+from ffgym.agents.elastic import elastic_law
+from ffgym.agents.residual.actor import LinearLayer
+from ffgym.agents.trials import RigTrial
+from ffgym.core.errors import FFGymError
+from ffgym.leaderboard.adaptation.protocol import AdaptationSetting, BudgetedTrial, lap, score, scored_motions
+from ffgym.robot import RigidArm, load_robot
+from ffgym.simulation import Run, SimulatedRig, sensors_of, simulate
+
+FILE = TRAINED / "amortised" / "any" / "seed_0.npz"
+
+
+@pytest.fixture(scope="module")
+def arm():
+    return RigidArm(load_robot("irb4600_60_205_arm_drives"))
+
+
+def setting_on(arm, machine=None, laps=1):
+    rig = SimulatedRig(arm=arm, machine=machine, sensors=sensors_of(arm.robot))
+    budget = laps * lap(arm).duration
+    trial = BudgetedTrial(trial=RigTrial(rig=rig, n_threads=1), budget=budget, scored=scored_motions(arm))
+    return AdaptationSetting(arm=arm, trial=trial)
+
+
+def test_one_lap_on_a_drawn_machine_brings_the_error_below_that_of_the_base(arm):
+    machine = draw_machine(arm.robot, np.random.default_rng(777))
+    setting = setting_on(arm, machine)
+    law = adapt(Estimator.load(FILE), setting, "amortised")
+    assert setting.trial.robot_seconds == lap(arm).duration
+    motion = scored_motions(arm)[0]
+    runs = [Run(reference=motion, law=each) for each in (elastic_law(arm), law)]
+    base, adapted = (score(each) for each in simulate(runs, arm=arm, machine=machine, n_threads=1))
+    assert adapted < 0.5 * base
+
+
+@pytest.mark.parametrize("variant", ["amortised", "amortised_motors"])
+def test_on_the_nominal_robot_it_keeps_the_base_law(arm, variant):
+    adapter = next(adapter for adapter in ADAPTERS if adapter.name == variant)
+    law = adapter.adapt(setting_on(arm))
+    motion = scored_motions(arm)[0]
+    assert law.torque(motion).tobytes() == elastic_law(arm).torque(motion).tobytes()
+
+
+def test_differences_beyond_the_noise_are_no_silence():
+    quiet = 0.5 * np.random.default_rng(0).standard_normal((100, 9))
+    assert is_silent(quiet, "tracker")
+    assert not is_silent(quiet * 3, "tracker")
+    only_tool = np.zeros((100, 9))
+    only_tool[:, 6:] = 3.0
+    assert is_silent(only_tool, "motors")
+    assert not is_silent(only_tool, "tracker")
+
+
+def make_estimator(rng):
+    def layer(outputs, inputs):
+        return LinearLayer(weight=rng.standard_normal((outputs, inputs)), bias=rng.standard_normal(outputs))
+
+    return Estimator(
+        variant="motors",
+        components=rng.standard_normal((4, 12)),
+        spread=rng.uniform(1.0, 2.0, 4),
+        linear=layer(3, 4),
+        layers=(layer(5, 4), layer(6, 5)),
+    )
+
+
+def test_the_network_in_numpy_equals_the_one_in_torch():
+    torch = pytest.importorskip("torch")
+    rng = np.random.default_rng(3)
+    estimator = make_estimator(rng)
+    difference = rng.standard_normal((2, 9))
+    found = estimator.estimate(difference)
+    x = torch.as_tensor(estimator.components @ difference[:, :6].ravel() / estimator.spread)
+    h = x
+    first, last = ((torch.as_tensor(layer.weight), torch.as_tensor(layer.bias)) for layer in estimator.layers)
+    h = torch.nn.functional.linear(torch.relu(torch.nn.functional.linear(h, *first)), *last)
+    linear = torch.nn.functional.linear(
+        x, torch.as_tensor(estimator.linear.weight), torch.as_tensor(estimator.linear.bias)
+    )
+    np.testing.assert_allclose(found.mean, (linear + h[:3]).numpy(), rtol=1e-12)
+    np.testing.assert_allclose(found.deviation, torch.exp(h[3:]).numpy(), rtol=1e-12)
+
+
+def test_a_file_gives_the_estimator_back_and_others_are_refused(tmp_path):
+    estimator = make_estimator(np.random.default_rng(4))
+    estimator.save(tmp_path / "mine.npz", {"seed": 4})
+    difference = np.random.default_rng(5).standard_normal((2, 9))
+    again = Estimator.load(tmp_path / "mine.npz").estimate(difference)
+    np.testing.assert_allclose(again.mean, estimator.estimate(difference).mean, rtol=0.02, atol=0.02)
+    (tmp_path / "cut.npz").write_bytes((tmp_path / "mine.npz").read_bytes()[:100])
+    with pytest.raises(FFGymError, match="damaged"):
+        Estimator.load(tmp_path / "cut.npz")
+    with pytest.raises(FFGymError, match="an estimator's is 'amortised_estimator'"):
+        Estimator.load(TRAINED / "narx" / "nominal" / "seed_0.npz")
+
+
+def test_a_lap_of_another_motion_is_refused():
+    with pytest.raises(FFGymError, match="18 signals, the estimator was trained on 12"):
+        make_estimator(np.random.default_rng(6)).estimate(np.zeros((3, 9)))
