@@ -17,6 +17,7 @@ from ffgym.leaderboard.adaptation.curve import CurvePoint, curve
 from ffgym.leaderboard.adaptation.evaluation import Entry, Subject, evaluate, list_entries
 from ffgym.leaderboard.adaptation.protocol import Adapter, lap, scored_motions
 from ffgym.leaderboard.adaptation.results import AdaptationResults, AdaptationRun, read_results, write_results
+from ffgym.leaderboard.submission.rounds import read_round
 from ffgym.report.figure import house_style, new_figure, save_figure
 
 NOMINAL = "irb4600_60_205_arm_drives"
@@ -30,8 +31,10 @@ START = 1.0
 class Config:
     """Adapters and machines to run."""
 
-    machines: tuple[str, ...] = (*(f"workcell:drives-{seed}" for seed in range(101, 111)), NOMINAL)
-    """Names of machines."""
+    machines: tuple[str, ...] = ()
+    """Names of machines; none given are those of the round, and the nominal robot."""
+    round: Path = Path("docs/leaderboard/adaptation_round.json")
+    """File of a revealed round, whose machines are run."""
     adapters: tuple[str, ...] = tuple(adapter.name for adapter in ADAPTERS)
     most_laps: int = 36
     """Largest budget in laps."""
@@ -48,7 +51,8 @@ def main(config: Config) -> None:
     """Run what is missing, write, print."""
     for name in config.adapters:
         check_choice("adapter", name, [adapter.name for adapter in ADAPTERS])
-    subjects = [Subject(name=name, rig=add_sensors(make_rig(name))) for name in config.machines]
+    machines = config.machines or (*read_round(config.round).plants, NOMINAL)
+    subjects = [Subject(name=name, rig=add_sensors(make_rig(name))) for name in machines]
     chosen = [adapter for adapter in ADAPTERS if adapter.name in config.adapters]
     entries = [
         entry
@@ -70,10 +74,10 @@ def main(config: Config) -> None:
             write_results(config.out, results)
             done += len(runs)
             progress(float(done), float(len(missing)))
-    cells = [name for name in config.machines if name != NOMINAL]
+    cells = [name for name in machines if name != NOMINAL]
     every = tuple(kept.values())
     print(format_table(every, ADAPTERS, cells))
-    if NOMINAL in config.machines:
+    if NOMINAL in machines:
         print("\nNominal robot:\n" + format_table(every, ADAPTERS, [NOMINAL]))
     if config.picture is not None:
         draw({adapter.title: curve(every, adapter.name, cells) for adapter in ADAPTERS[1:]}, config.picture)

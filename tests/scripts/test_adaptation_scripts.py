@@ -1,0 +1,66 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ffgym.agents.amortised.estimator import Estimator
+from ffgym.agents.artefacts import read_manifest
+from ffgym.core.errors import FFGymError
+from ffgym.leaderboard.adaptation.protocol import scored_motions
+from ffgym.leaderboard.adaptation.results import read_results
+from scripts import adaptation
+
+
+def test_the_curve_is_run_once_and_goes_on_where_it_was_stopped(tmp_path, monkeypatch, capsys):
+    def first_only(arm):
+        return scored_motions(arm)[:1]
+
+    monkeypatch.setattr("ffgym.leaderboard.adaptation.evaluation.scored_motions", first_only)
+    monkeypatch.setattr(adaptation, "scored_motions", first_only)
+    config = adaptation.Config(
+        machines=(adaptation.NOMINAL, "workcell:drives-1"),
+        adapters=("none", "elastic"),
+        threads=1,
+        out=tmp_path / "curve.json",
+        picture=tmp_path / "curve.png",
+    )
+    adaptation.main(config)
+    printed = capsys.readouterr().out
+    assert "| elastic feed-forward | 0.0 s |" in printed
+    assert "Nominal robot" in printed
+    results = read_results(config.out)
+    assert {run.machine for run in results.runs} == set(config.machines)
+    assert (tmp_path / "curve.png").read_bytes()[:4] == b"\x89PNG"
+    monkeypatch.setattr(adaptation, "evaluate", lambda entries, threads: iter([[]] if not entries else 1 / 0))
+    adaptation.main(config)
+    assert read_results(config.out) == results
+    with pytest.raises(FFGymError, match="Unknown adapter 'unknown'"):
+        adaptation.main(replace(config, adapters=("unknown",)))
+
+
+def test_an_estimator_is_trained_and_laps_are_simulated_once(tmp_path, monkeypatch):
+    pytest.importorskip("torch")
+    from scripts import train_estimator
+
+    config = train_estimator.Config(
+        draws=12,
+        chunk=12,
+        variants=("motors",),
+        seeds=(3,),
+        hidden=(4,),
+        epochs=1,
+        threads=1,
+        work=tmp_path / "work",
+        out=tmp_path / "out",
+    )
+    train_estimator.main(config)
+    manifest = read_manifest("amortised_motors", tmp_path / "out")
+    assert manifest.seeds == (3,)
+    file = tmp_path / "out" / "amortised_motors" / manifest.artefacts[0].file
+    first = Estimator.load(file)
+    assert first.linear.weight.shape[0] == 79
+    assert manifest.artefacts[0].robot_seconds == 0.0
+    monkeypatch.setattr(train_estimator, "simulate", None)  # laps are there
+    train_estimator.main(config)
+    again = Estimator.load(file)
+    np.testing.assert_array_equal(again.linear.weight, first.linear.weight)
