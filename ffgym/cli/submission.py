@@ -15,7 +15,7 @@ from ffgym.leaderboard.plants import ROBOT
 from ffgym.leaderboard.submission.drawn import BASE, DrawnVerdict, verify_drawn
 from ffgym.leaderboard.submission.judge import CHECKS, Judge, controller_of
 from ffgym.leaderboard.submission.manifest import About, Claim, Refused, read_archive
-from ffgym.leaderboard.submission.process import isolation_note
+from ffgym.leaderboard.submission.process import describe_isolation, isolation_note
 from ffgym.leaderboard.submission.rounds import Round, draw_round, read_commitment, read_round
 from ffgym.robot import load_robot
 
@@ -46,6 +46,7 @@ def verify(config: Verify) -> None:
     names = tuple(dict.fromkeys((BASE, *(name for name in config.beside if not name.endswith(".zip")))))
     beside = {} if drawn is None else rows_beside(names, load_robot(controller_of(drawn.plants[0])))
     info = provenance("ffgym leaderboard verify", config, ROBOT, None, None if drawn is None else drawn.seed)
+    info["isolation"] = describe_isolation()
     scored = None
     try:
         data = read_archive(config.submission)

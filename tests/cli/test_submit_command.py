@@ -83,6 +83,7 @@ def test_a_committed_round_is_run_after_it_was_revealed_and_its_seed_repeats_it(
     assert "robot time: 0 s before the scored motions, as counted here; 5 s in training, as claimed" in lines
     first = json.loads((small / "verdict.json").read_text())
     assert first["drawn"]["round"] == secret
+    assert first["isolation"].partition(":")[0] in ("bubblewrap", "declared", "none")
     rows = {row["name"]: row for row in first["drawn"]["rows"]}
     left = [
         ours["rms_mm"] / none["rms_mm"]

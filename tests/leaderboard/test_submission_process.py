@@ -246,8 +246,12 @@ def test_one_sentence_says_where_nothing_isolates(monkeypatch):
     monkeypatch.setattr(processes, "_exposed", lambda: "no program bwrap")
     monkeypatch.delenv(processes.DECLARED, raising=False)
     assert "Nothing isolates agents here (no program bwrap)" in processes.isolation_note()
+    assert processes.describe_isolation() == "none: no program bwrap"
     monkeypatch.setenv(processes.DECLARED, "container")
     assert processes.isolation_note() is None
+    assert processes.describe_isolation() == "declared: container"
+    monkeypatch.setattr(processes, "_exposed", lambda: None)
+    assert processes.describe_isolation() == "bubblewrap"
 
 
 def test_bubblewrap_that_cannot_start_is_told_with_its_reason(tmp_path, monkeypatch):

@@ -242,6 +242,12 @@ def launch(own: Path, log: Path) -> subprocess.Popen[bytes]:
         )
 
 
+def describe_isolation() -> str:
+    """Describe what isolates agents, for the record of a verdict: bubblewrap, a declared container, or nothing."""
+    why, declared = _exposed(), os.environ.get(DECLARED)
+    return "bubblewrap" if why is None else f"declared: {declared}" if declared else f"none: {why}"
+
+
 def isolation_note() -> str | None:
     """Return a warning for the screen if agents are not isolated, else None."""
     why = None if os.environ.get(DECLARED) else _exposed()
