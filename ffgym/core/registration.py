@@ -47,6 +47,7 @@ ENVIRONMENTS: Mapping[str, Registered] = MappingProxyType(
         "ffgym/JointMotion-v0": Registered("ffgym.envs.joint_motion:JointMotion"),
         "ffgym/FollowPath-v0": Registered("ffgym.envs.follow_path:FollowPath"),
         "ffgym/WorkcellCircles-v0": Registered("ffgym.envs.circle_path:WorkcellCircles"),
+        "ffgym/Adapt-v0": _residual("ffgym.envs.adapt:Adapt", longest=6000, robot=_ARM),
         "ffgym/CirclePath-v1": _residual("ffgym.envs.circle_path:CirclePath", longest=6000, robot=_ARM),
         "ffgym/OneAxis-v1": _residual(
             "ffgym.envs.one_axis:OneAxis", longest=2500, robot="one_axis_drives", base="lugre_dynamic"

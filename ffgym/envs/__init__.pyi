@@ -1,3 +1,5 @@
+from .adapt import AdaptEnv as AdaptEnv
+from .adapt import AdaptVectorEnv as AdaptVectorEnv
 from .circle_path import CirclePathEnv as CirclePathEnv
 from .circle_path import CirclePathVectorEnv as CirclePathVectorEnv
 from .circle_path import WorkcellCirclesEnv as WorkcellCirclesEnv

@@ -30,9 +30,15 @@ _POSITIONS = mujoco.mjtStage.mjSTAGE_POS.value
 _PHASES = np.array(PHASE_KINDS)
 
 
+_ENDLESS = 2**62
+"""Control steps of an episode without horizon."""
+
 _CHANGING = (
     "step_index",
     "_last_step",
+    "_left",
+    "_to_come",
+    "_practice",
     "action",
     "clipped",
     "_mean_square",
@@ -104,6 +110,12 @@ class TrackingCore:
         self._mean_square = np.zeros(n)
         """Mean square of the scored error over the circle so far, shape (B,), see `RewardSignals`."""
         self._circle: Array = np.full(n, -1.0)
+        self._left: IntArray = np.zeros(n, dtype=np.int64)
+        """Control steps that are left for motions to come, shape (B,)."""
+        self._to_come: list[tuple[EpisodeMotion, ...]] = [()] * n
+        """Motions to come in each episode."""
+        self._practice: BoolArray = np.zeros(n, dtype=np.bool_)
+        """True in a motion that is not rewarded, shape (B,)."""
         self.tcp_offset = np.zeros((n, 3))
         """TCP - reference at the start of the episode [m], shape (B, 3)."""
         self._centre, self._normal = np.zeros((n, 3)), np.zeros((n, 3))
@@ -143,29 +155,59 @@ class TrackingCore:
         # draw the episodes, and put the plant to their starts
         starts = self.starts.draw(ids, options)
         self.plant.become(ids, [start.machine for start in starts])
-        references = [start.motion.reference for start in starts]
-        self.plant.rest(np.stack([r.q[0] for r in references]), np.stack([r.dq[0] for r in references]), ids)
-        self._touched = True
-        self._rest(ids, [start.motion for start in starts])
-        # motion, length, reward and sensors of each episode
         for i, start in zip(ids, starts, strict=True):
-            self._bank.assign(i, start.motion)
-            self._last_step[i], self._rewards[i] = start.last_step, start.reward
+            self._left[i] = _ENDLESS if start.horizon is None else start.horizon
+            self._to_come[i] = start.then
+        self._begin_motions(ids, [start.motion for start in starts])
+        # reward and sensors of each episode
+        for i, start in zip(ids, starts, strict=True):
+            self._rewards[i] = start.reward
             self._sensors.set(i, start.sensing, start.noise)
-            if self.columns.has_tcp:
-                self._centre[i], self._normal[i] = start.motion.plane
-        self._labels = np.array([str(motion.label) if motion else "" for motion in self.motions])
         self._one_reward = len({id(reward) for reward in self._rewards}) == 1
         self._scores = any(reward.uses_mean_square for reward in self._rewards)
-        # first observation
+        self._look_first(ids)
+        return self._observe()
+
+    def _begin_motions(self, ids: IntArray, motions: Sequence[EpisodeMotion]) -> None:
+        """Put sub-environments `ids` to rest at the start of motions, which they follow from now on."""
+        references = [motion.reference for motion in motions]
+        self.plant.rest(np.stack([r.q[0] for r in references]), np.stack([r.dq[0] for r in references]), ids)
+        self._touched = True
+        self._rest(ids, motions)
+        for i, motion in zip(ids, motions, strict=True):
+            self._bank.assign(i, motion)
+            self._last_step[i] = min(motion.n_steps, self._left[i])
+            self._left[i] -= self._last_step[i]
+            self._practice[i] = motion.is_practice
+            if self.columns.has_tcp:
+                self._centre[i], self._normal[i] = motion.plane
+        self._labels = np.array([str(motion.label) if motion else "" for motion in self.motions])
+
+    def _look_first(self, ids: IntArray) -> None:
+        """Read the state at the start of motions of sub-environments `ids`, and tell recorder and observers."""
         fresh = np.zeros(self.n, dtype=np.bool_)
         fresh[ids] = True
         self._look(fresh)
-        if recorder is not None:
-            recorder.begin(self, ids)
+        if self.settings.recorder is not None:
+            self.settings.recorder.begin(self, ids)
         for observer in self.observers:
             observer.begin(ids)
-        return self._observe()
+
+    def _find_unfinished(self, truncated: BoolArray, terminated: BoolArray) -> BoolArray:
+        """Find where a motion has ended that is not the last of its episode, shape (B,)."""
+        if not truncated.any() or not any(self._to_come):
+            return np.zeros_like(truncated)
+        more = np.array([bool(motions) for motions in self._to_come]) & (self._left > 0)
+        unfinished: BoolArray = truncated & ~terminated & more
+        return unfinished
+
+    def _go_on(self, ids: IntArray) -> None:
+        """Begin the next motion of the episodes of sub-environments `ids`, on the same machines."""
+        motions = [self._to_come[i][0] for i in ids]
+        for i in ids:
+            self._to_come[i] = self._to_come[i][1:]
+        self._begin_motions(ids, motions)
+        self._look_first(ids)
 
     def save(self) -> list[dict[str, Any]]:
         """Copy all that steps and resets change.
@@ -251,17 +293,24 @@ class TrackingCore:
         terminated: BoolArray = np.abs(self.signals.error).max(axis=1) > self.settings.error_limit
         truncated: BoolArray = self.step_index >= self._last_step
         reward = self._reward(terminated)
+        if self._practice.any():  # which costs nothing but a stop
+            reward = np.where(self._practice & ~terminated, 0.0, reward)
         if active is not None:
             terminated, truncated, reward = terminated & active, truncated & active, np.where(active, reward, 0.0)
+        # motions that have ended, and episodes but for those that go on with another motion
         done = terminated | truncated
+        goes_on = self._find_unfinished(truncated, terminated)
         if done.any():
-            self._running = self._running & ~done
+            self._running = self._running & ~(done & ~goes_on)
             if self.settings.recorder is not None:
                 self.settings.recorder.end(self, np.flatnonzero(done))
         # observers, which change nothing
         for observer in self.observers:
             observer.follow(np.arange(self.n) if active is None else np.flatnonzero(active))
         self._in_step = True
+        if goes_on.any():
+            self._go_on(np.flatnonzero(goes_on))
+            truncated = truncated & ~goes_on
         return Transition(observation=self._observe(), reward=reward, terminated=terminated, truncated=truncated)
 
     def _move(self, action: Array, ids: IntArray | None) -> None:
@@ -389,6 +438,7 @@ class TrackingCore:
             "circle": now[:, at.circle].astype(np.int64),
             "task": self._labels.copy(),
             "clipped": self.clipped.copy(),
+            "practice": self._practice.copy(),
         }
         if signals.tcp is not None and signals.path_error is not None:
             out |= {"tcp": signals.tcp.copy(), "path_error": signals.path_error.copy()}

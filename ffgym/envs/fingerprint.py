@@ -38,8 +38,8 @@ EPISODES: tuple[dict[str, Any], ...] = (
 environment lacks are left out; seeds count from 0."""
 
 
-_UNRECORDED = ("clipped",)
-"""Entries of info that came after the first fingerprints, and follow from action and limits."""
+_UNRECORDED = ("clipped", "practice")
+"""Entries of info that came after the first fingerprints, and follow from action and motion."""
 
 
 def fingerprint(name: str) -> dict[str, Any]:

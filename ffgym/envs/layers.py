@@ -220,7 +220,7 @@ class ResidualAction(Layer):
 
 
 class _ResidualLawStage(PassThroughStage):
-    changing = ("_torques",)
+    changing = ("_torques", "_motions")
 
     def __init__(self, inner: EngineStage, core: TrackingCore, law: FeedForwardLaw, scale: float) -> None:
         super().__init__(inner, core)
@@ -228,15 +228,19 @@ class _ResidualLawStage(PassThroughStage):
             raise FFGymError("A feed-forward law acts at every control step; put ResidualAction below Hold.")
         self._law, self._scale = law, scale
         self._torques: list[Array] = [np.zeros((0, 0))] * core.n
+        self._motions: list[EpisodeMotion | None] = [None] * core.n
         self._known: dict[int, tuple[EpisodeMotion, Array]] = {}
 
     def reset(self, ids: IntArray, options: Sequence[Mapping[str, Any]]) -> Array:
         observation = self.inner.reset(ids, options)
-        for i in ids:
-            motion = self.core.motions[i]
-            assert motion is not None  # it was just reset
-            self._torques[i] = self._along(motion)
+        self._follow_motions()
         return observation
+
+    def _follow_motions(self) -> None:
+        """Look up the torques where a motion is another one than in the last step: an episode may have several."""
+        for i, motion in enumerate(self.core.motions):
+            if motion is not None and motion is not self._motions[i]:
+                self._torques[i], self._motions[i] = self._along(motion), motion
 
     def _along(self, motion: EpisodeMotion) -> Array:
         """Compute the actions of the law along a motion, (T, N); kept, as many episodes share a motion."""
@@ -249,6 +253,7 @@ class _ResidualLawStage(PassThroughStage):
         return self._known[id(motion)][1]
 
     def step(self, action: Array, active: BoolArray | None = None) -> Transition:
+        self._follow_motions()
         ends = np.minimum(self.core.step_index + 1, [len(torque) - 1 for torque in self._torques])
         base = np.stack([torque[k] for torque, k in zip(self._torques, ends, strict=True)])
         return self.inner.step(base + self._scale * np.clip(action, -1.0, 1.0), active)

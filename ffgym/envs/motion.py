@@ -98,6 +98,8 @@ class EpisodeMotion:
     """Options that define it, e.g. position, speed and radii."""
     in_space: bool = False
     """True: deviations from circles count in space, like those from any path. False: in the plane of the circles."""
+    is_practice: bool = False
+    """True if nothing of it is rewarded or scored."""
 
     @property
     def name(self) -> str:

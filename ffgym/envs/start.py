@@ -25,10 +25,12 @@ class EpisodeStart:
     """Checked start of an episode."""
 
     motion: EpisodeMotion
+    then: tuple[EpisodeMotion, ...]
+    """Motions that follow in the same episode."""
     machine: Machine
     """Simulated machine."""
-    last_step: int
-    """Control steps until the motion or the horizon ends."""
+    horizon: int | None
+    """Control steps after which the episode ends; None runs all motions to their ends."""
     reward: Reward
     sensing: Sensing
     noise: np.random.Generator
@@ -83,7 +85,7 @@ class Starts:
         task = {k: v for k, v in options.items() if k in self.tasks.option_names and v is not None}
         if self._listed:
             task = self._listed[int(i + self._episodes[i] * self._n) % len(self._listed)] | task
-        motion = self.tasks.draw(rng, task)
+        motion, *then = self.tasks.draw_series(rng, task)
         machine = self.machines[0] if len(self.machines) == 1 else self.machines[int(rng.integers(len(self.machines)))]
         if options.get("plant") is not None:
             machine = find_machine(options["plant"])
@@ -91,8 +93,9 @@ class Starts:
             machine = machine.with_robot(distribution.draw(machine.robot, rng))
         return EpisodeStart(
             motion=motion,
+            then=tuple(then),
             machine=machine,
-            last_step=motion.n_steps if horizon is None else min(motion.n_steps, horizon),
+            horizon=horizon,
             reward=reward,
             sensing=sensing,
             noise=np.random.default_rng(rng.integers(2**63)),

@@ -117,6 +117,10 @@ class Tasks(ABC):
             FFGymError: if an option is not valid, or the robot cannot follow the motion.
         """
 
+    def draw_series(self, rng: np.random.Generator, options: Mapping[str, Any]) -> tuple[EpisodeMotion, ...]:
+        """Draw the motions of an episode, by default one, as `draw` does; the machine rests at the start of each."""
+        return (self.draw(rng, options),)
+
     def list_options(self) -> list[dict[str, Any]]:
         """List the options of every motion of the family, in order; empty if they cannot be listed."""
         return []
