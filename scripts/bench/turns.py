@@ -78,14 +78,19 @@ class Amount:
         return f"{self.title:48} {self.value:10.2f} {self.unit}{wanted}"
 
 
-def rate_of(amount: float, work: Callable[[], object], before: Callable[[], object] = lambda: None) -> Rate:
+def rate_of(
+    amount: float,
+    work: Callable[[], object],
+    before: Callable[[], object] = lambda: None,
+    clock: Callable[[], float] = time.perf_counter,
+) -> Rate:
     """Function that works for once, after what comes before it, and returns the amount of work per second."""
 
     def rate() -> float:
         before()
-        began = time.perf_counter()
+        began = clock()
         work()
-        return amount / (time.perf_counter() - began)
+        return amount / (clock() - began)
 
     return rate
 

@@ -275,6 +275,15 @@ def test_no_callback_or_mark_is_left_behind(robot):
     assert not plant.batch.bind("xfrc_applied").any()
 
 
+def test_the_engine_does_not_read_forces_on_the_body_of_the_world(robot):
+    plain, marked = Plant(robot, 2, n_threads=1), Plant(robot, 2, n_threads=1)
+    for plant in (plain, marked):
+        plant.rest(np.tile(robot.work_area.home, (2, 1)))
+    marked.batch.bind("xfrc_applied")[:, 0] = 123.0
+    for one, other in zip(swing(marked)[:3], swing(plain)[:3], strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
 def test_plants_of_several_threads_do_not_disturb_each_other():
     machines = [draw(3).machine, load_robot("irb4600_60_205_servo_drives"), load_robot("irb4600_60_205")]
     expected = [swing(plant_of([machine]), steps=1600)[0] for machine in machines]
