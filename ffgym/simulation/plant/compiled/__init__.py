@@ -1,0 +1,1 @@
+"""Effects of machines as machine code, made from their formulas in NumPy."""
