@@ -1,16 +1,21 @@
-"""Feed-forward laws that a command line names: refused before any is made, then made for a robot and its motions."""
+"""Laws and policies that a command line names: refused before any is made, then made for a robot and its motions."""
 
 from collections.abc import Sequence
 from pathlib import Path
 
-from ffgym.agents.catalogue import CATALOGUE, find_law_name, make_law
+from ffgym.agents.artefacts import ANYWHERE, locate_artefact, read_manifest
+from ffgym.agents.catalogue import CATALOGUE, find_law_name, list_entries, make_law
 from ffgym.agents.declaration import AgentSetting
+from ffgym.agents.law_files import load_law, unpack
+from ffgym.agents.residual.policy import KIND, load_policy
+from ffgym.agents.submission import LOADERS
 from ffgym.agents.trials import RigTrial
 from ffgym.cli.progress import progress_bar
-from ffgym.control import FeedForwardLaw
-from ffgym.core.errors import FFGymError
+from ffgym.control import FeedForwardLaw, Policy
+from ffgym.core.errors import FFGymError, check_choice
+from ffgym.leaderboard.submission.entrant import load_submission
 from ffgym.paths import Reference
-from ffgym.robot import RigidArm, with_parameters
+from ffgym.robot import RigidArm, builtin_robots, with_parameters
 from ffgym.simulation import Rig, SimulatedRig
 
 
@@ -57,3 +62,35 @@ def make_laws(names: Sequence[str], setting: AgentSetting) -> list[FeedForwardLa
             progress(i, len(names))
             laws.append(make_law(name, setting))
     return laws
+
+
+def make_agent(name: str, setting: AgentSetting, fingerprint: str) -> tuple[str, FeedForwardLaw | Policy]:
+    """Return the title of an agent, and the agent: a law, which runs along whole motions, or a policy, which observes.
+
+    A trained agent of the leaderboard is read, with its first seed, if it learned on this machine or may run on any;
+    other agents that learn are trained here.
+
+    Args:
+        name: of docs/agents or of a row of the leaderboard, model:<machine file>, a file of a law or a policy (.npz),
+            or a submission (.zip).
+        setting: the machine, and the motions to come.
+        fingerprint: fingerprint of the physics of the machine.
+
+    Raises:
+        FFGymError: if there is no such agent, its file cannot be read, or it was not trained for this machine.
+    """
+    if name.endswith(".zip"):
+        robot = check_choice("built-in robot of a submission", setting.robot.name, builtin_robots())
+        return load_submission(Path(name), robot, LOADERS)
+    if name.endswith(".npz"):
+        return Path(name).stem, load_policy(name) if unpack(name)[0].get("kind") == KIND else load_law(name)
+    # rows of the leaderboard
+    kind = name.partition(":")[0]
+    entries = {entry.name: entry for entry in list_entries() if entry.name in CATALOGUE or read_manifest(entry.name)}
+    entry, manifest = entries[check_choice("agent", kind, list(entries))], read_manifest(kind)
+    for artefact in () if manifest is None or kind != name else manifest.artefacts:
+        if artefact.plant == ANYWHERE or artefact.fingerprint == fingerprint:
+            return entry.title, entry.load(locate_artefact(kind, artefact), setting.arm)
+    if entry.name not in CATALOGUE:
+        raise FFGymError(f"Agent {name!r} was trained on another machine, and cannot be trained here.")
+    return (entry.title if kind == name else name), make_law(name, setting)

@@ -38,7 +38,7 @@ COMMANDS = {
     ),
     "simulate": Command("motion_options:Simulate", "simulate:run", "any robot on any motion", "irb4600_60_205 circles"),
     "play": Command(
-        "motion_options:Play", "play:run", "an episode as a video", "--law lugre_dynamic --out episode.mp4"
+        "motion_options:Play", "play:run", "an episode as a video, one agent or two", "lugre_dynamic ppo_elastic"
     ),
     "export": Command(
         "motion_options:Export", "export:run", "a motion in files for plain MuJoCo", "irb4600_60_205 circles"

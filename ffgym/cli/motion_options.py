@@ -76,23 +76,30 @@ class Simulate:
 
 @dataclass(frozen=True)
 class Play:
-    """Film one episode under a feed-forward law; the error is drawn magnified, the picture says how much."""
+    """Film an episode with an agent, or with two side by side; errors are magnified, the picture says how much."""
 
+    agents: tyro.conf.Positional[tuple[str, ...]] = ()
+    """One agent or two: names of docs/agents or of trained rows of the leaderboard (first seed), model:<machine file>,
+    files of laws or policies (.npz), submissions (.zip); none given is that of --law."""
     out: Path = Path("episode.mp4")
-    """Video to write, .mp4 or .gif."""
+    """Video to write, .mp4 or .gif; or .png, one picture at the time of the largest error."""
+    at: float | None = None
+    """Time of the picture in the episode [s] (.png only); none given is that of the largest error."""
+    window: bool = False
+    """Show the episode in a window, and write no video."""
     env: str = "ffgym/CirclePath-v0"
     """Id of the environment."""
     robot: str | None = None
     """Built-in robot, a path that ends in .toml to a description or a machine file, or workcell:<name or seed>; none
     given is the environment's own."""
     law: Literal["none", "lugre_static", "lugre_dynamic"] = "none"
-    """Feed-forward law, with the friction parameters that the robot's controller knows."""
+    """Feed-forward law where no agent is named, with the friction parameters that the robot's controller knows."""
     path: str | None = None
     """Motion to follow, a name or a file as for `ffgym simulate` (ffgym/FollowPath-v0 only); none given is circles."""
     position: str | None = None
-    """Position in the work area (circles only); none given is p1."""
+    """Position in the work area (circles only); none given is p1, in ffgym/Adapt-v0 what the seed draws."""
     speed_mm_s: float | None = None
-    """TCP speed (circles only); none given is 40 mm/s."""
+    """TCP speed (circles only); none given is 40 mm/s, in ffgym/Adapt-v0 what the seed draws."""
     radii_mm: tuple[float, ...] = ()
     """Circle radii (circles only); none given is all of the test."""
     frequency_hz: float | None = None

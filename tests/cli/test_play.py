@@ -4,6 +4,7 @@ import json
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 import tyro
 
@@ -59,7 +60,7 @@ def test_a_gif_of_one_axis(needs_gl, tmp_path, capsys):
     assert main(["play", "--out", str(out), *arguments]) == 0
     assert iio.improps(out).shape == (6, 90, 160, 3)
     assert iio.immeta(out)["duration"] == 200
-    assert "6 frames" in capsys.readouterr().out
+    assert "frames: 6" in capsys.readouterr().out
 
 
 def test_another_robot_on_a_motion_of_its_own(needs_gl, tmp_path, capsys):
@@ -83,10 +84,55 @@ def test_a_workcell_is_filmed_as_what_it_is(env, needs_gl, tmp_path):
     assert values["physics_fingerprint"] == make_rig("workcell:thesis").fingerprint
 
 
+def play_still(tmp_path, *arguments):
+    """The picture and the numbers of a still."""
+    out, numbers = tmp_path / "still.png", tmp_path / "still.json"
+    assert main(["play", *arguments, "--out", str(out), "--json", str(numbers), *SMALL]) == 0
+    return iio.imread(out), json.loads(numbers.read_text())
+
+
+def test_a_law_and_a_trained_policy_side_by_side_meet_the_same_episode(needs_gl, tmp_path):
+    circle = ("--speed-mm-s", "100", "--radii-mm", "3")
+    both, numbers = play_still(tmp_path, "none", "ppo_elastic", *circle)
+    assert both.shape == (90, 320, 3)
+    law, policy = numbers["agents"]
+    assert (law["agent"], policy["agent"], numbers["agent"]) == ("none", "ppo_elastic", "none")
+    assert law["length"] == policy["length"]
+    assert 20 * policy["rms_path_error_mm"] < law["rms_path_error_mm"]
+    # each as it is alone, at the time when the law is worst
+    worst, alone = play_still(tmp_path, "none", *circle)
+    assert np.array_equal(worst, both[:, :160])
+    assert alone["agents"] == [law]
+
+
+def test_agents_bring_their_own_base_on_a_machine_that_is_drawn(needs_gl, tmp_path):
+    arguments = ("--env", "ffgym/Adapt-v0", "--speed-mm-s", "100", "--radii-mm", "3", "--at", "0.5")
+    picture, numbers = play_still(tmp_path, "none", "elastic", *arguments)
+    assert picture.shape == (90, 320, 3)
+    errors = [agent["rms_path_error_mm"] for agent in numbers["agents"]]
+    assert 2 * errors[1] < errors[0]  # with the environment's base below it, none would be as good
+
+
+def test_a_still_shows_the_time_that_is_asked_for(needs_gl, tmp_path):
+    axis = ("none", "--env", "ffgym/OneAxis-v0", "--frequency-hz", "3")
+    pictures = [play_still(tmp_path, *axis, *at)[0] for at in (("--at", "0.5"), ())]
+    assert np.any(pictures[0] != pictures[1])
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--out", "a.avi"], "a.avi: a video must end in .mp4 or .gif, got '.avi'"),
+        (["none", "elastic", "oracle"], "There is room for two agents, got none elastic oracle"),
+        (["none", "--law", "lugre_static"], "--law lugre_static is for plays without named agents, got none too"),
+        (["nobody"], "Unknown agent 'nobody'. Available: "),
+        (["nobody.npz"], "nobody.npz: cannot be read"),
+        (["nobody.zip"], "nobody.zip: "),
+        (["model_fitted"], "Agent 'model_fitted' was trained on another machine"),
+        (["ppo_elastic", "--env", "ffgym/OneAxis-v0"], "ppo_elastic cannot run in ffgym/OneAxis-v0: A policy for 6"),
+        (["--out", "a.mp4", "--at", "1"], "--at 1 is for a still, --out FILE.png"),
+        (["--out", "a.png", "--at", "99", "--speed-mm-s", "100", "--radii-mm", "1"], "at = 99 s is after the end of"),
+        (["--window", "--at", "1"], "--at has no effect in a window"),
+        (["--out", "a.avi"], "a.avi: a video must end in .mp4 or .gif, a still in .png, got '.avi'"),
         (["--out", "nowhere/a.mp4"], "does not exist"),
         (["--out", "a.mp4", "--json", "a.mp4"], "--out and --json are both"),
         (["--env", "ffgym/Triangle-v0"], "Unknown environment 'ffgym/Triangle-v0'. Available: "),
@@ -107,7 +153,7 @@ def test_a_workcell_is_filmed_as_what_it_is(env, needs_gl, tmp_path):
 )
 def test_a_video_that_cannot_be_made_is_one_line_and_exit_code_1(arguments, message, needs_gl, capsys, tmp_path):
     arguments = [str(tmp_path / a) if a.startswith(("a.", "nowhere")) else a for a in arguments]
-    if "--out" not in arguments:
+    if not {"--out", "--window"} & set(arguments):
         arguments = ["--out", str(tmp_path / "b.mp4"), *arguments]
     assert main(["play", *SMALL, *arguments]) == 1
     (line,) = capsys.readouterr().err.splitlines()
@@ -129,16 +175,16 @@ def test_an_interrupt_leaves_no_half_file_and_the_old_one(suffix, needs_gl, monk
     made = play.make
 
     def make(config):
-        env = made(config)
-        step, count = env.step, iter(range(100))
+        (player,) = made(config)
+        step, count = player.step, iter(range(100))
 
-        def interrupted(action):
+        def interrupted():
             if next(count) == 50:
                 raise KeyboardInterrupt
-            return step(action)
+            step()
 
-        monkeypatch.setattr(env, "step", interrupted)
-        return env
+        monkeypatch.setattr(player, "step", interrupted)
+        return [player]
 
     monkeypatch.setattr(play, "make", make)
     assert main(["play", "--out", str(out), *CIRCLE]) == 130
@@ -149,6 +195,6 @@ def test_an_interrupt_leaves_no_half_file_and_the_old_one(suffix, needs_gl, monk
 def test_the_commands_of_the_documentation_parse():
     text = (Path(__file__).parents[2] / "docs" / "rendering.md").read_text(encoding="utf-8")
     commands = re.findall(r"^ffgym play (.*)$", text, flags=re.M)
-    assert len(commands) == 2
+    assert len(commands) == 3
     for command in commands:
         play.check(tyro.cli(Play, args=command.split()))
