@@ -1,7 +1,8 @@
 """Families on the curve of adaptation: each makes a law for a machine from motion within a budget.
 
-Laws with nominal numbers move nothing. Learners spend the budget on laps of one circle, and from `BROAD` laps on laps
-of one radius at three speeds, since a network over speed knows nothing of speeds that it never met.
+Laws with nominal numbers move nothing. Learners spend the budget on laps of one circle, from `BROAD` laps on laps of
+one radius at three speeds, since a network over speed knows nothing of speeds that it never met, and from `BROADEST` on
+laps of three radii. Those that have learned all they can before the budget ends leave the rest.
 """
 
 from collections.abc import Callable, Sequence
@@ -18,15 +19,15 @@ from ffgym.agents.residual_torque import learn_residual_torque
 from ffgym.control import FeedForwardLaw, NoCompensation
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
-from ffgym.leaderboard.adaptation.protocol import LAP, AdaptationSetting, Adapter, lap, practice_motion
+from ffgym.leaderboard.adaptation.protocol import LAP, AdaptationSetting, Adapter, lap, practice_motion, practice_set
 from ffgym.paths import SPEEDS, Reference
 from ffgym.recordings import Recording
 from ffgym.simulation import Run
 
-LAPS = (1, 3, 10, 36)
-"""Budgets of learners in laps: one, three, a quarter of a minute, a minute."""
-BROAD = 10
-"""Laps from which practice is at all speeds of the thesis."""
+LAPS = (1, 3, 10, 36, 180, 538)
+"""Budgets of learners in laps: one, three, then a quarter of a minute, one, five and fifteen minutes."""
+BROAD, BROADEST = 10, 36
+"""Laps from which practice is at all speeds of the thesis, and with all its radii."""
 GP_TRIALS = 3
 """Largest number of trials of the residual torque model, which more do not change."""
 
@@ -50,9 +51,13 @@ class OnBase(FeedForwardLaw):
 
 def practice_for(setting: AdaptationSetting) -> tuple[list[Reference], int]:
     """Choose the motions of one trial, and the number of trials that the budget allows."""
-    one, broad = lap(setting.arm), [practice_motion(setting.arm, LAP[0], speed) for speed in SPEEDS]
-    references = [one] if setting.trial.left < BROAD * one.duration - 1e-9 else broad
-    return references, int((setting.trial.left + 1e-9) / sum(each.duration for each in references))
+    one, left = lap(setting.arm), setting.trial.left + 1e-9
+    references = [one]
+    if left >= BROAD * one.duration:
+        references = [practice_motion(setting.arm, LAP[0], speed) for speed in SPEEDS]
+    if left >= BROADEST * one.duration:
+        references = practice_set(setting.arm)
+    return references, int(left / sum(each.duration for each in references))
 
 
 def _learn_splines(setting: AdaptationSetting, base: FeedForwardLaw | None) -> FeedForwardLaw:

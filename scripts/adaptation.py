@@ -18,7 +18,7 @@ from ffgym.leaderboard.adaptation.evaluation import Entry, Subject, evaluate, li
 from ffgym.leaderboard.adaptation.protocol import Adapter, lap, scored_motions
 from ffgym.leaderboard.adaptation.results import AdaptationResults, AdaptationRun, read_results, write_results
 from ffgym.leaderboard.submission.rounds import read_round
-from ffgym.report.figure import house_style, new_figure, save_figure
+from ffgym.report.figure import panels, save_figure
 
 NOMINAL = "irb4600_60_205_arm_drives"
 """Robot on which an adapter must stay silent: its machine is its model."""
@@ -36,7 +36,7 @@ class Config:
     round: Path = Path("docs/leaderboard/adaptation_round.json")
     """File of a revealed round, whose machines are run."""
     adapters: tuple[str, ...] = tuple(adapter.name for adapter in ADAPTERS)
-    most_laps: int = 36
+    most_laps: int = 538
     """Largest budget in laps."""
     seeds: int = 5
     """Largest number of seeds of each."""
@@ -99,9 +99,7 @@ def format_table(runs: Sequence[AdaptationRun], adapters: Sequence[Adapter], mac
 
 def draw(curves: Mapping[str, Sequence[CurvePoint]], path: Path) -> None:
     """Draw error left over robot time: a line with its interval for each family, thin lines for machines."""
-    with house_style():
-        figure = new_figure(7.0, 4.6)
-        axes = figure.subplots()
+    with panels(size=(7.0, 5.0)) as (figure, ((axes,),)):
         last = max(point.budget_s for points in curves.values() for point in points)
         for k, (title, points) in enumerate(curves.items()):
             if not points:
@@ -118,9 +116,11 @@ def draw(curves: Mapping[str, Sequence[CurvePoint]], path: Path) -> None:
             for row in range(len(points[0].machines) if len(points) > 1 else 0):
                 own = [point.by_machine[row] for point in points if row < len(point.by_machine)]
                 axes.plot(times[: len(own)], own, color=f"C{k}", linewidth=0.5, alpha=0.35)
-        axes.set(xscale="log", yscale="log", xlabel="motion of the robot [s]", ylabel="error left [1]")
-        axes.legend(fontsize="small", loc="lower left")
-        save_figure(figure, path)
+        axes.set(xscale="log", yscale="log", xlabel="motion of the robot [s]", ylabel="error left [%]")
+        axes.yaxis.set_major_formatter(lambda value, place: f"{value * 100:g}")
+        axes.yaxis.set_minor_formatter(lambda value, place: f"{value * 100:.0f}" if f"{value:.0e}"[0] in "25" else "")
+        axes.xaxis.set_major_formatter(lambda value, place: f"{value:g}")
+    save_figure(figure, path)
 
 
 def _is_current(run: AdaptationRun | None, entry: Entry) -> bool:

@@ -8,7 +8,9 @@ from ffgym.agents.artefacts import read_manifest
 from ffgym.core.errors import FFGymError
 from ffgym.leaderboard.adaptation.protocol import scored_motions
 from ffgym.leaderboard.adaptation.results import read_results
-from scripts import adaptation
+from ffgym.robot import RigidArm, load_robot
+from ffgym.simulation.plant import Machine
+from scripts import adaptation, adaptation_bounds
 
 
 def test_the_curve_is_run_once_and_goes_on_where_it_was_stopped(tmp_path, monkeypatch, capsys):
@@ -64,3 +66,12 @@ def test_an_estimator_is_trained_and_laps_are_simulated_once(tmp_path, monkeypat
     train_estimator.main(config)
     again = Estimator.load(file)
     np.testing.assert_array_equal(again.linear.weight, first.linear.weight)
+
+
+def test_with_all_true_numbers_of_a_drawn_robot_little_error_is_left(monkeypatch, capsys):
+    monkeypatch.setattr(adaptation_bounds, "scored_motions", lambda arm: scored_motions(arm)[:1])
+    arm = RigidArm(load_robot("irb4600_60_205_commissioned_arm_drives"))
+    (robot,) = adaptation_bounds.draw_robots(arm, (1,))
+    adaptation_bounds.print_table("drawn", arm, [Machine(robot=robot)], adaptation_bounds.Config(threads=1))
+    left = {line.split(" | ")[0].strip("| "): line.split(" | ")[1] for line in capsys.readouterr().out.splitlines()[2:]}
+    assert float(left["all true numbers"].rstrip("%")) < 4 < 10 < float(left["nominal numbers"].rstrip("%"))
