@@ -13,7 +13,7 @@ from ffgym.agents import (
     residual_torque,
     tensor_bspline,
 )
-from ffgym.agents.residual import policy
+from ffgym.agents.residual import gains, policy
 
 MODULES = (
     baselines,
@@ -26,6 +26,7 @@ MODULES = (
     iterative,
     elastic,
     model,
+    gains,
     policy,
     oracle,
 )

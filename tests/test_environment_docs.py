@@ -31,7 +31,7 @@ def test_every_environment_has_a_page_with_its_arguments_and_options(name):
     assert name in page
     assert name in OVERVIEW
     vector = gym.make_vec(name).unwrapped
-    own = set(type(vector).__init__.__kwdefaults__) - {"autoreset_mode", "render_mode", "max_episode_steps"}
+    own = set(type(vector).__init__.__kwdefaults__ or {}) - {"autoreset_mode", "render_mode", "max_episode_steps"}
     for keyword in own or signature(vector.tasks).parameters:
         assert f"| `{keyword}` |" in page
     for option in vector.core.tasks.option_names:

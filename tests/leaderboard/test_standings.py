@@ -183,6 +183,27 @@ def test_a_residual_is_told_against_its_base_on_held_out_circles(factor, spread,
         assert found.difference.interval.includes(found.difference.ratio)
 
 
+def test_learned_feedback_counts_as_learning_only_if_it_beats_servo_gains():
+    rows = [
+        NONE,
+        fixed("base", 0.5),
+        learned("slow", 0.45, 0.01, base="base"),
+        learned("quick", 0.2, 0.01, base="base"),
+    ]
+    gains = fixed("servo_gains", 0.3, base="base")
+    without, found = (standings(each, NOMINAL, "held_out") for each in (rows, [*rows, gains]))
+    assert without.line("quick").against_gains is None
+    assert "servo gains" not in residual_sentence(without)
+    assert found.line("servo_gains").against_gains is None
+    assert found.line("slow").against_gains.sentence == "worse than servo gains"
+    assert found.line("quick").against_gains.sentence == "better than servo gains"
+    told = residual_sentence(found)
+    assert told.startswith("Of 2 agents that learned on top of another one, 2 are better than their base")
+    assert "1 of 2 is better than servo gains, a linear feedback of three numbers, and so counts as learning: " in told
+    assert told.index("Quick", told.index("servo gains")) > 0
+    assert "Slow" not in told[told.index("servo gains") :]
+
+
 def test_what_a_residual_does_where_agents_may_learn_is_no_better_than_its_base():
     overfit = row("residual", lambda _, plant, key: (0.1 if key[0] == "train" else 0.6) * zero_error(key), base="base")
     found = standings([NONE, fixed("base", 0.5), overfit], NOMINAL, "train").line("residual")

@@ -18,23 +18,26 @@ from ffgym.leaderboard.results import Row
 from ffgym.leaderboard.tasks import HELD_OUT
 from ffgym.report.laws import ORACLE, UNCOMPENSATED
 
-_WORDS = {-1: "better than its base", 1: "worse than its base", 0: "not better: the interval includes zero"}
+SERVO_GAINS = "servo_gains"
+"""Row of a linear feedback of three numbers: a learned feedback that does not beat it has gained what a servo would."""
+_WORDS = {-1: "better than {}", 1: "worse than {}", 0: "not better: the interval includes zero"}
 
 
 @dataclass(frozen=True, kw_only=True)
 class AgainstBase:
-    """A residual beside its base, on circles held out from learning."""
+    """A residual beside its base or servo gains, on circles held out from learning."""
 
     base: str
+    """Row that it is compared with."""
     difference: Difference | None
     """Difference of the errors; None if one of both did not run."""
     sentence: str
-    """'better than its base', 'worse than its base', 'not better: the interval includes zero', or why unknown."""
+    """'better than its base', 'worse than servo gains', 'not better: the interval includes zero', or why unknown."""
 
     @property
     def is_better(self) -> bool:
         """True if the interval shows that it is better."""
-        return self.sentence == _WORDS[-1]
+        return self.sentence.startswith("better")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,6 +52,8 @@ class Standing:
     """Rank within its track."""
     against_base: AgainstBase | None
     """Comparison with its base; None if it is no residual."""
+    against_gains: AgainstBase | None
+    """Comparison of a learned residual with servo gains; None if it is none, or they were not run."""
     unproven: str | None
     """Reason why chance was not measured, as 'one seed'; None if it was, or there is none."""
 
@@ -99,7 +104,10 @@ def standings(rows: Sequence[Row], group: str, selection: str) -> Standings:
     missing = {name: why for name, row in sorted(by_name.items()) if (why := explain_lack(row, grid))}
     zero = scored[UNCOMPENSATED].sample
     oracle = scored[ORACLE].sample if ORACLE in scored else None
-    against = _against_bases(by_name, group)
+    residuals = {name: row.base for name, row in by_name.items() if row.base is not None}
+    against = _compare(by_name, group, residuals, "its base")
+    learned = {name: SERVO_GAINS for name in residuals if name != SERVO_GAINS} if SERVO_GAINS in by_name else {}
+    against_gains = _compare(by_name, group, learned, "servo gains")
     # ranks among all tracks, and within each
     best_first = sorted(scored.values(), key=lambda each: (each.mean, each.row.name))
     ranked = [each for each in best_first if _is_ranked(each.row)]
@@ -113,6 +121,7 @@ def standings(rows: Sequence[Row], group: str, selection: str) -> Standings:
             rank=ranks.get(each.row.name),
             track_rank=within.get(each.row.name),
             against_base=against.get(each.row.name),
+            against_gains=against_gains.get(each.row.name),
             unproven=_unproven(each, grid),
         )
         for each in (*ranked, *(each for each in best_first if not _is_ranked(each.row)))
@@ -160,9 +169,13 @@ def _unproven(scored: ScoredRow, grid: Grid) -> str | None:
     return "one drawn robot" if group_of(grid.plants[0]) == DRAWS and len(grid.plants) == 1 else None
 
 
-def _against_bases(by_name: Mapping[str, Row], group: str) -> dict[str, AgainstBase]:
-    """Compare residuals with their bases, on all held-out circles that the zero action was run on."""
-    residuals = {name: row.base for name, row in by_name.items() if row.base is not None}
+def _compare(
+    by_name: Mapping[str, Row], group: str, residuals: Mapping[str, str], rival: str
+) -> dict[str, AgainstBase]:
+    """Compare rows with others, by their names, on all held-out circles that the zero action was run on.
+
+    `rival` is what sentences call the others.
+    """
     run = [split for split in HELD_OUT if collect_grid(by_name[UNCOMPENSATED], group, [split]).cells]
     scored: dict[str, ScoredRow] = {}
     if residuals and run:
@@ -180,8 +193,8 @@ def _against_bases(by_name: Mapping[str, Row], group: str) -> dict[str, AgainstB
         elif (why := _unproven(scored[name], grid)) is not None:
             words = f"unknown: {why}"
         elif difference.interval is None and difference.sign == 0:
-            words = "not better: the same as its base"
+            words = f"not better: the same as {rival}"
         else:
-            words = _WORDS[difference.sign]
+            words = _WORDS[difference.sign].format(rival)
         found[name] = AgainstBase(base=base, difference=difference, sentence=words)
     return found

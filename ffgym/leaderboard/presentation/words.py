@@ -6,7 +6,7 @@ from math import fsum, isfinite
 
 from ffgym.envs.machines import is_workcell
 from ffgym.leaderboard.comparison.samples import DRAWS, CellKey
-from ffgym.leaderboard.comparison.standings import Standing, Standings
+from ffgym.leaderboard.comparison.standings import SERVO_GAINS, AgainstBase, Standing, Standings
 from ffgym.leaderboard.plants import NOMINAL, find_plant
 from ffgym.leaderboard.tasks import THESIS
 from ffgym.paths import RADII, SPEEDS
@@ -153,24 +153,48 @@ def headline(positions: Standings | None) -> Headline:
 
 
 def residual_sentence(standings: Standings) -> str | None:
-    """Count the residuals that are better than their bases, in a sentence; return None without residuals."""
-    pairs = [(line, line.against_base) for line in standings.lines if line.against_base is not None]
+    """Count the learned residuals that are better than their bases and than servo gains, in a sentence or two.
+
+    None without residuals.
+    """
+    learned = [line for line in standings.lines if line.row.name != SERVO_GAINS]
+    pairs = [(line, line.against_base) for line in learned if line.against_base is not None]
     if not pairs:
         return None
-    better = []
-    for line, against in pairs:
-        if against.difference is not None and against.is_better:
-            spread = against.difference.interval
-            ends = "" if spread is None else f", between {_change(spread.high)} and {_change(spread.low)}"
-            better.append(f"{line.row.title} ({_change(against.difference.ratio)} error{ends})")
+    better = _list_better(pairs)
     names = f": {_join_words(better)}" if better else ""
     unknown = [line.row.title for line, against in pairs if against.sentence.startswith("unknown")]
     rest = f" Unknown of {_join_words(unknown)}." if unknown else ""
     return (
         f"Of {len(pairs)} agent{'' if len(pairs) == 1 else 's'} that learned on top of another one, {len(better)} "
         f"{'is better than its' if len(better) == 1 else 'are better than their'} base on held-out circles, "
-        f"{group_title(standings.group)}{names}.{rest}"
+        f"{group_title(standings.group)}{names}.{rest}{_gains_sentence(learned)}"
     )
+
+
+def _gains_sentence(learned: Sequence[Standing]) -> str:
+    """Count the learned residuals that beat servo gains, in a sentence with a space before it; empty without them."""
+    pairs = [(line, line.against_gains) for line in learned if line.against_gains is not None]
+    if not pairs:
+        return ""
+    better = _list_better(pairs)
+    names = f": {_join_words(better)}" if better else ""
+    does = ("is", "counts") if len(better) == 1 else ("are", "count")
+    return (
+        f" {len(better)} of {len(pairs)} {does[0]} better than servo gains, a linear feedback of three numbers, and so "
+        f"{does[1]} as learning{names}."
+    )
+
+
+def _list_better(pairs: Sequence[tuple[Standing, AgainstBase]]) -> list[str]:
+    """List rows that are better than what they are compared with, with their gain."""
+    better = []
+    for line, against in pairs:
+        if against.difference is not None and against.is_better:
+            spread = against.difference.interval
+            ends = "" if spread is None else f", between {_change(spread.high)} and {_change(spread.low)}"
+            better.append(f"{line.row.title} ({_change(against.difference.ratio)} error{ends})")
+    return better
 
 
 def circles_note(standings: Standings, published: Sequence[PublishedRow] = ()) -> str:
