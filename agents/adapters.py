@@ -5,8 +5,8 @@ one radius at three speeds, since a network over speed knows nothing of speeds t
 laps of three radii. Those that have learned all they can before the budget ends leave the rest.
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 
 from ffgym.agents.amortised.estimator import Estimator, adapt
@@ -18,11 +18,8 @@ from ffgym.agents.lugre import dynamic_lugre
 from ffgym.agents.residual_torque import learn_residual_torque
 from ffgym.control import FeedForwardLaw, NoCompensation
 from ffgym.core.errors import FFGymError
-from ffgym.core.types import Array
 from ffgym.leaderboard.adaptation.protocol import LAP, AdaptationSetting, Adapter, lap, practice_motion, practice_set
 from ffgym.paths import SPEEDS, Reference
-from ffgym.recordings import Recording
-from ffgym.simulation import Run
 
 LAPS = (1, 3, 10, 36, 180, 538)
 """Budgets of learners in laps: one, three, then a quarter of a minute, one, five and fifteen minutes."""
@@ -30,23 +27,6 @@ BROAD, BROADEST = 10, 36
 """Laps from which practice is at all speeds of the thesis, and with all its radii."""
 GP_TRIALS = 3
 """Largest number of trials of the residual torque model, which more do not change."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class OnBase(FeedForwardLaw):
-    """Sum of a base law and a law that was learned on top of it."""
-
-    base: FeedForwardLaw
-    learned: FeedForwardLaw
-
-    @property
-    def name(self) -> str:
-        """Name of both."""
-        return f"{self.learned.name} on {self.base.name}"
-
-    def torque(self, reference: Reference) -> Array:
-        """Return the sum of both torques, motor side [N m], shape (T, N)."""
-        return self.base.torque(reference) + self.learned.torque(reference)
 
 
 def practice_for(setting: AdaptationSetting) -> tuple[list[Reference], int]:
@@ -60,20 +40,14 @@ def practice_for(setting: AdaptationSetting) -> tuple[list[Reference], int]:
     return references, int(left / sum(each.duration for each in references))
 
 
-def _learn_splines(setting: AdaptationSetting, base: FeedForwardLaw | None) -> FeedForwardLaw:
-    """Train an extended B-spline network as the thesis does, on a base law if there is one."""
+def _learn_splines(setting: AdaptationSetting) -> FeedForwardLaw:
+    """Train an extended B-spline network as the thesis does."""
     references, trials = practice_for(setting)
-
-    def trial(runs: Sequence[Run], number: int) -> Sequence[Recording]:
-        together = runs if base is None else [replace(run, law=OnBase(base=base, learned=run.law)) for run in runs]
-        return setting.trial(together, number)
-
     n = setting.arm.robot.n_joints
     training = replace(thesis_training(n), iterations=trials - 1)
-    learning = training.learn(ExtendedBSN.zero(n), references, trial)
+    learning = training.learn(ExtendedBSN.zero(n), references, setting.trial)
     # the best network that was tried; of a single trial, which tried none, the first update
-    network = learning.network if trials == 1 else learning.best
-    return network if base is None else OnBase(base=base, learned=network)
+    return learning.network if trials == 1 else learning.best
 
 
 def _learn_residual(setting: AdaptationSetting) -> FeedForwardLaw:
@@ -140,14 +114,7 @@ ADAPTERS: tuple[Adapter, ...] = (
         name="bsn_extended",
         title="B-spline learning",
         about="Two B-spline networks over speed per motor, learned from zero as in the thesis.",
-        adapt=lambda setting: _learn_splines(setting, None),
-        laps=LAPS,
-    ),
-    Adapter(
-        name="bsn_on_elastic",
-        title="B-spline learning on elastic",
-        about="The same networks, learned on top of elastic feed-forward with nominal numbers.",
-        adapt=lambda setting: _learn_splines(setting, elastic_law(setting.arm)),
+        adapt=_learn_splines,
         laps=LAPS,
     ),
     Adapter(
