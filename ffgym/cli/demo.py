@@ -6,21 +6,30 @@ from typing import Any
 
 from ffgym.agents.catalogue import CATALOGUE
 from ffgym.cli.diagnose import next_step, origin_of, period_of
-from ffgym.cli.laws import check_laws, make_laws, setting_for
+from ffgym.cli.laws import check_laws, make_laws, record_agents, refuse_with_policies, setting_for
 from ffgym.cli.log_options import Diagnose
 from ffgym.cli.motion_options import Demo
-from ffgym.cli.outputs import check_outputs, hash_inputs, need_extra, print_places, provenance, write_numbers
-from ffgym.cli.progress import progress_bar, stages_bar
+from ffgym.cli.outputs import (
+    check_outputs,
+    given_options,
+    hash_inputs,
+    need_extra,
+    print_places,
+    provenance,
+    write_numbers,
+)
+from ffgym.cli.progress import stages_bar
 from ffgym.core.files import write_text
 from ffgym.diagnosis import Diagnosis, examine
 from ffgym.diagnosis.diagnosis_file import diagnosis_document
 from ffgym.diagnosis.nominal import EXAMPLE_ROBOT, example_logs
-from ffgym.envs.machines import is_workcell, make_rig
+from ffgym.envs.machines import find_controller, is_workcell, make_rig
 from ffgym.report import format_one_axis, format_text, write_report
 from ffgym.report.diagnosis import DiagnosisReport, format_findings, render_diagnosis_page
 from ffgym.robot import RigidArm, load_robot
 from ffgym.simulation import Machine, Rig, SimulatedRig
-from ffgym.studies import CircleStudy, OneAxisStudy, circle_references, circle_study, one_axis_study, sine_references
+from ffgym.studies import CircleStudy, OneAxisStudy, circle_references, one_axis_study, sine_references
+from ffgym.studies.circles import score_circle_study
 
 SEED = 0
 """Seed of the noise of a workcell's sensors, and of what a diagnosis draws."""
@@ -32,7 +41,8 @@ def run(config: Demo) -> None:
     second = config.report.with_name(f"{config.report.stem}_diagnosis.html")
     places = {"--report": config.report, "--json": config.json}
     check_outputs(places | ({"--report, of the diagnosis": second} if config.diagnosis else {}))
-    check_laws(config.agents, "--agents")
+    check_laws(config.agents, "--agents", policies=True)
+    refuse_with_policies(config.agents, given_options(config, ("parameters",)))
     circles, one_axis = _circles(config, make_rig(config.robot)), _one_axis(config)
     info = origin(config, circles)
     again = [info["command_line"], *["ffgym diagnose --out found"] * config.diagnosis]
@@ -69,12 +79,13 @@ def _diagnose(file: Path) -> Diagnosis:
 
 def _circles(config: Demo, rig: Rig) -> CircleStudy:
     positions, speeds = config.positions or None, [speed / 1e3 for speed in config.speeds_mm_s]
-    references = [*circle_references(rig.arm, positions, speeds).values()]
-    laws = make_laws(config.agents, setting_for(rig, references, config.parameters, config.threads))
-    with progress_bar("simulating", "s") as progress:
-        return circle_study(
-            rig, laws=laws, positions=positions, speeds=speeds, seed=SEED, n_threads=config.threads, progress=progress
-        )
+    references = circle_references(rig.arm, positions, speeds)
+    setting = setting_for(rig, [*references.values()], config.parameters, config.threads)
+    controller = find_controller(config.robot)
+    recordings = record_agents(
+        config.agents, rig, references, setting, controller=controller, seed=SEED, n_threads=config.threads
+    )
+    return score_circle_study(rig, recordings)
 
 
 def _one_axis(config: Demo) -> OneAxisStudy:

@@ -26,8 +26,8 @@ class Demo:
     """Run the 36 circles with feed-forward agents, and diagnose the example logs; print the tables; write the pages."""
 
     agents: tuple[str, ...] = ("none", "lugre_static", "lugre_dynamic")
-    """Names of docs/agents, model:<machine file>, or files of learned laws. Those that learn are trained first, on
-    their standard motions."""
+    """Names of docs/agents, model:<machine file>, files of laws or policies, trained rows of the leaderboard (first
+    seed), or submissions (.zip). Laws that learn are trained first, on their standard motions."""
     parameters: Path | None = None
     """Parameter file for the agents' model of the robot; the simulated machine keeps its own numbers."""
     robot: str = "irb4600_60_205"
@@ -54,8 +54,8 @@ class Simulate:
     """Built-in motion, or a file: .toml (motion), .csv (poses or joint positions), .mod (RAPID)."""
     entry: Procedure = None
     feedforward: tuple[str, ...] = ("none", "lugre_dynamic")
-    """Names of docs/agents, model:<machine file>, or files of learned laws. Those that learn are trained first, on
-    their standard motions."""
+    """Names of docs/agents, model:<machine file>, files of laws or policies, trained rows of the leaderboard (first
+    seed), or submissions (.zip). Laws that learn are trained first, on their standard motions."""
     parameters: Path | None = None
     """Parameter file for the laws' model of the robot; the simulated machine keeps its own numbers."""
     sensors: bool = False

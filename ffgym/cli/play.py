@@ -4,7 +4,6 @@ A file appears whole or not at all. Agents side by side meet the same seed, and 
 """
 
 import os
-import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, closing, contextmanager, suppress
 from pathlib import Path
@@ -20,16 +19,15 @@ from ffgym.cli.laws import make_agent, setting_for
 from ffgym.cli.motion_options import Play
 from ffgym.cli.outputs import check_outputs, given_options, need_extra, print_places, provenance, write_numbers
 from ffgym.cli.progress import progress_bar
-from ffgym.control import Agent, FeedForwardLaw
+from ffgym.control import Agent, FeedForwardLaw, Policy
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
 from ffgym.core.files import check_writable, write_bytes
 from ffgym.core.measures import rms
 from ffgym.core.registration import ENVIRONMENTS, find_spec
 from ffgym.core.types import Array
-from ffgym.envs.machines import WORKCELL, is_workcell, make_rig
+from ffgym.envs.machines import WORKCELL, find_controller, is_workcell, make_rig
 from ffgym.envs.rendering import Rendering
 from ffgym.envs.rendering.viewer import check_screen
-from ffgym.leaderboard.submission.process import isolation_note
 from ffgym.robot import RigidArm
 from ffgym.simulation import SimulatedRig
 from ffgym.simulation.plant.machine_file import is_machine_file
@@ -198,26 +196,27 @@ class Player:
 def make(config: Play) -> list[Player]:
     """Make the agents, each in an environment of its own."""
     names = config.agents or (config.law,)
-    if any(name.endswith(".zip") for name in names) and (note := isolation_note()) is not None:
-        print(f"ffgym: {note}", file=sys.stderr)
     # the episode without an agent: machine and motion, for agents that are made for them
     arguments = _arguments(config)
     empty: Any = gym.make(find_spec(config.env), **(arguments | {"base": "none"})).unwrapped
     with closing(empty):
         empty.reset(seed=config.seed)
-        setting, fingerprint = _setting(config, empty.core), empty.core.plant.fingerprint()
+        setting, controller = _setting(config, empty.core)
+        fingerprint = empty.core.plant.fingerprint()
     with ExitStack() as made:
         players: list[Player] = []
         for name in names:
-            players.append(_make_player(config, name, setting, fingerprint, arguments))
+            title, agent = make_agent(name, setting, controller=controller, fingerprint=fingerprint)
+            players.append(_make_player(config, name, title, agent, arguments))
             made.callback(players[-1].close)
         made.pop_all()  # nothing failed
     return players
 
 
-def _make_player(config: Play, name: str, setting: AgentSetting, fingerprint: str, arguments: dict[str, Any]) -> Player:
-    """Make an agent by name, and its environment."""
-    title, agent = make_agent(name, setting, fingerprint)
+def _make_player(
+    config: Play, name: str, title: str, agent: FeedForwardLaw | Policy, arguments: dict[str, Any]
+) -> Player:
+    """Put an agent into an environment of its own."""
     if isinstance(agent, FeedForwardLaw):
         own: dict[str, Any] = {"base": agent}
     else:  # the observations that it was trained with; it brings its own base
@@ -231,16 +230,17 @@ def _make_player(config: Play, name: str, setting: AgentSetting, fingerprint: st
     return Player(name, env, lambda: agent.agent(env.core.robot, env.core.observation_layout))
 
 
-def _setting(config: Play, core: Any) -> AgentSetting:
-    """Give families what they make laws from; of a workcell they see what it measures."""
-    name = config.robot
+def _setting(config: Play, core: Any) -> tuple[AgentSetting, str]:
+    """Give families what they make laws from, and the name of the controller's robot."""
+    own = ENVIRONMENTS[config.env].defaults
+    name = config.robot or own.get("robot")
     if name is None and _kind(config) == CELLS:
-        name = WORKCELL + ENVIRONMENTS[config.env].defaults.get("workcell", "thesis")
+        name = WORKCELL + own.get("workcell", "thesis")
     if name is not None and is_workcell(name):
         rig = make_rig(name)
     else:
         rig = SimulatedRig(arm=RigidArm(core.robot), machine=core.plant.machines[0])
-    return setting_for(rig, [core.motions[0].reference], None, 0)
+    return setting_for(rig, [core.motions[0].reference], None, 0), find_controller(name or core.robot.name)
 
 
 def _kind(config: Play) -> str:

@@ -4,20 +4,20 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-from ffgym.cli.laws import check_laws, make_laws, setting_for
+from ffgym.cli.laws import check_laws, record_agents, refuse_with_policies, setting_for
 from ffgym.cli.motion_options import Simulate
 from ffgym.cli.outputs import check_outputs, file_of_each, given_options, print_places, provenance, write_numbers
-from ffgym.cli.progress import progress_bar
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.files import write_text
-from ffgym.envs.machines import is_workcell, make_rig
+from ffgym.envs.machines import find_controller, is_workcell, make_rig
 from ffgym.paths.motions import load_motion
 from ffgym.recordings import write_recording
 from ffgym.recordings.io import FORMATS
 from ffgym.report import format_motion, render_motion_page
 from ffgym.robot import ModelOptions, RigidArm
 from ffgym.simulation import Rig, SimulatedRig, sensors_of
-from ffgym.studies import MotionStudy, motion_study
+from ffgym.studies import MotionStudy
+from ffgym.studies.motions import name_motions, score_motion_study
 
 
 def run(config: Simulate) -> None:
@@ -30,19 +30,20 @@ def run(config: Simulate) -> None:
         if not isinstance(rig, SimulatedRig) or rig.machine is not None:
             raise FFGymError(f"{config.path} brings a tool of its own, but that of {config.robot} cannot be changed.")
         rig = replace(rig, arm=RigidArm(motion.reference.robot))
-    # same motion under each law
+    # same motion under each agent
+    motions = name_motions([motion.reference])
     setting = setting_for(rig, [motion.reference], config.parameters, config.threads)
-    laws = make_laws(config.feedforward, setting)
-    with progress_bar("simulating", "s") as progress:
-        study = motion_study(
-            [motion.reference],
-            laws=laws,
-            rig=rig,
-            seed=config.seed,
-            record_dt=config.record_dt_ms / 1e3,
-            n_threads=config.threads,
-            progress=progress,
-        )
+    recorded = record_agents(
+        config.feedforward,
+        rig,
+        motions,
+        setting,
+        controller=find_controller(config.robot),
+        seed=config.seed,
+        record_dt=config.record_dt_ms / 1e3,
+        n_threads=config.threads,
+    )
+    study = score_motion_study(motions, recorded)
     seed = config.seed if is_measured else None  # null where nothing is random
     info = provenance("ffgym simulate", config, study.robot.name, study.fingerprint, seed)
     info |= {"motion": motion.reference.name, "duration": motion.reference.duration}
@@ -56,7 +57,9 @@ def run(config: Simulate) -> None:
 
 def _check(config: Simulate, is_measured: bool) -> dict[str, Path]:
     """Refuse what cannot be run or written; returns the recordings' places by law."""
-    laws = check_laws(config.feedforward, "--feedforward")
+    laws = check_laws(config.feedforward, "--feedforward", policies=True)
+    simplified = ("parameters", "flexible", "friction", "gravity", "springs")
+    refuse_with_policies(config.feedforward, given_options(config, simplified))
     if not is_measured and (given := given_options(config, ("seed",))):
         raise FFGymError(f"{given[0]} has no effect without --sensors: nothing else is random. Leave it out.")
     recordings: dict[str, Path] = {}

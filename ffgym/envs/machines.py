@@ -56,7 +56,14 @@ def load_described_robot(name: str) -> RobotDescription:
 
 
 def find_controller(name: str) -> str:
-    """Return the name of the nominal robot that the controller of a machine knows: its own, but for a workcell."""
+    """Return the name of the nominal robot that the controller of a machine knows; that of a robot is its own.
+
+    `name` is that of a robot or a workcell, or a path to a description or a machine file.
+    """
+    from ffgym.simulation.plant.machine_file import is_machine_file, robot_reference
+
+    if is_machine_file(name):
+        return str(robot_reference(name))
     return workcell_named(name).controller if is_workcell(name) else name
 
 

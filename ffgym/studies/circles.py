@@ -189,6 +189,19 @@ def circle_study(
     references = circle_references(rig.arm, positions, speeds, radii)
     laws = thesis_laws(rig.robot) if laws is None else laws
     recordings = record_all(rig, references, laws, seed=seed, n_threads=n_threads, progress=progress)
+    return score_circle_study(rig, recordings, radii)
+
+
+def score_circle_study(
+    rig: Rig, recordings: dict[tuple[str, str, float], Recording], radii: Sequence[float] = RADII
+) -> CircleStudy:
+    """Score recordings of the circle test on a rig.
+
+    Args:
+        rig: the rig.
+        recordings: recordings by agent, position and speed [m/s].
+        radii: circle radii [m].
+    """
     cells = [
         StudyCell(agent=agent, plant=rig.name, position=position, speed_mm_s=in_mm(speed), **vars(score))
         for (agent, position, speed), recording in recordings.items()

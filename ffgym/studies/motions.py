@@ -112,19 +112,32 @@ def motion_study(
         FFGymError: if there is nothing to simulate, or two motions or two laws share a name, or one does
             not move.
     """
+    motions, robot = name_motions(references), one_robot([Run(reference=reference) for reference in references])
+    if not laws:
+        raise FFGymError(f"A study of {', '.join(motions)} needs one law or more.")
+    rig = rig or SimulatedRig(arm=RigidArm(robot))
+    options = {"seed": seed, "record_dt": record_dt, "n_threads": n_threads, "progress": progress}
+    return score_motion_study(motions, record_all(rig, motions, laws, **options))
+
+
+def name_motions(references: Sequence[Reference]) -> dict[str, Reference]:
+    """Return motions by their names.
+
+    Raises:
+        FFGymError: if there is none, two share a name, or one does not move.
+    """
     names = [reference.name for reference in references]
-    if not names or not laws or len(set(names)) < len(names):
-        raise FFGymError(
-            f"Motions {names} of one study must be at least one, with different names and one law or more."
-        )
+    if not names or len(set(names)) < len(names):
+        raise FFGymError(f"Motions {names} of one study must be at least one, with different names.")
     for reference in references:
         if not np.any(reference.dq):
             raise FFGymError(f"Motion {reference.name!r} is all standstill, so that it has no error to score.")
-    robot = one_robot([Run(reference=reference) for reference in references])
-    motions = dict(zip(names, references, strict=True))
-    rig = rig or SimulatedRig(arm=RigidArm(robot))
-    options = {"seed": seed, "record_dt": record_dt, "n_threads": n_threads, "progress": progress}
-    recordings = record_all(rig, motions, laws, **options)
+    return dict(zip(names, references, strict=True))
+
+
+def score_motion_study(motions: dict[str, Reference], recordings: dict[tuple[str, str], Recording]) -> MotionStudy:
+    """Score recordings, by agent and name of the motion, of the motions of one robot."""
+    robot = one_robot([Run(reference=reference) for reference in motions.values()])
     results = [_result(agent, motions[motion], recording) for (agent, motion), recording in recordings.items()]
     return MotionStudy(robot=robot, references=motions, results=results, recordings=recordings)
 

@@ -12,7 +12,9 @@ from ffgym.cli import play
 from ffgym.cli.main import main
 from ffgym.cli.motion_options import Play
 from ffgym.envs.machines import make_rig
+from ffgym.leaderboard.submission.manifest import AgentSource
 from ffgym.robot import ModelOptions, compile_model, physics_fingerprint
+from tests.leaderboard.submission_samples import packed
 
 iio = pytest.importorskip("imageio.v3")
 
@@ -111,6 +113,15 @@ def test_agents_bring_their_own_base_on_a_machine_that_is_drawn(needs_gl, tmp_pa
     assert picture.shape == (90, 320, 3)
     errors = [agent["rms_path_error_mm"] for agent in numbers["agents"]]
     assert 2 * errors[1] < errors[0]  # with the environment's base below it, none would be as good
+
+
+def test_a_submission_decides_on_the_robot_of_the_environment(needs_gl, tmp_path):
+    submission = tmp_path / "mine.zip"
+    submission.write_bytes(packed(AgentSource(kind="law", law="elastic")).data)
+    arguments = ("--env", "ffgym/CirclePath-v1", "--speed-mm-s", "100", "--radii-mm", "1")
+    _, numbers = play_still(tmp_path, "elastic", str(submission), *arguments)
+    law, mine = numbers["agents"]
+    assert mine["rms_path_error_mm"] == pytest.approx(law["rms_path_error_mm"], rel=1e-5)
 
 
 def test_a_still_shows_the_time_that_is_asked_for(needs_gl, tmp_path):

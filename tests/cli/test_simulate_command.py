@@ -140,9 +140,27 @@ def test_parts_of_the_machine_can_be_left_out(here):
     assert rms[1] != rms[0]
 
 
+def test_a_trained_policy_runs_beside_a_law(here, capsys):
+    (here / "shift.mod").write_text(PROGRAM)
+    policy = ROOT / "ffgym" / "agents" / "trained" / "ppo_none" / "any" / "seed_0.npz"
+    command = ("irb4600_60_205", "shift.mod", "--feedforward", "none", "ppo_elastic", str(policy))
+    assert run(*command, "--out", "shift.npz", "--json", "shift.json") == 0
+    results = json.loads((here / "shift.json").read_text())["results"]
+    assert [result["agent"] for result in results] == ["none", "ppo_elastic", "seed_0"]
+    none, elastic, nothing = (result["path"][0]["rms_mm"] for result in results)
+    assert 4 * elastic < none
+    assert nothing < none
+    assert "ppo elastic" in capsys.readouterr().out
+    one, other = (read_recording(here / f"shift_{name}.npz") for name in ("none", "ppo_elastic"))
+    assert one.columns.keys() == other.columns.keys()
+    assert len(one) == len(other)
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
+        (["one_axis", "sine", "--feedforward", "ppo_elastic"], "ppo_elastic cannot run on one_axis: A policy for 6"),
+        (["one_axis", "sine", "--feedforward", "ppo_elastic", "--no-friction"], "--friction has no effect on ppo_ela"),
         (["nobody", "circles"], "Unknown robot 'nobody'"),
         (["irb4600_60_205", "nowhere"], "nowhere"),
         (["irb4600_60_205", "absent.mod"], "absent.mod"),

@@ -7,7 +7,7 @@ from ffgym.agents.entrants import ENTRANTS, REGISTRY
 from ffgym.agents.law_agent import LawPolicy
 from ffgym.core.errors import FFGymError
 from ffgym.leaderboard.entrants import Entrant, ReadyAgent
-from ffgym.leaderboard.evaluation.closed_loop import run_rollouts
+from ffgym.leaderboard.evaluation.closed_loop import run_references, run_rollouts
 from ffgym.leaderboard.evaluation.jobs import (
     TOGETHER,
     Job,
@@ -57,6 +57,19 @@ def test_a_law_scores_the_same_on_the_workcell_with_the_same_noise():
     )
     [flown], [run] = score_circles(FAST, flight.recording), law_cells(plant, elastic(plant.rig.robot), FAST)
     assert flown.rms_mm == pytest.approx(run.rms_mm, rel=1e-6)
+
+
+def test_a_law_is_recorded_the_same_on_a_rig_and_as_a_policy_along_any_motion():
+    plant = find_plant("draw:4")
+    references = make_references(plant.rig.arm, [Task("p3", 0.1, (0.001,), "positions"), FAST])
+    flights = run_references(plant.rig, LawPolicy(make=elastic, preview=4), references, record_dt=0.004)
+    law = elastic(plant.rig.robot)
+    runs = plant.rig.run([Run(reference=reference, law=law) for reference in references], record_dt=0.004)
+    for flown, run in zip(flights, runs, strict=True):
+        assert flown.columns.keys() == run.columns.keys()
+        assert flown.header.phases == run.header.phases
+        for name, values in run.columns.items():
+            np.testing.assert_allclose(flown.columns[name], values, rtol=1e-6, atol=1e-6, err_msg=name)
 
 
 def test_who_flies_beside_changes_nothing():

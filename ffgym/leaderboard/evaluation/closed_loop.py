@@ -18,8 +18,10 @@ from ffgym.envs import EpisodeRecorder
 from ffgym.envs.core import TrackingCore
 from ffgym.leaderboard.plants import TestPlant
 from ffgym.leaderboard.tasks import Task, noise_seed
+from ffgym.paths import Reference
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
+from ffgym.simulation import RECORD_DT, Rig
 from ffgym.simulation.run import Progress
 from ffgym.simulation.sensors import measure
 
@@ -90,6 +92,60 @@ def run_rollouts(
             rng = np.random.default_rng([*noise_seed(tasks[i % n], own[i // n]), *of_machine])
             rollouts[i] = replace(rollout, recording=measure(rollout.recording, of_tasks[i % n].sensors, rng))
     return [rollouts[i : i + n] for i in range(0, len(rollouts), n)]
+
+
+def run_references(
+    rig: Rig,
+    policy: Policy,
+    references: Sequence[Reference],
+    *,
+    seed: int = 0,
+    record_dt: float = RECORD_DT,
+    n_threads: int = 0,
+    progress: Progress | None = None,
+) -> list[Recording | None]:
+    """Run a policy along any motions on a rig, all side by side in one environment.
+
+    Args:
+        rig: the machine under its controller; a simulated one without parts left out.
+        policy: the policy, which observes the motors through a resolver.
+        references: motions of the controller's robot.
+        seed: seed of the sensors' noise.
+        record_dt: sample time of the recordings [s].
+        n_threads: threads of the engine, 0 for all cores.
+        progress: function that is called now and then with the simulated seconds done and their total.
+
+    Returns:
+        Recordings as the rig makes them, one per motion; None where the robot stopped before the end.
+
+    Raises:
+        FFGymError: if the policy does not fit the robot, or an action is not finite or has the wrong shape.
+    """
+    recorder = EpisodeRecorder(record_dt=record_dt)
+    env: Any = gym.make_vec(
+        find_spec("ffgym/FollowPath-v0"),
+        num_envs=len(references),
+        autoreset_mode=AutoresetMode.DISABLED,
+        robot=rig.robot,
+        plant=rig.machine,
+        path=list(references),
+        preview=policy.preview,
+        action_scale=policy.action_scale,
+        sensing="resolver",
+        recorder=recorder,
+        n_threads=n_threads,
+    )
+    try:
+        core: TrackingCore = env.unwrapped.core
+        agent = policy.agent(core.robot, core.observation_layout)
+        each = [{"path": reference} for reference in references]
+        observation, _ = env.reset(seed=seed, options={"each": each})
+        rollouts = _run(env, recorder, [agent], observation, progress)
+    finally:
+        env.close()
+    sensors, noise = getattr(rig, "sensors", ()), np.random.default_rng(seed).spawn(len(references))
+    recordings = [rollout.recording for rollout in rollouts]
+    return [None if each is None else measure(each, sensors, rng) for each, rng in zip(recordings, noise, strict=True)]
 
 
 def environment_for(plant: TestPlant, preview: int, action_scale: float, n: int, **arguments: Any) -> Any:
