@@ -70,7 +70,7 @@ def test_every_agent_that_knows_parameters_takes_them_from_the_file(identified, 
 @pytest.mark.parametrize("env", ENVIRONMENTS)
 def test_every_environment_takes_the_file_as_its_plant(identified, env):
     robot = "one_axis" if "OneAxis" in env else "irb4600_60_205"
-    made = gym.make(env, plant=str(identified(robot)))
+    made = gym.make(env, robot=robot, plant=str(identified(robot)))  # ids may have a robot of their own
     observation, _ = made.reset(seed=0)
     observation, *_ = made.step(np.zeros(made.action_space.shape, dtype=np.float32))
     assert np.isfinite(observation).all()

@@ -139,6 +139,9 @@ def test_environments_that_fit_run_it(name):
         env.close()
 
 
+FOR_THE_SIX_AXES = ("rounded_square", "spiral", "tilted_circles", "low_circles")
+
+
 @every_robot
 def test_built_in_motions_fit_it(name):
     arm = arm_of(name)
@@ -146,10 +149,10 @@ def test_built_in_motions_fit_it(name):
         if motion == "square" and name == "two_link":  # it is level, the arm upright
             with pytest.raises(FFGymError, match="plane with normal"):
                 load_motion(arm, motion)
-        elif motion in ("circles", "square") and arm.robot.work_area is None:
+        elif motion in ("circles", "square", *FOR_THE_SIX_AXES) and arm.robot.work_area is None:
             with pytest.raises(FFGymError, match="no named points in its work area"):
                 load_motion(arm, motion)
-        elif motion in PROGRAMS and name != "irb4600_60_205":  # its targets are made for that robot
+        elif motion in (*PROGRAMS, *FOR_THE_SIX_AXES) and name != "irb4600_60_205":  # its targets are made for that one
             with suppress(FFGymError):
                 load_motion(arm, motion)
         else:

@@ -12,7 +12,8 @@ IN_JOINT_SPACE = ("ladder", "multisine", "sine", "triangle")
 
 
 def test_the_built_in_motions_are_there():
-    assert set(list_motions()) == {"circles", "square", *IN_JOINT_SPACE, "cut_bracket", "thesis_circles"}
+    beyond = {"rounded_square", "spiral", "tilted_circles", "low_circles"}
+    assert set(list_motions()) == {"circles", "square", *beyond, *IN_JOINT_SPACE, "cut_bracket", "thesis_circles"}
 
 
 def test_the_built_in_circles_are_the_circle_test_bit_for_bit(arm, irb4600):
