@@ -114,7 +114,7 @@ def motion_study(
     """
     motions, robot = name_motions(references), one_robot([Run(reference=reference) for reference in references])
     if not laws:
-        raise FFGymError(f"A study of {', '.join(motions)} needs one law or more.")
+        raise FFGymError(f"A study of {', '.join(motions)} needs one law or more, with different names.")
     rig = rig or SimulatedRig(arm=RigidArm(robot))
     options = {"seed": seed, "record_dt": record_dt, "n_threads": n_threads, "progress": progress}
     return score_motion_study(motions, record_all(rig, motions, laws, **options))
