@@ -77,7 +77,7 @@ def _find_sha256(name: str, seed: int) -> str | None:
     return None if artefact is None else artefact.sha256
 
 
-def _amortised(name: str, title: str, about: str) -> Adapter:
+def _declare_amortised(name: str, title: str, about: str) -> Adapter:
     manifest = read_manifest(name)
     adapter: Callable[[AdaptationSetting], FeedForwardLaw] = partial(_adapt_amortised, name)
     return Adapter(
@@ -124,12 +124,12 @@ ADAPTERS: tuple[Adapter, ...] = (
         adapt=_learn_residual,
         laps=LAPS,
     ),
-    _amortised(
+    _declare_amortised(
         "amortised_motors",
         "amortised estimator, motors",
         "A network estimates the numbers of the machine from feedback torques of laps of one circle.",
     ),
-    _amortised(
+    _declare_amortised(
         "amortised",
         "amortised estimator, motors and tracker",
         "The same with the way of the tool, as a laser tracker sees it on these laps.",

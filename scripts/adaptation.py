@@ -14,7 +14,7 @@ from ffgym.cli.progress import progress_bar
 from ffgym.core.errors import check_choice
 from ffgym.envs.machines import make_rig
 from ffgym.leaderboard.adaptation.curve import CurvePoint, curve
-from ffgym.leaderboard.adaptation.evaluation import Entry, Subject, evaluate, list_entries
+from ffgym.leaderboard.adaptation.evaluation import AdaptationEntry, Subject, evaluate, list_entries
 from ffgym.leaderboard.adaptation.protocol import Adapter, lap, scored_motions
 from ffgym.leaderboard.adaptation.results import AdaptationResults, AdaptationRun, read_results, write_results
 from ffgym.leaderboard.submission.rounds import read_round
@@ -123,7 +123,7 @@ def draw(curves: Mapping[str, Sequence[CurvePoint]], path: Path) -> None:
     save_figure(figure, path)
 
 
-def _is_current(run: AdaptationRun | None, entry: Entry) -> bool:
+def _is_current(run: AdaptationRun | None, entry: AdaptationEntry) -> bool:
     """Check that a run is of these physics, and of the present artefact."""
     wanted = entry.subject.rig.fingerprint, entry.adapter.artefact(entry.seed)
     return run is not None and (run.fingerprint, run.artefact) == wanted

@@ -17,7 +17,7 @@ from ffgym.agents.amortised.draws import draw_machine
 from ffgym.agents.amortised.estimator import (
     VARIANTS,
     Estimator,
-    fixed_torque,
+    fix_torque,
     nominal_signals,
     read_signals,
     select_channels,
@@ -93,7 +93,7 @@ def main(config: Config) -> None:
 def simulate_draws(config: Config, arm: RigidArm) -> Iterator[tuple[Array, Array]]:
     """Yield signals (B, T, N + 3) and numbers (B, K) of the machines of each chunk, simulated if no file has them."""
     reference = lap(arm)
-    law = fixed_torque(elastic_law(arm), reference)
+    law = fix_torque(elastic_law(arm), reference)
     rng = np.random.default_rng(config.draw_seed)
     for start in range(0, config.draws, config.chunk):
         # draws come from one generator in a row, also those that are not simulated again

@@ -97,7 +97,7 @@ def nominal_signals(arm: RigidArm) -> Array:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Estimate:
+class MachineEstimate:
     """Numbers of a machine as an estimator finds them, in the layout of `ffgym.agents.amortised.numbers`."""
 
     mean: Array
@@ -131,13 +131,13 @@ class Estimator:
         if ends != [d, d, numbers]:
             raise FFGymError(f"Layers with {ends} inputs and outputs do not fit {d} components and {numbers} numbers.")
 
-    def estimate(self, difference: Array) -> Estimate:
+    def estimate(self, difference: Array) -> MachineEstimate:
         """Estimate the numbers of a machine from the difference of its signals to the nominal ones, (T, N + 3)."""
         h = x = self.features(difference)
         for layer in self.layers[:-1]:
             h = ACTIVATIONS["relu"](layer(h))
         mean, log_deviation = np.split(self.layers[-1](h), 2)
-        return Estimate(mean=self.linear(x) + mean, deviation=np.exp(log_deviation))
+        return MachineEstimate(mean=self.linear(x) + mean, deviation=np.exp(log_deviation))
 
     def features(self, difference: Array) -> Array:
         """Compute the components of a difference of signals (T, N + 3) in units of their spread, shape (D,).
@@ -216,7 +216,7 @@ def adapt(estimator: Estimator, setting: AdaptationSetting, name: str) -> FeedFo
     law: FeedForwardLaw = elastic_law(arm, name=name)
     numbers: Array | None = None
     for number in range(int((trial.left + 1e-9) / reference.duration)):
-        torque = fixed_torque(law, reference)
+        torque = fix_torque(law, reference)
         seen = read_signals(trial([Run(reference=reference, law=torque)], number)[0], arm)
         if numbers is None:
             difference = seen - nominal_signals(arm)
@@ -228,7 +228,7 @@ def adapt(estimator: Estimator, setting: AdaptationSetting, name: str) -> FeedFo
     return law
 
 
-def fixed_torque(law: FeedForwardLaw, reference: Reference) -> TaskTorques:
+def fix_torque(law: FeedForwardLaw, reference: Reference) -> TaskTorques:
     """Compute the torque of a law along one motion, for several runs of it."""
     torque = law.torque(reference)
     return TaskTorques(tasks=(MotionTorque(name=reference.name, q=reference.q, torque=torque),), name=law.name)

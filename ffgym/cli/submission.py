@@ -85,8 +85,8 @@ def new_round(config: NewRound) -> None:
     """Draw, write, print."""
     check_outputs({"--out": config.out, "--secret": config.secret})
     drawn = draw_round(machines=config.machines, motions=config.motions, series=config.series)
-    write_json(config.secret, drawn.revealed())
-    write_json(config.out, drawn.published())
+    write_json(config.secret, drawn.list_revealed())
+    write_json(config.out, drawn.list_published())
     print(f"commitment: {drawn.commitment}")
     print(f"publish now: {config.out}")
     print(f"publish after the round, and keep to yourself until then: {config.secret}")
@@ -115,7 +115,7 @@ def find_round(config: Verify) -> Round | None:
 def _drawn_numbers(scored: DrawnVerdict) -> dict[str, Any]:
     """Convert scores on drawn machines and motions to JSON."""
     return {
-        "round": scored.round.revealed(),
+        "round": scored.round.list_revealed(),
         "plants": dict(scored.fingerprints),
         "motions": to_json(scored.motions),
         "rows": [

@@ -349,7 +349,7 @@ class TrackingCore:
         both: Array = rows[..., self.columns.feedforward] + rows[..., self.columns.base]
         return both
 
-    def added_torque(self, action: Array, ids: IntArray) -> Array:
+    def compute_added_torque(self, action: Array, ids: IntArray) -> Array:
         """Compute the torque of base and actions (B', N) [N m], motor side, at the next sample of `ids`."""
         return action * self.action_torque + self._window[ids, 1, self.columns.base]
 

@@ -76,7 +76,7 @@ class EpisodeRecorder:
         `states` are qpos, qvel, act (B', S, ...), and what servos read, None if they read nothing.
         """
         rows = slice(self._stride - 1, None, self._stride)
-        added = core.added_torque(action, ids)
+        added = core.compute_added_torque(action, ids)
         for k, i in enumerate(ids.tolist()):
             self._parts[i].append(tuple(None if part is None else part[k, rows].copy() for part in states))
             self._actions[i].append(added[k])

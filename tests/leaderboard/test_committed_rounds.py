@@ -80,7 +80,10 @@ def test_a_drawn_motion_is_a_circle_about_its_centre():
 
 def test_a_revealed_round_fits_the_hash_that_was_published_before_it(tmp_path):
     drawn = draw_round(machines=2, motions=3)
-    published, revealed = written(tmp_path, drawn.published()), written(tmp_path, drawn.revealed(), "revealed.json")
+    published, revealed = (
+        written(tmp_path, drawn.list_published()),
+        written(tmp_path, drawn.list_revealed(), "revealed.json"),
+    )
     assert "seed" not in published.read_text()
     assert drawn.salt not in published.read_text()
     assert read_round(revealed) == drawn
@@ -88,7 +91,7 @@ def test_a_revealed_round_fits_the_hash_that_was_published_before_it(tmp_path):
 
 
 def test_anyone_computes_the_hash_with_ten_words_of_python(tmp_path):
-    tree = draw_round().revealed()
+    tree = draw_round().list_revealed()
     rest = {key: tree[key] for key in ("seed", "salt", "machines", "motions", "series")}
     text = json.dumps(rest, sort_keys=True, separators=(",", ":"))
     assert hashlib.sha256(text.encode()).hexdigest() == tree["commitment"]
@@ -99,17 +102,17 @@ def test_anyone_computes_the_hash_with_ten_words_of_python(tmp_path):
 )
 def test_another_round_than_the_committed_one_is_refused(tmp_path, change):
     with pytest.raises(FFGymError, match="not the round that was committed to"):
-        read_round(written(tmp_path, draw_round().revealed() | change))
+        read_round(written(tmp_path, draw_round().list_revealed() | change))
 
 
 @pytest.mark.parametrize(
     ("tree", "message"),
     [
-        (draw_round(machines=1).published(), "its seed is published after the round"),
-        (draw_round(machines=1).revealed() | {"seed": "1"}, "is no round"),
-        (draw_round(machines=1).revealed() | {"seed": -1}, "is no round"),
-        (draw_round(machines=1).revealed() | {"more": 1}, "is no round"),
-        (draw_round(machines=1).revealed() | {"format": 2}, "no file of a round"),
+        (draw_round(machines=1).list_published(), "its seed is published after the round"),
+        (draw_round(machines=1).list_revealed() | {"seed": "1"}, "is no round"),
+        (draw_round(machines=1).list_revealed() | {"seed": -1}, "is no round"),
+        (draw_round(machines=1).list_revealed() | {"more": 1}, "is no round"),
+        (draw_round(machines=1).list_revealed() | {"format": 2}, "no file of a round"),
         ([], "no file of a round"),
     ],
 )

@@ -42,7 +42,7 @@ class Subject:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Entry:
+class AdaptationEntry:
     """An adapter with a budget and a seed on a machine, still to be run."""
 
     adapter: Adapter
@@ -56,7 +56,7 @@ class Entry:
         return self.adapter.name, self.subject.name, self.laps, self.seed
 
 
-def list_entries(adapters: Sequence[Adapter], subjects: Sequence[Subject]) -> list[Entry]:
+def list_entries(adapters: Sequence[Adapter], subjects: Sequence[Subject]) -> list[AdaptationEntry]:
     """List everything to run: each adapter with each of its budgets and seeds on each machine.
 
     Raises:
@@ -66,7 +66,7 @@ def list_entries(adapters: Sequence[Adapter], subjects: Sequence[Subject]) -> li
     if len(set(names)) < len(names):
         raise FFGymError(f"Adapters {names} must have different names.")
     return [
-        Entry(adapter=adapter, laps=laps, seed=seed, subject=subject)
+        AdaptationEntry(adapter=adapter, laps=laps, seed=seed, subject=subject)
         for adapter in adapters
         for laps in adapter.laps
         for seed in adapter.seeds
@@ -74,9 +74,9 @@ def list_entries(adapters: Sequence[Adapter], subjects: Sequence[Subject]) -> li
     ]
 
 
-def evaluate(entries: Sequence[Entry], n_threads: int = 0) -> Iterator[list[AdaptationRun]]:
+def evaluate(entries: Sequence[AdaptationEntry], n_threads: int = 0) -> Iterator[list[AdaptationRun]]:
     """Run entries in groups that share a controller and sensors, and yield the runs of each group."""
-    controllers: dict[tuple[RigidArm, tuple[Sensor, ...]], list[Entry]] = {}
+    controllers: dict[tuple[RigidArm, tuple[Sensor, ...]], list[AdaptationEntry]] = {}
     for entry in entries:
         rig = entry.subject.rig
         controllers.setdefault((rig.arm, tuple(rig.sensors)), []).append(entry)
@@ -86,13 +86,13 @@ def evaluate(entries: Sequence[Entry], n_threads: int = 0) -> Iterator[list[Adap
             yield run_entries(chunk, n_threads)
 
 
-def run_entries(entries: Sequence[Entry], n_threads: int = 0) -> list[AdaptationRun]:
+def run_entries(entries: Sequence[AdaptationEntry], n_threads: int = 0) -> list[AdaptationRun]:
     """Run entries of one controller with the same sensors, side by side."""
     rig = entries[0].subject.rig
     # laws, which those that learn make side by side
     trials: dict[int, BudgetedTrial] = {}
 
-    def learn(i: int, entry: Entry, trial: Trial) -> FeedForwardLaw:
+    def learn(i: int, entry: AdaptationEntry, trial: Trial) -> FeedForwardLaw:
         budget = entry.laps * lap(rig.arm).duration
         trials[i] = BudgetedTrial(trial=trial, budget=budget, scored=scored_motions(rig.arm))
         return entry.adapter.adapt(AdaptationSetting(arm=rig.arm, trial=trials[i], seed=entry.seed))

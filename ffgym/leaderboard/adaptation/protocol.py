@@ -132,7 +132,7 @@ def _same(one: Array, other: Array) -> bool:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class AdaptationSetting:
-    """What an adapter is given for one machine."""
+    """Arm, trials and seed that an adapter is given for one machine."""
 
     arm: RigidArm
     """Nominal arm of the controller: all that may be known of the machine beforehand."""

@@ -95,12 +95,12 @@ class Round:
         """SHA-256 of the round in canonical JSON: sorted keys, no blanks."""
         return hashlib.sha256(json.dumps(asdict(self), sort_keys=True, separators=(",", ":")).encode()).hexdigest()
 
-    def published(self) -> dict[str, Any]:
+    def list_published(self) -> dict[str, Any]:
         """Return the JSON that is published before a round: everything but seed and salt, and the hash of all."""
         open_parts = {key: value for key, value in asdict(self).items() if key not in ("seed", "salt")}
         return {"format": FORMAT, "commitment": self.commitment, **open_parts}
 
-    def revealed(self) -> dict[str, Any]:
+    def list_revealed(self) -> dict[str, Any]:
         """Return the JSON that is published after a round: with seed and salt."""
         return {"format": FORMAT, "commitment": self.commitment, **asdict(self)}
 

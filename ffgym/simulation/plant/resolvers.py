@@ -99,7 +99,7 @@ def sum_errors(effects: Sequence[ResolverEffect], motor_angle: Array, motor_spee
 def read_beyond(
     read: tuple[Array, Array], angle: Array, speed: Array, error: ResolverError, present: BoolArray
 ) -> ResolverError:
-    """What servos know beyond true motor angles [rad] and speeds [rad/s], (..., N) each.
+    """Compute what servos know beyond true motor angles [rad] and speeds [rad/s], (..., N) each.
 
     Args:
         read: angles and speeds that resolvers have read last.
