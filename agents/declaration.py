@@ -73,6 +73,9 @@ class AgentEntry:
         default=lambda path, arm: load_law(path), repr=False
     )
     """Function that reads an artefact of agents/trained, for a nominal model of the robot."""
+    feedback: bool = False
+    """True if it observes present errors of the motors: track with feedback. A feed-forward policy runs in an
+    environment that shows none."""
     needs_arm: bool = False
     """True if it works only on a robot with a tool (TCP)."""
     package: str | None = None

@@ -11,7 +11,8 @@ from ffgym.agents.declaration import AgentEntry, AgentSetting
 from ffgym.agents.law_agent import LawPolicy
 from ffgym.agents.submission import LOADERS
 from ffgym.agents.trials import CountedTrial, RigTrial, Trial, add_sensors
-from ffgym.control import CausalLaw, FeedForwardLaw, Policy
+from ffgym.control import CausalLaw, FeedForwardLaw, Policy, sees_errors
+from ffgym.core.errors import FFGymError
 from ffgym.leaderboard.entrants import Entrant, Maker, ReadyAgent, Registry, one_by_one
 from ffgym.leaderboard.plants import DRAW, NOMINAL, TestPlant
 from ffgym.leaderboard.submission.entrant import make_entrant
@@ -58,6 +59,7 @@ def _entrant(entry: AgentEntry) -> Entrant | None:
         about=entry.about,
         page=entry.page,
         base=entry.base,
+        feedback=entry.feedback,
         seeds=unread if manifest is None or practises else manifest.seeds,
         command=again if manifest is None else manifest.command,
         ranked=entry.ranked,
@@ -103,6 +105,11 @@ def _read(
         return None
     loaded = entry.load(locate_artefact(manifest.name, artefact), plant.rig.arm)
     law, policy = (loaded, None) if isinstance(loaded, FeedForwardLaw) else (None, loaded)
+    if (policy is not None and sees_errors(policy)) != entry.feedback:
+        raise FFGymError(
+            f"Agent {entry.name!r} is declared with feedback={entry.feedback}, and {artefact.file} holds "
+            f"{'a law' if policy is None else 'a policy'} with feedback={not entry.feedback}; declare what it is."
+        )
     return ReadyAgent(
         law=law,
         policy=policy,

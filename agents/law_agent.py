@@ -1,7 +1,7 @@
 """Any causal feed-forward law as an agent with stable-baselines3's `predict`, and as a policy of the leaderboard."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -141,6 +141,8 @@ class LawPolicy:
     make: Callable[[RobotDescription], FeedForwardLaw]
     preview: int
     action_scale: float = ACTION_SCALE
+    feedback: bool = field(default=False, init=False)
+    """False, as a law reads the reference alone."""
 
     def agent(self, robot: RobotDescription, layout: ObservationLayout) -> Agent:
         """Make the agent of a robot, see `ffgym.control.Policy`.

@@ -67,5 +67,6 @@ declare(
         page="residual.md",
         load=lambda path, arm: load_policy(path),
         base="elastic",
+        feedback=True,
     )
 )

@@ -241,6 +241,7 @@ declare(
             page="residual.md",
             load=lambda path, arm: load_policy(path),
             base=base,
+            feedback=True,
         )
         for i, (name, (_, base, title, network)) in enumerate(RESIDUALS.items())
     )

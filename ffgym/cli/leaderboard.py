@@ -134,6 +134,7 @@ def _write(config: Leaderboard, rows: Sequence[Row], plants: Sequence[str], time
                 "plant_draw": outcome.plant_draw,
                 "seed": outcome.seed,
                 "track": row.track,
+                "feedback": row.feedback,
                 "robot_seconds": outcome.robot_seconds,
                 "env_steps": outcome.env_steps,
                 "inference_us": outcome.inference_us,

@@ -182,6 +182,9 @@ class Submit:
     """Author of the row."""
     track: Literal["causal", "causal, nominal parameters", "per task"]
     """Knowledge that the agent may use, see docs/agents."""
+    feedback: bool = True
+    """Track: with feedback observes present errors of the motors; feed-forward (--no-feedback, and every law) does
+    not, and is shown none."""
     title: str | None = None
     """Title in a line; none is the name."""
     out: Path = Path("agent.zip")

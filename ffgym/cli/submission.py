@@ -12,6 +12,7 @@ from ffgym.core.errors import FFGymError
 from ffgym.core.files import write_bytes, write_json
 from ffgym.core.typed_json import to_json
 from ffgym.leaderboard.plants import ROBOT
+from ffgym.leaderboard.results import FEED_FORWARD, WITH_FEEDBACK
 from ffgym.leaderboard.submission.drawn import BASE, DrawnVerdict, verify_drawn
 from ffgym.leaderboard.submission.judge import CHECKS, Judge, controller_of
 from ffgym.leaderboard.submission.manifest import About, Claim, Refused, read_archive
@@ -77,7 +78,8 @@ def verify(config: Verify) -> None:
     print(f"one decision: {verdict.inference_us:.0f} us")
     if scored is not None:
         print("\n".join(_drawn_lines(scored)))
-    print(f"{own.name} by {own.author}, {own.track}: {sentence}")
+    control = WITH_FEEDBACK if own.sees_errors else FEED_FORWARD
+    print(f"{own.name} by {own.author}, {control}, {own.track}: {sentence}")
     print_places(numbers=config.json)
 
 
@@ -119,7 +121,8 @@ def _drawn_numbers(scored: DrawnVerdict) -> dict[str, Any]:
         "plants": dict(scored.fingerprints),
         "motions": to_json(scored.motions),
         "rows": [
-            {"name": row.name, "rank": row.rank, "public": row.public, "score": to_json(row.score)}
+            {"name": row.name, "rank": row.rank, "feedback": row.row.feedback, "public": row.public}
+            | {"score": to_json(row.score)}
             | {"circles": [{"plant": o.plant} | to_json(cell) for o in row.row.outcomes for cell in o.cells]}
             for row in scored.rows
         ],
@@ -138,12 +141,14 @@ def _drawn_lines(scored: DrawnVerdict) -> list[str]:
         f"round: seed {drawn.seed}, {drawn.machines} machines {drawn.series}<number>, {drawn.motions} motions "
         f"(repeat with --round-seed {drawn.seed} --machines {drawn.machines} --motions {drawn.motions} "
         f"--series {drawn.series})",
-        f"{'error left':20} {'drawn':>7} {'interval':>16} {'public':>7} {'rank':>5}",
+        f"{'error left':20} {'drawn':>7} {'interval':>16} {'public':>7} {'rank':>5} track",
     ]
     for row in scored.rows:
         ends = row.score.left_interval
         interval = "" if ends is None else f"{ends.low:.3f} to {ends.high:.3f}"
-        lines.append(f"{row.name:20} {row.score.left:7.3f} {interval:>16} {row.public:7.3f} {row.rank:5d}")
+        lines.append(
+            f"{row.name:20} {row.score.left:7.3f} {interval:>16} {row.public:7.3f} {row.rank:5d} {row.row.control}"
+        )
     return [
         *lines,
         f"robot time: {scored.robot_seconds:g} s before the scored motions, as counted here; "

@@ -10,6 +10,7 @@ from .lugre_laws import StaticLuGre as StaticLuGre
 from .observation import ObservationLayout as ObservationLayout
 from .policy import Agent as Agent
 from .policy import Policy as Policy
+from .policy import sees_errors as sees_errors
 from .setpoints import ServoTorque as ServoTorque
 from .setpoints import Setpoints as Setpoints
 from .setpoints import servo_torque as servo_torque

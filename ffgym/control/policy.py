@@ -40,3 +40,8 @@ class Policy(Protocol):
             robot: the machine as its controller knows it.
             layout: layout of the observations.
         """
+
+
+def sees_errors(policy: Policy) -> bool:
+    """Check that a policy observes present errors of the motors; it does unless its attribute `feedback` is False."""
+    return bool(getattr(policy, "feedback", True))

@@ -134,7 +134,7 @@ class Board:
         for name, entrant in every.items():
             if name not in self.rows:
                 continue
-            row = self.rows[name]
+            row = replace(entrant.row(), outcomes=self.rows[name].outcomes)
             kept = tuple(o for o in row.outcomes if _is_current(o, entrant, find_plant(o.plant).fingerprint))
             if len(kept) < len(row.outcomes):
                 old = len(row.outcomes) - len(kept)

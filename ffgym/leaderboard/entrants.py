@@ -58,6 +58,7 @@ class Entrant:
     about: str
     page: str | None = None
     base: str | None = None
+    feedback: bool = False
     seeds: tuple[int, ...] = (0,)
     """Seeds to run; one, unless a seed changes the agent."""
     command: str | None = None
@@ -72,7 +73,7 @@ class Entrant:
 
     def row(self) -> Row:
         """Make its row, without outcomes."""
-        names = ("name", "title", "track", "about", "page", "base", "command", "ranked")
+        names = ("name", "title", "track", "about", "page", "base", "feedback", "command", "ranked")
         said: dict[str, Any] = {name: getattr(self, name) for name in names}
         return Row(**said, seeded=len(self.seeds) > 1, outcomes=(), learning_curve=self.learning_curve())
 

@@ -19,6 +19,9 @@ FORMAT = 1
 DIGITS = 6
 """Significant digits of errors in files: of the largest error, a thousandth of the tracker's resolution."""
 
+FEED_FORWARD, WITH_FEEDBACK = "feed-forward", "with feedback"
+"""Tracks: from the reference and what is remembered of earlier motions; with present errors of the motors, too."""
+
 _AGAIN = "Remove it, and run `ffgym leaderboard` again."
 
 
@@ -114,6 +117,13 @@ class Row:
     outcomes: tuple[Outcome, ...]
     learning_curve: tuple[tuple[float, float], ...] = ()
     """Steps of training, mean reward per step over seeds; empty without training in steps."""
+    feedback: bool = False
+    """True if it observes present errors of the motors."""
+
+    @property
+    def control(self) -> str:
+        """Track of the two that are told apart: 'feed-forward' or 'with feedback'."""
+        return WITH_FEEDBACK if self.feedback else FEED_FORWARD
 
 
 def encode_row(row: Row) -> str:
@@ -151,7 +161,8 @@ def decode_row(text: str, path: str) -> Row:
         raise FFGymError(f"{path}: has format {found!r}, this version of ffgym reads {FORMAT}.")
     try:
         # structure, then the values that must be names, numbers or unique
-        row: Row = from_json(Row, {key: value for key, value in tree.items() if key != "format"}, "row")
+        tree = {"feedback": False} | {key: value for key, value in tree.items() if key != "format"}  # older ones lack it
+        row: Row = from_json(Row, tree, "row")
         _check_once("outcome", [outcome.key for outcome in row.outcomes])
         for outcome in row.outcomes:
             name = outcome.plant

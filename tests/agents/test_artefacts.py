@@ -4,8 +4,10 @@ from dataclasses import replace
 
 import pytest
 
+from ffgym.agents import entrants
 from ffgym.agents.adapters import ADAPTERS
 from ffgym.agents.artefacts import TRAINED, add_artefacts, locate_artefact, read_manifest
+from ffgym.agents.catalogue import list_entries
 from ffgym.agents.entrants import ENTRANTS
 from ffgym.agents.residual.gains import SERVO_GAINS
 from ffgym.core.errors import FFGymError
@@ -49,6 +51,13 @@ def test_it_was_trained_on_the_physics_of_today_with_five_seeds_for_each_plant(n
         physics = known if plant == "any" else find_plant(plant).fingerprint
         assert {artefact.fingerprint for artefact in own} == {physics}
         assert len({artefact.sha256 for artefact in own}) == len(seeds)
+
+
+def test_an_agent_that_is_declared_in_the_wrong_track_is_refused():
+    manifest = read_manifest(SERVO_GAINS)
+    wrong = replace(next(entry for entry in list_entries() if entry.name == SERVO_GAINS), feedback=False)
+    with pytest.raises(FFGymError, match="declared with feedback=False"):
+        entrants._read(wrong, manifest, find_plant(NOMINAL), 0, ())
 
 
 def test_a_changed_file_is_refused(copied):

@@ -122,6 +122,7 @@ def row(name: str, plants: list[str], seeds: int = 5) -> Row:
         ranked=sort.ranked,
         outcomes=tuple(outcome(name, seed, plant) for seed in range(seeds if seeded else 1) for plant in plants),
         learning_curve=tuple(curve) if sort.steps else (),
+        feedback=sort.base is not None,
     )
 
 

@@ -46,6 +46,14 @@ def run(board, names=("none", "lugre_static"), plants=("nominal",), splits=("spe
     return board.run(entrants(*names), plants, splits, 1, HERE)
 
 
+def test_the_track_of_a_row_is_what_its_agent_declares_also_in_older_files(tmp_path):
+    text = encode_row(ENTRANTS["servo_gains"].row())
+    older = "\n".join(line for line in text.splitlines() if '"feedback"' not in line)
+    (tmp_path / "servo_gains.json").write_text(older)
+    [row], _ = Board(registry=REGISTRY, folder=tmp_path).current()
+    assert row.control == "with feedback"
+
+
 def test_what_is_in_the_folder_is_not_run_again(tmp_path, counted):
     assert run(Board(registry=REGISTRY, folder=tmp_path / "board")) > 0
     files = {path.name: path.read_bytes() for path in (tmp_path / "board").iterdir()}

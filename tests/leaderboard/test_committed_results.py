@@ -56,7 +56,9 @@ def test_results_are_of_the_artefacts_that_ship(rows):
 def test_rows_say_what_entrants_say(rows):
     for name, row in rows.items():
         own = ENTRANTS[name].row()
-        told = [(r.title, r.track, r.about, r.page, r.base, r.seeded, r.command, r.ranked) for r in (row, own)]
+        told = [
+            (r.title, r.track, r.about, r.page, r.base, r.seeded, r.command, r.ranked, r.control) for r in (row, own)
+        ]
         assert told[0] == told[1]
 
 

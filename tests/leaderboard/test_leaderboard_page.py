@@ -114,12 +114,22 @@ def test_the_headline_says_who_is_best_and_by_how_much(board_page):
     headline = re.search(r'<div class="headline">(.*?)</header>', board_page, re.S)[1]
     shown = [line for line in data_of(board_page)[f"{THESIS_WORKCELL}|positions"]["lines"] if line[1] == "tqc_elastic"]
     assert "TQC on elastic feed-forward leaves the least error" in headline
-    for k in (3, 4, 5):
+    for k in (4, 5, 6):
         change = shown[0][4][k][2]
         assert f"{change.strip('−%')}% less" in headline
     assert "iterative learning on the tool" in headline
+    assert all(f"{track}, workcell" in headline for track in ("feed-forward", "with feedback"))
     assert "54% less (dynamic LuGre)" in headline
     assert "published as figures only" in headline
+
+
+def test_the_two_tracks_are_told_apart_in_table_and_cards(board_page):
+    tracks = {line[1]: line[2] for line in data_of(board_page)[f"{THESIS_WORKCELL}|held_out"]["lines"]}
+    assert (tracks["elastic"], tracks["tqc_elastic"]) == ("feed-forward", "with feedback")
+    for name, track in tracks.items():
+        if track != "published":
+            card = re.search(rf'id="agent-{name}">(.*?)</details>', board_page, re.S)[1]
+            assert f"<dt>track</dt><dd>{track}</dd>" in card, name
 
 
 def test_residuals_that_are_better_than_their_base_are_named_in_the_headline(board_page):
@@ -151,7 +161,7 @@ def test_a_row_whose_robot_stopped_is_shown_as_stopped():
     some[2] = replace(some[2], outcomes=(replace(some[2].outcomes[0], cells=tuple(cells)),))
     page = render(some)
     line = next(line for line in data_of(page)[f"{THESIS_WORKCELL}|held_out"]["lines"] if line[1] == "elastic")
-    assert line[4][2][:2] == ["stopped", 1e300]
+    assert line[4][3][:2] == ["stopped", 1e300]
     assert "100.0% stopped" in str(line)
 
 

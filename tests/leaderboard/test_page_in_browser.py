@@ -196,8 +196,11 @@ def test_plants_and_circles_change_the_figures_and_the_columns(page):
 
 def test_track_learning_and_search_narrow_the_rows(page):
     everything = len(page.column("agent"))
-    Select(page.find("#track")).select_by_visible_text("per task")
+    Select(page.find("#knowledge")).select_by_visible_text("per task")
     assert len(page.column("agent")) == 2
+    page.find("#controls button").click()
+    Select(page.find("#track")).select_by_visible_text("with feedback")
+    assert set(page.column("control")) == {"with feedback"}
     page.find("#controls button").click()
     Select(page.find("#learning")).select_by_value("0")
     fixed = page.column("agent")

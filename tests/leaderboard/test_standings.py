@@ -33,7 +33,7 @@ def cell(key, rms, motor=(1e-3, 2e-3)):
     )  # fmt: skip
 
 
-def row(name, errors, *, plants=(NOMINAL,), track="causal", base=None, ranked=True, seconds=0.0):
+def row(name, errors, *, plants=(NOMINAL,), track="causal", base=None, ranked=True, seconds=0.0, feedback=False):
     """A row whose error in mm on each circle `errors(seed, plant, key)` tells; five seeds if it takes them."""
     seeds = range(5) if "seed" in errors.__code__.co_varnames[:1] else range(1)
     outcomes = [
@@ -46,7 +46,7 @@ def row(name, errors, *, plants=(NOMINAL,), track="causal", base=None, ranked=Tr
     ]  # fmt: skip
     return Row(
         name=name, title=name.title(), track=track, about="", page=None, base=base, seeded=len(seeds) > 1,
-        command=None, ranked=ranked, outcomes=tuple(outcomes),
+        command=None, ranked=ranked, outcomes=tuple(outcomes), feedback=feedback,
     )  # fmt: skip
 
 
@@ -147,10 +147,11 @@ def test_ranks_within_a_track_leave_the_others_out():
         fixed("b", 0.3, track="per task"),
         fixed("c", 0.4),
         fixed("d", 0.5, track="per task"),
+        fixed("e", 0.6, feedback=True),
     ]
     lines = standings(rows, NOMINAL, "held_out").ranked
     assert [(line.row.name, line.rank, line.track_rank) for line in lines] == [
-        ("a", 1, 1), ("b", 2, 1), ("c", 3, 2), ("d", 4, 2),
+        ("a", 1, 1), ("b", 2, 1), ("c", 3, 2), ("d", 4, 2), ("e", 5, 1),
     ]  # fmt: skip
 
 

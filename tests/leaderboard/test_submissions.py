@@ -3,8 +3,10 @@
 import contextlib
 import hashlib
 import io
+import json
 import re
 from copy import deepcopy
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -32,7 +34,9 @@ from ffgym.leaderboard.submission.manifest import (
     AgentSource,
     Refused,
     decode_archive,
+    decode_manifest,
     decode_submission,
+    digest_of,
 )
 from ffgym.robot import load_robot
 from tests.leaderboard.submission_samples import (
@@ -133,6 +137,23 @@ def test_changed_weights_are_refused(honest):
     found = refusal(changed(honest, {"agent.py": agent_file("action = action * 1.1")}))
     assert found.check == "files"
     assert "weights were changed: agent.py" in found.reason
+
+
+def test_an_agent_that_is_feed_forward_is_shown_no_errors():
+    claim = replace(ABOUT, feedback=False)
+    with pytest.raises(Refused, match="Unknown observation entry 'error'"):
+        judge().pack(claim, PYTHON, agent_file('self.layout.read(observation, "error")'))
+    manifest, _ = decode_submission(judge().pack(claim, PYTHON, agent_file()).data)
+    assert not manifest.sees_errors
+
+
+def test_older_manifests_do_not_say_the_track(honest):
+    tree = manifest_of(honest)
+    del tree["feedback"], tree["digest"]
+    old = tree | {"digest": digest_of(tree)}
+    for kind, sees in (("python", True), ("law", False)):
+        source = AgentSource(kind=kind, law="elastic" if kind == "law" else None, file="agent.py" if sees else None)
+        assert replace(decode_manifest(json.dumps(old).encode()), agent=source).sees_errors == sees
 
 
 def test_changed_logged_actions_are_refused(honest):

@@ -47,9 +47,9 @@ class Standing:
     row: Row
     score: Score
     rank: int | None
-    """Rank among all tracks; None if it is shown only."""
+    """Rank among all rows; None if it is shown only."""
     track_rank: int | None
-    """Rank within its track."""
+    """Rank among rows of the same track and knowledge."""
     against_base: AgainstBase | None
     """Comparison with its base; None if it is no residual."""
     against_gains: AgainstBase | None
@@ -108,12 +108,12 @@ def standings(rows: Sequence[Row], group: str, selection: str) -> Standings:
     against = _compare(by_name, group, residuals, "its base")
     learned = {name: SERVO_GAINS for name in residuals if name != SERVO_GAINS} if SERVO_GAINS in by_name else {}
     against_gains = _compare(by_name, group, learned, "servo gains")
-    # ranks among all tracks, and within each
+    # ranks among all, and among those of one track and knowledge
     best_first = sorted(scored.values(), key=lambda each: (each.mean, each.row.name))
     ranked = [each for each in best_first if _is_ranked(each.row)]
     ranks, within = rank_rows(ranked, compare_rows), {}
-    for track in dict.fromkeys(each.row.track for each in ranked):
-        within.update(rank_rows([each for each in ranked if each.row.track == track], compare_rows))
+    for like in dict.fromkeys(map(_kind_of, ranked)):
+        within.update(rank_rows([each for each in ranked if _kind_of(each) == like], compare_rows))
     lines = tuple(
         Standing(
             row=each.row,
@@ -156,6 +156,11 @@ def _score_rows(by_name: Mapping[str, Row], group: str, splits: Sequence[str]) -
         raise FFGymError(f"The robot stopped with zero action on {group}, so that nothing can be compared with it.")
     complete = [row for row in by_name.values() if explain_lack(row, grid) is None]
     return grid, {row.name: ScoredRow.of(row, collect_sample(row, grid), zero) for row in complete}
+
+
+def _kind_of(scored: ScoredRow) -> tuple[bool, str]:
+    """Return track and knowledge of a row, within which like is compared with like."""
+    return scored.row.feedback, scored.row.track
 
 
 def _is_ranked(row: Row) -> bool:

@@ -11,7 +11,8 @@ import gymnasium as gym
 import numpy as np
 from gymnasium.vector import AutoresetMode
 
-from ffgym.control import Agent, ObservationLayout, Policy
+from ffgym.control import Agent, ObservationLayout, Policy, sees_errors
+from ffgym.core.errors import FFGymError
 from ffgym.core.registration import find_spec
 from ffgym.core.types import Array, BoolArray
 from ffgym.envs import EpisodeRecorder
@@ -56,7 +57,8 @@ def run_rollouts(
         plant: the machine.
         machines: machine of each task, all under the controller of `plant`, each with noise of its own; None runs
             every task on `plant`.
-        policies: policies to run, all with one preview and one action scale.
+        policies: policies to run, all with one preview, one action scale and one track; those of the track feed-forward
+            observe no errors.
         tasks: motions for each of them.
         agents: agents in place of the policies' own, e.g. in another process; None makes these.
         seeds: seed of the sensors' noise for each policy, None for 0; one task and seed have the same noise for every
@@ -68,8 +70,12 @@ def run_rollouts(
         FFGymError: if a policy does not fit the robot, or an action is not finite or has the wrong shape.
     """
     recorder, n = EpisodeRecorder(), len(tasks)
-    view = policies[0].preview, policies[0].action_scale
-    env = environment_for(plant, *view, len(policies) * n, recorder=recorder, n_threads=n_threads)
+    views = {(policy.preview, policy.action_scale, sees_errors(policy)) for policy in policies}
+    if len(views) > 1:
+        raise FFGymError(f"Policies must have one preview, action scale and track to run side by side, got {views}.")
+    [(preview, scale, feedback)] = views
+    size = len(policies) * n
+    env = environment_for(plant, preview, scale, size, feedback=feedback, recorder=recorder, n_threads=n_threads)
     core: TrackingCore = env.unwrapped.core
     robot, layout = core.robot, core.observation_layout
     # agents decide on equal shares of the rows
@@ -131,6 +137,7 @@ def run_references(
         path=list(references),
         preview=policy.preview,
         action_scale=policy.action_scale,
+        track="feedback" if sees_errors(policy) else "feed-forward",
         sensing="resolver",
         recorder=recorder,
         n_threads=n_threads,
@@ -148,14 +155,20 @@ def run_references(
     return [None if each is None else measure(each, sensors, rng) for each, rng in zip(recordings, noise, strict=True)]
 
 
-def environment_for(plant: TestPlant, preview: int, action_scale: float, n: int, **arguments: Any) -> Any:
-    """Make the environment of a plant: `n` sub-environments that run each task to its end and wait."""
+def environment_for(
+    plant: TestPlant, preview: int, action_scale: float, n: int, *, feedback: bool = True, **arguments: Any
+) -> Any:
+    """Make the environment of a plant: `n` sub-environments that run each task to its end and wait.
+
+    Without `feedback` they show no errors of the motors.
+    """
     return gym.make_vec(
         find_spec(plant.env_id),
         num_envs=n,
         autoreset_mode=AutoresetMode.DISABLED,
         preview=preview,
         action_scale=action_scale,
+        track="feedback" if feedback else "feed-forward",
         **dict(plant.env_arguments) | arguments,
     )
 
@@ -196,7 +209,7 @@ def _run(
 
 def inference_time(plant: TestPlant, policy: Policy) -> float:
     """Measure the median time of one decision for one robot [us], at the start of a motion; all take as long."""
-    robot, layout, observation = _waiting(plant, policy.preview, policy.action_scale)
+    robot, layout, observation = _waiting(plant, policy.preview, policy.action_scale, sees_errors(policy))
     agent = policy.agent(robot, layout)
     state, times = None, []
     for k in range(TIMED):
@@ -207,9 +220,11 @@ def inference_time(plant: TestPlant, policy: Policy) -> float:
 
 
 @lru_cache(maxsize=8)
-def _waiting(plant: TestPlant, preview: int, action_scale: float) -> tuple[RobotDescription, ObservationLayout, Array]:
+def _waiting(
+    plant: TestPlant, preview: int, action_scale: float, feedback: bool
+) -> tuple[RobotDescription, ObservationLayout, Array]:
     """Return robot, layout and observation of a plant when a motion begins, for agents with such arguments."""
-    env = environment_for(plant, preview, action_scale, 1, n_threads=1)
+    env = environment_for(plant, preview, action_scale, 1, feedback=feedback, n_threads=1)
     observation, _ = env.reset(seed=0)
     core: TrackingCore = env.unwrapped.core
     env.close()

@@ -51,7 +51,10 @@ class StandingsLine:
     """'ranked', 'shown' or 'published'."""
     name: str
     """Name of the row; a published method's with the prefix 'published_'."""
+    control: str
+    """Track: feed-forward, with feedback, or published."""
     track: str
+    """What it may know."""
     learned: bool
     """True if it learned from motion of a machine, simulated or real."""
     cells: tuple[Figure, ...]
@@ -77,7 +80,7 @@ class StandingsTable:
             for cell in cells:
                 while len(cell) > 1 and cell[-1] in (None, ""):
                     cell.pop()
-            lines.append([line.kind, line.name, line.track, int(line.learned), cells])
+            lines.append([line.kind, line.name, line.control, int(line.learned), cells, line.track])
         return {"columns": heads, "lines": lines, "note": self.note}
 
 
@@ -111,6 +114,7 @@ def table_of(standings: Standings) -> StandingsTable:
         StandingsLine(
             kind="shown" if line.rank is None else "ranked",
             name=line.row.name,
+            control=line.row.control,
             track=line.row.track,
             learned=any(outcome.robot_seconds > 0 or outcome.env_steps > 0 for outcome in line.row.outcomes),
             cells=cells(_figures(line)),
@@ -121,6 +125,7 @@ def table_of(standings: Standings) -> StandingsTable:
         StandingsLine(
             kind="published",
             name=f"published_{row.method}",
+            control="published",
             track="published",
             learned=row.method.startswith("bsn"),
             cells=cells(_figures_of_thesis(row)),
@@ -154,6 +159,7 @@ def _figures(line: Standing) -> dict[str, Figure]:
         ),
         "score": NOTHING if score.normalised is None else length(score.normalised),
         "base": NOTHING if line.against_base is None else _against(line.against_base),
+        "control": Figure(text=row.control, sort=row.control),
         "track": Figure(text=row.track, sort=row.track),
         "within": _rank(line.track_rank),
         "seeds": Figure(text=str(len(score.seeds)), sort=len(score.seeds)),
@@ -168,6 +174,7 @@ def _figures_of_thesis(row: PublishedRow) -> dict[str, Figure]:
     return {f"speed{each.speed_mm_s:g}": length_with_change(each.rms_um, each.reduction) for each in row.speeds} | {
         "agent": Figure(text=row.title, detail="published, real robot", sort=row.title.lower()),
         "largest": NOTHING if row.max_um is None else length(row.max_um),
+        "control": Figure(text="published", sort="published"),
         "track": Figure(text="published", sort="published"),
     }
 
@@ -200,7 +207,12 @@ def format_standings(standings: Standings) -> str:
             report.Column("rank", [line.rank for line in lines]),
             report.Column("agent", [line.row.name for line in lines], kind="name"),
             *(
-                report.Column(column.title, [own[column.key] for own in figures], unit=column.unit)
+                report.Column(
+                    column.title,
+                    [own[column.key] for own in figures],
+                    unit=column.unit,
+                    kind="text" if column.is_text else "number",
+                )
                 for column in list_columns(standings)
                 if column.in_terminal
             ),

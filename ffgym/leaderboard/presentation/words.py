@@ -8,6 +8,7 @@ from ffgym.envs.machines import is_workcell
 from ffgym.leaderboard.comparison.samples import DRAWS, CellKey
 from ffgym.leaderboard.comparison.standings import SERVO_GAINS, AgainstBase, Standing, Standings
 from ffgym.leaderboard.plants import NOMINAL, find_plant
+from ffgym.leaderboard.results import FEED_FORWARD, WITH_FEEDBACK
 from ffgym.leaderboard.tasks import THESIS
 from ffgym.paths import RADII, SPEEDS
 from ffgym.published import METHODS, published_mm
@@ -128,7 +129,7 @@ def headline(positions: Standings | None) -> Headline:
     before = [line for line in positions.ranked if line.row.track != PRACTISED]
     after = [line for line in positions.ranked if line.row.track == PRACTISED]
     sentences, lines = [], []
-    # best agents without and with practice, then the thesis
+    # best agents without practice, of all and of each track; with practice; then the thesis
     if before:
         best = before[0]
         ties = [line.row.title for line in before[1:] if line.rank == best.rank]
@@ -138,9 +139,13 @@ def headline(positions: Standings | None) -> Headline:
             f"On the workcell, at positions without training, {best.row.title}{shared} leaves the least error of "
             f"all agents that have not practised the very motion: {_join_words(changes)} than without compensation."
         )
-        lines.append((best.row.title, "workcell, held-out positions", _changes(best)))
+        for control in (FEED_FORWARD, WITH_FEEDBACK):
+            first = next((line for line in before if line.row.control == control), None)
+            if first is not None:
+                lines.append((first.row.title, f"{control}, workcell, held-out positions", _changes(first)))
     if after:
-        lines.append((after[0].row.title, "workcell, practised on the very motion", _changes(after[0])))
+        where = f"{after[0].row.control}, workcell, practised on the very motion"
+        lines.append((after[0].row.title, where, _changes(after[0])))
     published = {speed: f"{percent(gone)} ({method})" for speed, (method, gone) in best_reductions().items()}
     lines.append(
         (

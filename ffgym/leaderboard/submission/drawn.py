@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ffgym.control import Agent, ObservationLayout, Policy
+from ffgym.control import Agent, ObservationLayout, Policy, sees_errors
 from ffgym.core.errors import FFGymError
 from ffgym.core.provenance import versions
 from ffgym.core.types import Array
@@ -136,7 +136,8 @@ def verify_drawn(
         FFGymError: if machines have different controllers, or the robot stops with zero action.
     """
     like = beside[BASE]
-    beside = {UNCOMPENSATED: View(preview=like.preview, action_scale=like.action_scale, make=ZeroAction)} | dict(beside)
+    view = View(preview=like.preview, action_scale=like.action_scale, feedback=sees_errors(like), make=ZeroAction)
+    beside = {UNCOMPENSATED: view} | dict(beside)
     submitted = _decode([data, *others], list(beside), judge.plan)
     name = next(iter(submitted))
     # every motion on each machine, by all rows
@@ -278,12 +279,14 @@ def _run_submitted(
     with ExitStack() as stack:
         every, alone = (
             stack.enter_context(
-                judge.start_agent(manifest.agent, one.content, pairs[0][0].name, manifest.seed, one.whose)
+                judge.start_agent(
+                    manifest.agent, one.content, pairs[0][0].name, manifest.seed, manifest.sees_errors, one.whose
+                )
             )
             for _ in range(2)
         )
         check = SpotCheck(every, alone, drawn.seed % len(pairs), one.whose)
-        view = View(preview=manifest.preview, action_scale=manifest.action_scale)
+        view = View(preview=manifest.preview, action_scale=manifest.action_scale, feedback=manifest.sees_errors)
         found = _run(judge, pairs, {name: view}, check, drawn.noise, f"drawn machines, {name}")
         check.compare()
     return found
@@ -325,6 +328,7 @@ def _row(name: str, cells: Cells, submitted: Submitted | None) -> Row:
         name=name,
         title=name if about is None else about.title,
         track="" if about is None else about.track,
+        feedback=about is not None and about.sees_errors,
         about="" if about is None else f"Submitted by {about.author}.",
         page=None,
         base=None,

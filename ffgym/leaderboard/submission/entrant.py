@@ -45,6 +45,7 @@ def make_entrant(path: Path, loaders: Mapping[str, str]) -> Entrant:
         name=manifest.name,
         title=manifest.title,
         track=manifest.track,
+        feedback=manifest.sees_errors,
         about=f"Submitted by {manifest.author}, who claims {manifest.robot_seconds:g} s of robot time in training; "
         "not ranked, as torques of public circles can be stored: its rank is that of ffgym leaderboard verify.",
         ranked=False,
@@ -87,6 +88,12 @@ def _make_policy(manifest: Manifest, content: bytes | None, robot: str, loaders:
         robot,
         loaders=loaders,
         seed=manifest.seed,
+        feedback=manifest.sees_errors,
         whose=f"The submission {manifest.name!r} was ended: ",
     )
-    return View(preview=manifest.preview, action_scale=manifest.action_scale, make=lambda robot, layout: start())
+    return View(
+        preview=manifest.preview,
+        action_scale=manifest.action_scale,
+        feedback=manifest.sees_errors,
+        make=lambda robot, layout: start(),
+    )

@@ -106,12 +106,13 @@ class Judge:
         """
         actions: dict[str, Array] = {}
         claims: list[Claim] = []
+        feedback = about.feedback and source.kind != "law"
         own = {} if source.file is None or content is None else {source.file: content}
 
         def pack_archive(view: View) -> bytes:
             files = {ACTIONS: encode_arrays(actions)} | own
             manifest = Manifest(
-                **asdict(about),
+                **asdict(about) | {"feedback": feedback},
                 agent=source,
                 preview=view.preview,
                 action_scale=view.action_scale,
@@ -126,8 +127,8 @@ class Judge:
         files_of.decode_submission(pack_archive(View(preview=1, action_scale=1.0)))  # refuse now, not after minutes
         # run on every plant, and log errors and actions
         for plant in self.plan:
-            with self.start_agent(source, content, plant, about.seed) as agent:
-                view = View(preview=agent.preview, action_scale=agent.action_scale)
+            with self.start_agent(source, content, plant, about.seed, feedback) as agent:
+                view = View(preview=agent.preview, action_scale=agent.action_scale, feedback=feedback)
                 rollouts = self._run_rollouts(plant, view, agent, about.seed, "running")
             claims += self._claims(plant, rollouts)
             actions |= {_key(plant, k): rollout.actions.astype("<f4") for k, rollout in enumerate(rollouts)}
@@ -143,7 +144,8 @@ class Judge:
         manifest, files = files_of.decode_submission(data)
         check_physics(manifest, self.plan)
         source, seed = manifest.agent, manifest.seed
-        view = View(preview=manifest.preview, action_scale=manifest.action_scale)
+        feedback = manifest.sees_errors
+        view = View(preview=manifest.preview, action_scale=manifest.action_scale, feedback=feedback)
         claims: list[Claim] = []
         replays: list[ActionReplay] = []
         for plant, logs in read_logged_actions(files[ACTIONS], self.plan).items():
@@ -152,7 +154,8 @@ class Judge:
             every = tuple(range(len(logs)))
             with ExitStack() as stack:
                 for robots in {*((k,) for k in every), every}:  # each alone, and all together
-                    agent = stack.enter_context(self.start_agent(source, files.get(str(source.file)), plant, seed))
+                    content = files.get(str(source.file))
+                    agent = stack.enter_context(self.start_agent(source, content, plant, seed, feedback))
                     if (agent.preview, agent.action_scale) != (view.preview, view.action_scale):
                         asks = f"preview and action scale {(agent.preview, agent.action_scale)}"
                         ran = (view.preview, view.action_scale)
@@ -178,11 +181,19 @@ class Judge:
         )
 
     def start_agent(
-        self, source: AgentSource, content: bytes | None, plant: str, seed: int, whose: str = ""
+        self, source: AgentSource, content: bytes | None, plant: str, seed: int, feedback: bool, whose: str = ""
     ) -> AgentProcess:
         """Start the process of an agent, made from a source and the content of its file, for the robot of a plant."""
-        robot = controller_of(plant)
-        return AgentProcess(source, content, robot, loaders=self.loaders, seed=seed, limits=self.limits, whose=whose)
+        return AgentProcess(
+            source,
+            content,
+            controller_of(plant),
+            loaders=self.loaders,
+            seed=seed,
+            feedback=feedback,
+            limits=self.limits,
+            whose=whose,
+        )
 
     def _run_rollouts(self, plant: str, view: View, agent: Agent, seed: int, title: str) -> list[Rollout]:
         tasks, machine = self.plan[plant], find_plant(plant)

@@ -93,6 +93,8 @@ class About:
     """Track, in `Track`."""
     seed: int = 0
     """Seed of the agent's randomness and the sensors' noise."""
+    feedback: bool = True
+    """True if it observes errors of the motors: track with feedback."""
     env_steps: int = 0
     """Control steps of simulated training."""
     robot_seconds: float = 0.0
@@ -133,6 +135,11 @@ class Manifest(About):
         super().__post_init__()
         check_whole("preview", self.preview, low=0, high=1000)
         check_number("action_scale", self.action_scale, unit="breakaway torques", low=0.0, open_low=True)
+
+    @property
+    def sees_errors(self) -> bool:
+        """True if it observes errors of the motors; a law never does."""
+        return self.feedback and self.agent.kind != "law"
 
     def tree(self) -> dict[str, Any]:
         """Convert to JSON, with format and digest."""
@@ -184,7 +191,7 @@ def decode_manifest(data: bytes) -> Manifest:
         raise Refused("manifest", f"{MANIFEST} has format {found!r}, this version of ffgym reads {FORMAT}.")
     try:
         digest = tree.pop("digest", None)
-        manifest: Manifest = from_json(Manifest, tree, "manifest")
+        manifest: Manifest = from_json(Manifest, {"feedback": True} | tree, "manifest")  # older ones lack it
         changed = digest_of(tree | {"format": found}) != digest
     except (ValueError, OverflowError) as error:
         raise Refused("manifest", f"{MANIFEST} is not complete or not valid: {error}") from error

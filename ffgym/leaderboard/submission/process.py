@@ -72,6 +72,7 @@ class AgentProcess:
         robot: name of the robot's nominal description.
         loaders: modules that load agents, by kind: each has load(source, folder, robot), which returns a Policy.
         seed: seed of its randomness.
+        feedback: False leaves out errors of the motors in its observations.
         limits: limits of time and memory.
         whose: first words of a refusal.
 
@@ -88,6 +89,7 @@ class AgentProcess:
         *,
         loaders: Mapping[str, str],
         seed: int,
+        feedback: bool = True,
         limits: Limits | None = None,
         whose: str = "",
     ) -> None:
@@ -119,7 +121,7 @@ class AgentProcess:
         self.close = finalize(self, _end, self._process, folder)
         order = {"source": asdict(source), "robot": robot, "loader": loaders[source.kind], "seed": seed}
         try:
-            order |= {"folder": str(own), "limits": asdict(self._limits)}
+            order |= {"feedback": feedback, "folder": str(own), "limits": asdict(self._limits)}
             told, _ = self._ask(order, b"", self._limits.start_s, "to be made")
             self.preview = int(self._number("preview", told, 1000))
             self.action_scale = self._number("action_scale", told)

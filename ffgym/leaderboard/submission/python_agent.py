@@ -19,6 +19,8 @@ class View:
 
     preview: int
     action_scale: float
+    feedback: bool = True
+    """True if it observes errors of the motors."""
     make: Callable[[RobotDescription, ObservationLayout], Agent] | None = None
     """Function that makes the agent; None if the agent is passed in another way."""
 

@@ -65,7 +65,8 @@ def _serve(order: Mapping[str, Any], messages: Iterator[tuple[dict[str, Any], by
     policy = import_module(order["loader"]).load(order["source"], Path(order["folder"]), robot)
     preview = check_whole("PREVIEW", policy.preview, unit="samples", low=0, high=1000)
     scale = check_number("ACTION_SCALE", policy.action_scale, unit="breakaway torques", low=0.0, open_low=True)
-    agent: Agent = policy.agent(robot, ObservationLayout(robot, preview, scale * robot.friction.static))
+    layout = ObservationLayout(robot, preview, scale * robot.friction.static, sees_errors=order["feedback"])
+    agent: Agent = policy.agent(robot, layout)
     send(told, {"preview": preview, "action_scale": scale})
     # observations in, actions out
     state: Any = None
