@@ -161,7 +161,9 @@ def decode_row(text: str, path: str) -> Row:
         raise FFGymError(f"{path}: has format {found!r}, this version of ffgym reads {FORMAT}.")
     try:
         # structure, then the values that must be names, numbers or unique
-        tree = {"feedback": False} | {key: value for key, value in tree.items() if key != "format"}  # older ones lack it
+        tree = {"feedback": False} | {
+            key: value for key, value in tree.items() if key != "format"
+        }  # older ones lack it
         row: Row = from_json(Row, tree, "row")
         _check_once("outcome", [outcome.key for outcome in row.outcomes])
         for outcome in row.outcomes:

@@ -50,7 +50,10 @@ def test_what_is_submitted_is_accepted_and_what_is_changed_is_refused_in_one_lin
 
     assert main(["leaderboard", "verify", "agent.zip", "--machines", "0", "--json", "verdict.json"]) == 0
     out = capsys.readouterr().out
-    assert "mine by somebody, causal, nominal parameters: accepted, without a score: no machines were drawn" in out
+    assert (
+        "mine by somebody, with feedback, causal, nominal parameters: accepted, without a score: no machines were drawn"
+        in out
+    )
     verdict = json.loads((small / "verdict.json").read_text())
     assert verdict["accepted"]
     assert verdict["claims"] == packed["manifest"]["claims"]
@@ -77,7 +80,9 @@ def test_a_committed_round_is_run_after_it_was_revealed_and_its_seed_repeats_it(
     assert main([*verify, *committed, "--beside", "lugre_dynamic"]) == 0
     lines = capsys.readouterr().out.splitlines()
     [line] = [
-        line for line in lines if line.startswith("mine by somebody, causal, nominal parameters: accepted, rank ")
+        line
+        for line in lines
+        if line.startswith("mine by somebody, with feedback, causal, nominal parameters: accepted, rank ")
     ]
     assert "on 2 machines and 1 motion that were drawn it leaves " in line
     assert "robot time: 0 s before the scored motions, as counted here; 5 s in training, as claimed" in lines
