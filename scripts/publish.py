@@ -48,11 +48,12 @@ def main(config: Config) -> ArtefactManifest:
     _check_same(policies, config.folder)
     first = next(iter(policies))
     training = trainings[first]
-    algorithm, base, *_ = RESIDUALS[check_choice("row of trained residual policies", config.name, list(RESIDUALS))]
-    if (training.algorithm, training.base) != (algorithm, base):
+    row = RESIDUALS[check_choice("row of trained residual policies", config.name, list(RESIDUALS))]
+    wanted, found = (row.algorithm, row.base, row.machines), (training.algorithm, training.base, training.machines > 0)
+    if found != wanted:
         raise FFGymError(
-            f"{config.name} is a row of {algorithm} on {base}, these are of {training.algorithm} on {training.base}. "
-            f"Publish them under another name, or add a row in agents/residual/policy.py."
+            f"{config.name} is a row of {_kind(*wanted)}, these are of {_kind(*found)}. Publish them under another "
+            f"name, or add a row in agents/residual/policy.py."
         )
     command = command_of(config.name, training, list(places))
     files, artefacts = {seed: f"seed_{seed}.npz" for seed in places}, list[Artefact]()
@@ -81,6 +82,10 @@ def main(config: Config) -> ArtefactManifest:
         for gone in {*folder.glob("seed_*.npz")} - {folder / file for file in files.values()}:
             gone.unlink()
     return manifest
+
+
+def _kind(algorithm: str, base: str, machines: bool) -> str:
+    return f"{algorithm} on {base}, trained on {'machines with effects' if machines else 'robots'}"
 
 
 def command_of(name: str, training: Training, seeds: Sequence[int]) -> str:

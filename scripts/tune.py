@@ -64,7 +64,9 @@ def objective(config: Tune, trainings: dict[str, Training], folder: Path, title:
     for name, training in trainings.items():
         with progress_bar(f"{title}, seed {training.seed}", "steps") as progress:
             trained = train(training, folder / name, watch=progress)
-        values.append(validate(trained.policy, training.robot, plants=config.plants).log_ratio)
+        effects = training.machines > 0
+        found = validate(trained.policy, training.robot, plants=config.plants, effects=effects)
+        values.append(found.log_ratio)
     return float(np.mean(values))
 
 
@@ -78,7 +80,7 @@ def check_runs(training: Training, plants: int) -> None:
 
     make_environment(training, n_envs=1).close()
     own = (training.action_scale, training.preview)
-    base_errors(training.base, training.machine, *own, training.robot, plants)
+    base_errors(training.base, training.machine, *own, training.robot, plants, effects=training.machines > 0)
 
 
 def _search(config: Tune, training: Training) -> dict[str, Any]:

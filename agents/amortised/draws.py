@@ -1,4 +1,4 @@
-"""Machines that an estimator is trained on: drawn around a nominal robot, with effects of the library; no workcells."""
+"""Machines to train on: drawn around a nominal robot, with effects of the library; no workcells."""
 
 from typing import Any
 
@@ -71,3 +71,9 @@ def draw_machine(nominal: RobotDescription, rng: np.random.Generator) -> Machine
     ]
     present = rng.random(len(effects)) < PRESENT
     return Machine(robot=robot, effects=tuple(e for e, there in zip(effects, present, strict=True) if there))
+
+
+def draw_machines(nominal: RobotDescription, count: int, seed: int) -> list[Machine]:
+    """Draw machines one after the other, so that a seed means the same ones at any count; see `draw_machine`."""
+    rng = np.random.default_rng(seed)
+    return [draw_machine(nominal, rng) for _ in range(count)]

@@ -6,9 +6,10 @@ import numpy as np
 from gymnasium import spaces
 from stable_baselines3.common.vec_env import VecEnvWrapper
 
+from ffgym.agents.amortised.draws import draw_machines
 from ffgym.agents.residual.bases import base_law
 from ffgym.agents.residual.composition import LIMIT, Composition, PolicyInput, take_where
-from ffgym.agents.residual.plan import ENCODER_BITS, ENVIRONMENT, POSITION, Training
+from ffgym.agents.residual.plan import ENCODER_BITS, ENVIRONMENT, MACHINES_SEED, POSITION, Training
 from ffgym.core.types import Array
 from ffgym.envs import Sensing
 from ffgym.envs.sb3 import SB3VecEnv, make_sb3_env
@@ -80,7 +81,9 @@ def make_environment(training: Training, n_envs: int | None = None, **changes: A
         "sensing": Sensing(encoder_bits=ENCODER_BITS),
         "n_threads": 1,
     }
-    if training.randomization:
+    if training.machines:
+        own["plant"] = draw_machines(robot, training.machines, MACHINES_SEED)
+    elif training.randomization:
         own["randomization"] = PlantDistribution()
     env = make_sb3_env(ENVIRONMENT, n_envs=n_envs or training.integer("n_envs"), **own | changes)
     law = base_law(training.base, training.machine, robot)

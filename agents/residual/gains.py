@@ -18,9 +18,10 @@ from ffgym.agents.residual.composition import per_motor
 from ffgym.agents.residual.policy import ResidualPolicy, load_policy
 from ffgym.core.errors import FFGymError, check_shape
 from ffgym.core.types import Array
+from ffgym.leaderboard.comparison.standings import SERVO_GAINS as GAINS
 
-SERVO_GAINS = "servo_gains"
-"""Name of the row."""
+SERVO_GAINS, SERVO_GAINS_DRIVES = GAINS
+"""Names of the rows: tuned on robots with ideal drives, and on machines with real ones and other effects."""
 
 
 def make_gains(
@@ -56,17 +57,29 @@ def make_gains(
     )
 
 
+_TUNED_ON = {
+    SERVO_GAINS: ("servo gains on elastic", "robots drawn about the nominal one"),
+    SERVO_GAINS_DRIVES: (
+        "servo gains on elastic, drives",
+        "machines with drives and effects drawn about the nominal one",
+    ),
+}
+"""Titles, and plants that gains are tuned on."""
+
 declare(
-    AgentEntry(
-        name=SERVO_GAINS,
-        title="servo gains on elastic",
-        about="A linear residual on elastic feed-forward: position error, speed error and its own last value, three "
-        "numbers for all motors, tuned on robots drawn about the nominal one. A learned feedback has to beat it.",
-        track="causal, nominal parameters",
-        order=19.5,
-        page="residual.md",
-        load=lambda path, arm: load_policy(path),
-        base="elastic",
-        feedback=True,
+    *(
+        AgentEntry(
+            name=name,
+            title=title,
+            about="A linear residual on elastic feed-forward: position error, speed error and its own last value, "
+            f"three numbers for all motors, tuned on {plants}. A learned feedback has to beat it.",
+            track="causal, nominal parameters",
+            order=19.5 + 0.1 * i,
+            page="residual.md",
+            load=lambda path, arm: load_policy(path),
+            base="elastic",
+            feedback=True,
+        )
+        for i, (name, (title, plants)) in enumerate(_TUNED_ON.items())
     )
 )

@@ -8,7 +8,8 @@ from ffgym.agents.residual.bases import ACTION_SCALES, base_law
 from ffgym.agents.residual.composition import AHEAD
 from ffgym.agents.residual.hyperparameters import ALGORITHMS, Value, check_hyperparameters, hyperparameters
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
-from ffgym.robot import ModelOptions, RobotDescription, compile_model, load_robot, physics_fingerprint
+from ffgym.robot import RigidArm, RobotDescription, load_robot
+from ffgym.simulation import SimulatedRig
 
 ENVIRONMENT = "ffgym/CirclePath-v0"
 """Id of the training environment."""
@@ -16,6 +17,8 @@ POSITION = "p1"
 """Position of the training circles; all other named positions are held out, so this is no option."""
 ENCODER_BITS = 16
 """Bits of the resolvers that a policy sees motors through, per turn of the motor, as of industrial resolvers."""
+MACHINES_SEED = 20_261_127
+"""Seed of the machines of a training; those of the validation have another one."""
 DEFAULT_STEPS: Mapping[str, int] = {"ppo": 983_040, "recurrent_ppo": 983_040, "sac": 196_608, "tqc": 196_608}
 """Control steps by default, in whole segments; chosen: learning curves are flat there, within minutes."""
 
@@ -42,6 +45,10 @@ class Training:
     """Name of a reward of the environment; privileged ones are for training alone, the policy does not see them."""
     randomization: bool = True
     """True: each episode has a robot drawn around the nominal one (`PlantDistribution()`). False: all the nominal."""
+    machines: int = 0
+    """Number of machines with physical effects, drawn once around the nominal robot, one of which each episode has
+    (`ffgym.agents.amortised.draws`); the robot must have drives and losses as they do. 0: robots without effects, as
+    `randomization` says."""
     seed: int = 0
     steps: int | None = None
     """Control steps of all robots together, rounded up to whole updates; defaults to DEFAULT_STEPS."""
@@ -53,6 +60,11 @@ class Training:
         check_choice("base", self.base, list(ACTION_SCALES))
         check_whole("memory", self.memory, unit="samples", low=1, high=1000)
         check_number("bound of the residual", self.bound, unit="breakaway torques", low=0.0, open_low=True)
+        check_whole("machines", self.machines, low=0, high=100_000)
+        if self.machines and not self.randomization:
+            raise FFGymError(
+                f"machines = {self.machines} are drawn, so that randomization = False cannot be asked for."
+            )
         check_whole("seed", self.seed, low=0)
         if self.factored and self.algorithm == "recurrent_ppo":
             raise FFGymError("The LSTM of recurrent_ppo sees all motors at once: train it with factored=False.")
@@ -126,11 +138,10 @@ class Training:
 
     def origin(self) -> dict[str, Any]:
         """Return the rest that decides the result: environment and physics."""
-        model = compile_model(self.known(), ModelOptions(looks=False))
         return {
             "environment": ENVIRONMENT,
             "position": POSITION,
             "encoder_bits": ENCODER_BITS,
             "action_scale": self.action_scale,
-            "physics_fingerprint": physics_fingerprint(model),
+            "physics_fingerprint": SimulatedRig(arm=RigidArm(self.known())).fingerprint,
         }

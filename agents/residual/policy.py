@@ -214,18 +214,39 @@ _SETTINGS = ("base", "machine", "memory", "bound", "action_scale", "preview")
 
 _EACH_MOTOR = "one small network for all motors"
 _LSTM, _MEMORY = "an LSTM that sees all motors", "one small network that sees the last samples"
-RESIDUALS: Mapping[str, tuple[str, str, str, str]] = MappingProxyType(
+_ROBOTS, _MACHINES = "robots", "machines with real drives and other effects"
+
+
+@dataclass(frozen=True)
+class ResidualRow:
+    """A row of trained residual policies on the leaderboard."""
+
+    algorithm: str
+    base: str
+    title: str
+    network: str = _EACH_MOTOR
+    machines: bool = False
+    """True if it is trained on machines with effects, see `Training.machines`; False on robots."""
+
+
+RESIDUALS: Mapping[str, ResidualRow] = MappingProxyType(
     {
-        "ppo_elastic": ("ppo", "elastic", "PPO on elastic", _EACH_MOTOR),
-        "sac_elastic": ("sac", "elastic", "SAC on elastic", _EACH_MOTOR),
-        "tqc_elastic": ("tqc", "elastic", "TQC on elastic", _EACH_MOTOR),
-        "recurrent_ppo_elastic": ("recurrent_ppo", "elastic", "recurrent PPO on elastic", _LSTM),
-        "ppo_elastic_memory": ("ppo", "elastic", "PPO on elastic, memory", _MEMORY),
-        "ppo_lugre": ("ppo", "lugre_dynamic", "PPO on dynamic LuGre", _EACH_MOTOR),
-        "ppo_none": ("ppo", "none", "PPO on nothing", _EACH_MOTOR),
+        "ppo_elastic": ResidualRow("ppo", "elastic", "PPO on elastic"),
+        "sac_elastic": ResidualRow("sac", "elastic", "SAC on elastic"),
+        "tqc_elastic": ResidualRow("tqc", "elastic", "TQC on elastic"),
+        "recurrent_ppo_elastic": ResidualRow("recurrent_ppo", "elastic", "recurrent PPO on elastic", _LSTM),
+        "ppo_elastic_memory": ResidualRow("ppo", "elastic", "PPO on elastic, memory", _MEMORY),
+        "ppo_lugre": ResidualRow("ppo", "lugre_dynamic", "PPO on dynamic LuGre"),
+        "ppo_none": ResidualRow("ppo", "none", "PPO on nothing"),
+        "ppo_drives": ResidualRow("ppo", "elastic", "PPO on elastic, drives", machines=True),
+        "sac_drives": ResidualRow("sac", "elastic", "SAC on elastic, drives", machines=True),
+        "tqc_drives": ResidualRow("tqc", "elastic", "TQC on elastic, drives", machines=True),
+        "recurrent_ppo_drives": ResidualRow(
+            "recurrent_ppo", "elastic", "recurrent PPO on elastic, drives", _LSTM, machines=True
+        ),
     }
 )
-"""Trained residual policies: algorithm, base, title, kind of network. They have rows where they are published."""
+"""Trained residual policies. They have rows where they are published."""
 
 _ON = {"none": "no compensation", "lugre_dynamic": "dynamic LuGre", "elastic": "elastic feed-forward"}
 
@@ -233,16 +254,17 @@ declare(
     *(
         AgentEntry(
             name=name,
-            title=title,
-            about=f"A bounded residual torque on {_ON[base]}: {network}, trained in simulation at p1 on robots drawn "
-            f"about the nominal one; it never met the machine that it is scored on.",
+            title=row.title,
+            about=f"A bounded residual torque on {_ON[row.base]}: {row.network}, trained in simulation at p1 on "
+            f"{_MACHINES if row.machines else _ROBOTS} drawn about the nominal one; it never met the machine that it "
+            f"is scored on.",
             track="causal, nominal parameters",  # without a base too: it was trained on robots about the nominal one
             order=20 + i,
             page="residual.md",
             load=lambda path, arm: load_policy(path),
-            base=base,
+            base=row.base,
             feedback=True,
         )
-        for i, (name, (_, base, title, network)) in enumerate(RESIDUALS.items())
+        for i, (name, row) in enumerate(RESIDUALS.items())
     )
 )

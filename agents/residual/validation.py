@@ -12,6 +12,7 @@ import gymnasium as gym
 import numpy as np
 from gymnasium.vector import AutoresetMode
 
+from ffgym.agents.amortised.draws import draw_machines
 from ffgym.agents.residual.actor import Actor, LinearLayer
 from ffgym.agents.residual.composition import per_motor
 from ffgym.agents.residual.plan import ENCODER_BITS, ENVIRONMENT
@@ -47,7 +48,12 @@ class PolicyValidation:
 
 
 def validate(
-    policy: ResidualPolicy, robot: str = "irb4600_60_205", *, plants: int = 2, seed: int = SEED
+    policy: ResidualPolicy,
+    robot: str = "irb4600_60_205",
+    *,
+    plants: int = 2,
+    seed: int = SEED,
+    effects: bool = False,
 ) -> PolicyValidation:
     """Run a policy and its base on all circles of the validation.
 
@@ -56,18 +62,26 @@ def validate(
         robot: nominal robot of the controller.
         plants: robots drawn for each circle.
         seed: seed of these robots.
+        effects: True draws machines with physical effects in place of robots, see `ffgym.agents.amortised.draws`.
 
     Raises:
         FFGymError: if the robot has no such places, or stopped on its way.
     """
     check_whole("plants", plants, low=1, high=10_000)
-    base = base_errors(policy.base, policy.machine, policy.action_scale, policy.preview, robot, plants, seed)
-    return PolicyValidation(policy=_errors(policy, robot, plants, seed), base=base)
+    base = base_errors(policy.base, policy.machine, policy.action_scale, policy.preview, robot, plants, seed, effects)
+    return PolicyValidation(policy=_errors(policy, robot, plants, seed, effects), base=base)
 
 
 @lru_cache(maxsize=16)
 def base_errors(
-    base: str, machine: str | None, action_scale: float, preview: int, robot: str, plants: int, seed: int = SEED
+    base: str,
+    machine: str | None,
+    action_scale: float,
+    preview: int,
+    robot: str,
+    plants: int,
+    seed: int = SEED,
+    effects: bool = False,
 ) -> Array:
     """Compute RMS distances of a base [m], with a network above it that adds nothing; computed once and kept.
 
@@ -79,15 +93,16 @@ def base_errors(
     actor = Actor(n_motors=n, layers=(silence,), activation="relu", output="clip", factored=True)
     own: dict[str, Any] = {"action_scale": action_scale, "preview": preview}
     silent = ResidualPolicy(base=base, machine=machine, actor=actor, memory=1, bound=1.0, **own)
-    errors = _errors(silent, robot, plants, seed)
+    errors = _errors(silent, robot, plants, seed, effects)
     errors.setflags(write=False)  # every caller gets this array
     return errors
 
 
-def _errors(policy: ResidualPolicy, robot: str, plants: int, seed: int) -> Array:
+def _errors(policy: ResidualPolicy, robot: str, plants: int, seed: int, effects: bool) -> Array:
     """Run a policy on every circle, and compute the RMS distance from each [m]."""
     # one robot for each plant, point and speed, all at once
     count = plants * len(POINTS) * len(SPEEDS)
+    each = [{"plant": drawn} for drawn in draw_machines(load_robot(robot), count, seed)] if effects else [{}] * count
     env: Any = gym.make_vec(
         find_spec(ENVIRONMENT),
         num_envs=count,
@@ -100,12 +115,12 @@ def _errors(policy: ResidualPolicy, robot: str, plants: int, seed: int) -> Array
         action_scale=policy.action_scale,
         preview=policy.preview,
         sensing=Sensing(encoder_bits=ENCODER_BITS),
-        randomization=PlantDistribution(),
+        randomization=None if effects else PlantDistribution(),
     )
     # squares of the path error on the circle of each robot
     try:
         agent = policy.agent(load_robot(robot), env.unwrapped.observation_layout)
-        observation, _ = env.reset(seed=seed)
+        observation, _ = env.reset(seed=seed, options={"each": each})
         state, starts = None, np.ones(count, dtype=np.bool_)
         going, squares, samples = np.ones(count, dtype=np.bool_), np.zeros(count), np.zeros(count)
         while going.any():

@@ -35,6 +35,9 @@ class PolicyOptions:
     """Reward of the environment."""
     nominal: bool = False
     """Train on the nominal robot alone, with nothing drawn."""
+    machines: int = 0
+    """Machines with physical effects to draw and train on, for robots with drives and losses as
+    irb4600_60_205_arm_drives; 0 draws robots without effects."""
     set: tuple[str, ...] = ()
     """Hyper-parameters in place of those of the algorithm's file, e.g. gamma=0.95 hidden=[64,64]."""
 
@@ -59,6 +62,7 @@ class PolicyOptions:
             bound=self.bound,
             reward=self.reward,
             randomization=not self.nominal,
+            machines=self.machines,
             seed=seed,
             steps=self.steps,
             hyperparameters=hyperparameters(self.algorithm, self.set),

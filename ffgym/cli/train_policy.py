@@ -27,7 +27,7 @@ def options_of(training: Training, base: str | None = None) -> list[str]:
     """
     words = ["--algorithm", training.algorithm, "--base", base or training.base, "--steps", str(training.total)]
     usual = PolicyOptions()
-    for name in ("robot", "memory", "bound", "reward"):
+    for name in ("robot", "memory", "bound", "reward", "machines"):
         value = getattr(training, name)
         words += [f"--{name}", str(value)] if value != getattr(usual, name) else []
     words += [] if training.factored or training.algorithm == "recurrent_ppo" else ["--joint"]

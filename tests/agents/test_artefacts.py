@@ -1,4 +1,5 @@
 import json
+import re
 import shutil
 from dataclasses import replace
 
@@ -9,7 +10,7 @@ from ffgym.agents.adapters import ADAPTERS
 from ffgym.agents.artefacts import TRAINED, add_artefacts, locate_artefact, read_manifest
 from ffgym.agents.catalogue import list_entries
 from ffgym.agents.entrants import ENTRANTS
-from ffgym.agents.residual.gains import SERVO_GAINS
+from ffgym.agents.residual.gains import GAINS
 from ffgym.core.errors import FFGymError
 from ffgym.leaderboard.plants import NOMINAL, find_plant
 from ffgym.robot import RigidArm, load_robot
@@ -42,9 +43,11 @@ def test_it_was_trained_on_the_physics_of_today_with_five_seeds_for_each_plant(n
     assert name in ENTRANTS or name in adapters
     # machines that adapters have learned of are drawn about the robot of workcells of the second series
     known = find_plant(NOMINAL).fingerprint
-    if name not in ENTRANTS:
-        known = SimulatedRig(arm=RigidArm(load_robot("irb4600_60_205_commissioned_arm_drives"))).fingerprint
-    seeds = [0] if name == SERVO_GAINS else [0, 1, 2, 3, 4]  # which a seed does not change
+    robot = re.search(r"--robot (\w+)", manifest.command)
+    if name not in ENTRANTS or robot:
+        about = robot[1] if robot else "irb4600_60_205_commissioned_arm_drives"
+        known = SimulatedRig(arm=RigidArm(load_robot(about))).fingerprint
+    seeds = [0] if name in GAINS else [0, 1, 2, 3, 4]  # which a seed does not change
     for plant in {artefact.plant for artefact in manifest.artefacts}:
         own = [artefact for artefact in manifest.artefacts if artefact.plant == plant]
         assert [artefact.seed for artefact in own] == seeds

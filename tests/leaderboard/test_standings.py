@@ -202,6 +202,11 @@ def test_learned_feedback_counts_as_learning_only_if_it_beats_servo_gains():
     assert told.startswith("Of 2 agents that learned on top of another one, 2 are better than their base")
     assert "1 of 2 is better than servo gains, a linear feedback of three numbers, and so counts as learning: " in told
     assert told.index("Quick", told.index("servo gains")) > 0
+    better = fixed("servo_gains_drives", 0.15, base="base")
+    both = standings([*rows, gains, better], NOMINAL, "held_out")
+    assert both.line("quick").against_gains.base == "servo_gains_drives"
+    assert both.line("quick").against_gains.sentence == "worse than servo gains"
+    assert both.line("servo_gains_drives").against_gains is None
     assert "Slow" not in told[told.index("servo gains") :]
 
 

@@ -67,6 +67,7 @@ def test_policies_of_seeds_that_are_no_longer_there_go(tmp_path):
 
 
 OTHERWISE = {"base": "lugre_dynamic", "bound": 0.3, "randomization": False, "factored": False}
+MACHINES = {"base": "lugre_dynamic", "robot": "irb4600_60_205_arm_drives", "machines": 4}
 SET = {"hyperparameters": hyperparameters("ppo", ["hidden=[64, 64]", "activation=relu", "learning_rate=1e-5"])}
 
 
@@ -79,6 +80,11 @@ def test_the_command_in_the_manifest_asks_for_the_same_training(changes, tmp_pat
     assert sweep.seeds == (3, 5)
     assert sweep.with_seed(5).document() == wanted.document()
     assert again == "python -m scripts.publish ppo_lugre out/ppo_lugre"
+
+
+def test_machines_can_be_asked_for():
+    training = Training(**MACHINES)
+    assert options_of(training)[-4:] == ["--robot", "irb4600_60_205_arm_drives", "--machines", "4"]
 
 
 def test_a_recurrent_policy_on_another_robot_can_be_asked_for_too():
@@ -128,8 +134,10 @@ def test_trainings_that_differ_in_more_than_the_seed_are_refused(other, message,
 
 def test_what_the_row_is_not_of_is_refused(tmp_path):
     trained(tmp_path / "sweep", 0)
-    with pytest.raises(FFGymError, match="ppo_lugre is a row of ppo on lugre_dynamic, these are of ppo on elastic"):
+    with pytest.raises(FFGymError, match=r"ppo_lugre is a row of ppo on lugre_dynamic, .* these are of ppo on "):
         publish(tmp_path, "ppo_lugre")
+    with pytest.raises(FFGymError, match=r"ppo_drives is a row of .* on machines .*, these are of .* on robots\."):
+        publish(tmp_path, "ppo_drives")
     with pytest.raises(FFGymError, match="Unknown row of trained residual policies 'best'"):
         publish(tmp_path, "best")
     assert not (tmp_path / "out").exists()

@@ -18,8 +18,9 @@ from ffgym.leaderboard.results import Row
 from ffgym.leaderboard.tasks import HELD_OUT
 from ffgym.report.laws import ORACLE, UNCOMPENSATED
 
-SERVO_GAINS = "servo_gains"
-"""Row of a linear feedback of three numbers: a learned feedback that does not beat it has gained what a servo would."""
+SERVO_GAINS = ("servo_gains", "servo_gains_drives")
+"""Rows of a linear feedback of three numbers, tuned on robots with ideal drives and on machines with real ones: a
+learned feedback that does not beat the better of them has gained what a servo would."""
 _WORDS = {-1: "better than {}", 1: "worse than {}", 0: "not better: the interval includes zero"}
 
 
@@ -106,7 +107,9 @@ def standings(rows: Sequence[Row], group: str, selection: str) -> Standings:
     oracle = scored[ORACLE].sample if ORACLE in scored else None
     residuals = {name: row.base for name, row in by_name.items() if row.base is not None}
     against = _compare(by_name, group, residuals, "its base")
-    learned = {name: SERVO_GAINS for name in residuals if name != SERVO_GAINS} if SERVO_GAINS in by_name else {}
+    gains = [scored[name] for name in SERVO_GAINS if name in scored]
+    best = min(gains, key=lambda each: each.mean).row.name if gains else None
+    learned = {name: best for name in residuals if name not in SERVO_GAINS} if best is not None else {}
     against_gains = _compare(by_name, group, learned, "servo gains")
     # ranks among all, and among those of one track and knowledge
     best_first = sorted(scored.values(), key=lambda each: (each.mean, each.row.name))

@@ -162,7 +162,7 @@ def residual_sentence(standings: Standings) -> str | None:
 
     None without residuals.
     """
-    learned = [line for line in standings.lines if line.row.name != SERVO_GAINS]
+    learned = [line for line in standings.lines if line.row.name not in SERVO_GAINS]
     pairs = [(line, line.against_base) for line in learned if line.against_base is not None]
     if not pairs:
         return None

@@ -1,19 +1,24 @@
 """Servo gains: a linear feedback as a residual policy, and the row that learned feedback is measured by."""
 
+import shlex
+from dataclasses import replace
+
 import numpy as np
 import pytest
+import tyro
 
 from ffgym.agents.artefacts import locate_artefact, read_manifest
-from ffgym.agents.residual.gains import SERVO_GAINS, make_gains
+from ffgym.agents.residual.gains import GAINS, SERVO_GAINS, SERVO_GAINS_DRIVES, make_gains
 from ffgym.agents.residual.policy import load_policy
 from ffgym.agents.residual.validation import validate
 from ffgym.core.errors import FFGymError
+from scripts.tune_gains import Config
 
 
-def published():
-    manifest = read_manifest(SERVO_GAINS)
+def published(name=SERVO_GAINS):
+    manifest = read_manifest(name)
     (artefact,) = manifest.artefacts
-    return load_policy(locate_artefact(SERVO_GAINS, artefact))
+    return load_policy(locate_artefact(name, artefact))
 
 
 def test_gains_are_a_clipped_sum_of_errors_and_the_last_residual():
@@ -43,3 +48,16 @@ def test_the_published_gains_take_half_of_the_error_of_their_base_on_other_robot
     gains = policy.actor.layers[0].weight[0]
     assert not gains[3:].any()
     np.testing.assert_allclose(gains[:3], min(tried, key=lambda each: each[1])[0], rtol=1e-6)
+
+
+def test_the_command_of_gains_asks_for_the_same_search():
+    config = Config(name=SERVO_GAINS_DRIVES, robot="irb4600_60_205_arm_drives", effects=True, evaluations=9)
+    assert tyro.cli(Config, args=shlex.split(config.command)[3:]) == config
+    assert read_manifest(SERVO_GAINS_DRIVES).command == replace(config, evaluations=60).command
+
+
+@pytest.mark.slow
+def test_gains_for_drives_are_better_on_machines_than_those_for_ideal_drives():
+    machines = {"robot": "irb4600_60_205_arm_drives", "plants": 1, "seed": 7, "effects": True}
+    ideal, drives = (validate(published(name), **machines).log_ratio for name in GAINS)
+    assert drives < ideal < 0

@@ -11,11 +11,12 @@ from math import isclose
 import numpy as np
 import pytest
 
+from ffgym.agents.amortised.draws import draw_machines
 from ffgym.agents.residual import training as under_test
 from ffgym.agents.residual.environment import make_environment
 from ffgym.agents.residual.policy import load_policy
 from ffgym.agents.residual.training import segment_seed, train
-from ffgym.agents.residual.validation import POINTS, RADIUS, SPEEDS
+from ffgym.agents.residual.validation import POINTS, RADIUS, SEED, SPEEDS
 from ffgym.core.claims import claimed
 from ffgym.core.errors import FFGymError
 from ffgym.leaderboard.tasks import NEW_RADII, NEW_SPEEDS
@@ -216,6 +217,22 @@ def test_training_sees_p1_alone_and_the_validation_no_named_position():
     assert not any(isclose(own, held) for own in radii for held in NEW_RADII)
     assert not any(isclose(own, held) for own in speeds for held in NEW_SPEEDS)
     assert {"p2", "p3", "p4"} <= load_robot("irb4600_60_205").work_area.positions.keys()  # what the names above are
+
+
+def test_machines_of_a_training_have_effects_and_are_not_those_of_the_validation():
+    training = tiny(robot="irb4600_60_205_arm_drives", machines=3)
+    env = make_environment(training)
+    own = env.get_attr("core")[0].starts.machines
+    env.close()
+    assert len(own) == 3
+    assert any(machine.effects for machine in own)
+    others = draw_machines(training.known(), 3, SEED)
+    assert not {machine.robot.friction.static[0] for machine in own} & {m.robot.friction.static[0] for m in others}
+
+
+def test_machines_without_draws_are_refused():
+    with pytest.raises(FFGymError, match="machines = 3 are drawn"):
+        tiny(machines=3, randomization=False)
 
 
 @pytest.mark.parametrize("algorithm", ["ppo", "sac"])
