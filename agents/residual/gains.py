@@ -18,8 +18,10 @@ from ffgym.agents.residual.composition import per_motor
 from ffgym.agents.residual.policy import ResidualPolicy, load_policy
 from ffgym.core.errors import FFGymError, check_shape
 from ffgym.core.types import Array
-from ffgym.leaderboard.comparison.standings import SERVO_GAINS as GAINS
+from ffgym.leaderboard.comparison.standings import SERVO_GAINS as _NAMES
 
+GAINS = _NAMES
+"""Names of all rows of servo gains."""
 SERVO_GAINS, SERVO_GAINS_DRIVES = GAINS
 """Names of the rows: tuned on robots with ideal drives, and on machines with real ones and other effects."""
 
