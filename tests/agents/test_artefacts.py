@@ -10,7 +10,7 @@ from ffgym.agents.adapters import ADAPTERS
 from ffgym.agents.artefacts import TRAINED, add_artefacts, locate_artefact, read_manifest
 from ffgym.agents.catalogue import list_entries
 from ffgym.agents.entrants import ENTRANTS
-from ffgym.agents.residual.gains import GAINS
+from ffgym.agents.residual.gains import GAINS, SERVO_GAINS
 from ffgym.core.errors import FFGymError
 from ffgym.leaderboard.plants import NOMINAL, find_plant
 from ffgym.robot import RigidArm, load_robot
