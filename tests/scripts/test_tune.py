@@ -6,6 +6,7 @@ import shlex
 import signal
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 import tyro
@@ -16,7 +17,7 @@ from ffgym.core.errors import FFGymError
 from ffgym.core.files import write_bytes
 from scripts import tune, tuning
 from scripts.tune import main
-from scripts.tuning import FAILED, SPACES, Tune
+from scripts.tuning import FAILED, SPACES, Tune, read_trials
 from tests.agents.residual.residual_samples import SMALL
 
 TINY = {"base": "none", "steps": 16, "set": SMALL["ppo"], "plants": 1}
@@ -244,3 +245,13 @@ def test_a_search_that_was_killed_goes_on(tmp_path):
     best = main(Tune(trials=2, out=tmp_path / "killed", **TINY))
     assert main(Tune(trials=2, out=tmp_path / "whole", **TINY)) == best
     assert written(tmp_path / "killed") == written(tmp_path / "whole")
+
+
+def test_the_committed_record_is_of_a_search_that_can_be_asked_for_and_its_page_shows_every_trial():
+    folder = Path(__file__).parents[2] / "docs" / "agents"
+    record = json.loads((folder / "tuned_ppo_drives.json").read_text())
+    trials = read_trials(folder / "tuned_ppo_drives.json", record["search"])
+    assert record["search"]["space"].keys() == {*SPACES["ppo"], "bound"}
+    assert record["best"]["value"] == min(trial.value for trial in trials)
+    page = (folder / "residual.md").read_text()
+    assert all(f"| {t.value:+.3f} | {t.parameters['learning_rate']:.4f} |" in page for t in trials)
