@@ -58,7 +58,7 @@ class ObservationLayout(Mapping[str, ObservationEntry]):
         self.preview = check_whole("preview", preview, low=0, high=1000)
         self.n_joints = n = robot.n_joints
         self.sees_errors, self.features = sees_errors, features
-        scales = Scales.of(robot)
+        self._drive, scales = robot.drive, Scales.of(robot)
         # scale of each entry: tracking error, its rate, last action, then the reference over the preview
         motor_position = scales.position * robot.drive.gear_ratio  # with its sign, as joint positions are read
         length = " or ".join(dict.fromkeys(robot.kinematics.units))
@@ -67,9 +67,8 @@ class ObservationLayout(Mapping[str, ObservationEntry]):
         errors = {"error": unit * scales.error, "error_rate": unit * scales.error_rate}
         self._stribeck_velocity, breakaway = robot.friction.stribeck_velocity, robot.friction.static
         before = [*(errors.values() if sees_errors else ()), np.ones(n), *([breakaway] if features else [])]
-        direction = np.ones(n if features else 0)
-        ahead_of_now = np.tile(np.concatenate([reference, direction]), self.preview + 1)
-        self._scale = np.concatenate([*before, ahead_of_now])
+        self._scale = np.concatenate(before)
+        self._sample_scale = np.concatenate([reference, np.ones(n if features else 0)])
         # catalogue of entries by name, in the order of the vector
         self._entries: dict[str, ObservationEntry] = {}
 
@@ -119,8 +118,29 @@ class ObservationLayout(Mapping[str, ObservationEntry]):
         """Length of an observation."""
         return len(self._entries) * self.n_joints
 
+    @property
+    def sample_size(self) -> int:
+        """Length of a sample of the reference within an observation."""
+        return len(self._sample_scale)
+
+    def encode_samples(self, reference: Array) -> Array:
+        """Encode samples of the reference, as they stand in observations: scaled and clipped, shape (T, K).
+
+        Args:
+            reference: position [rad], velocity, acceleration, motor side, shape (T, 3 N). Observed is the joint position
+                times the own gear ratio, by which laws divide, without what coupled joints add.
+        """
+        n = self.n_joints
+        if self._drive.coupling is not None:
+            position = self._drive.joint_angle(reference[:, :n]) * self._drive.gear_ratio
+            reference = np.concatenate((position, reference[:, n:]), axis=1)
+        if self.features:
+            direction = np.tanh(reference[:, n : 2 * n] / self._stribeck_velocity)
+            reference = np.concatenate((reference, direction), axis=1)
+        return _clip(reference / self._sample_scale)
+
     def encode(
-        self, error: Array, error_rate: Array, action: Array, reference: Array, base: Array | None = None
+        self, error: Array, error_rate: Array, action: Array, samples: Array, base: Array | None = None
     ) -> Array:
         """Encode observations (B, D): scaled and clipped.
 
@@ -128,25 +148,26 @@ class ObservationLayout(Mapping[str, ObservationEntry]):
             error: measured position error, motor side [rad], shape (B, N).
             error_rate: measured speed error, motor side [rad/s], shape (B, N).
             action: last action, shape (B, N).
-            reference: position, velocity, acceleration, motor side, of samples 0 to `preview`, shape (B, P + 1, 3 N);
-                positions are joint positions times gear ratio, without what coupled joints add.
+            samples: reference, samples 0 to `preview` as `encode_samples` returns them, shape (B, P + 1, K).
             base: torque of the base at sample 1, motor side [N m], shape (B, N); for features alone.
         """
         before = (error, error_rate, action) if self.sees_errors else (action,)
         if self.features:
             assert base is not None  # an environment with features has the torque of its base
-            n, before = self.n_joints, (*before, base)
-            direction = np.tanh(reference[:, :, n : 2 * n] / self._stribeck_velocity)
-            reference = np.concatenate((reference, direction), axis=2)
-        out = np.concatenate((*before, reference.reshape(len(error), -1)), axis=1)
-        out /= self._scale
-        np.maximum(out, -BOUND, out=out)
-        return np.minimum(out, BOUND, out=out)
+            before = (*before, base)
+        own = _clip(np.concatenate(before, axis=1) / self._scale)
+        return np.concatenate((own, samples.reshape(len(own), -1)), axis=1)
 
     def read(self, observation: Array, name: str, ahead_by: int = 0) -> Array:
         """Read physical values (..., N) of an entry from observations (..., D), `ahead_by` samples ahead."""
         entry = self[ahead(name, ahead_by)]
         return np.asarray(observation, dtype=np.float64)[..., entry.slice] * entry.scale
+
+
+def _clip(values: Array) -> Array:
+    """Clip scaled values to the bounds of observations, in place."""
+    np.maximum(values, -BOUND, out=values)
+    return np.minimum(values, BOUND, out=values)
 
 
 def ahead(name: str, samples: int) -> str:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ffgym.control import FeedForwardLaw
+from ffgym.control import FeedForwardLaw, ObservationLayout
 from ffgym.control.setpoints import interpolate_motion
 from ffgym.core.types import Array, IntArray
 from ffgym.envs.motion import EpisodeMotion, MotionColumns
@@ -20,6 +20,7 @@ class MotionBank:
 
     With a plant, position and velocity at every physics step of every control step are kept too, in MuJoCo's order of
     controls, as they would be computed at every step, bit for bit; docs/performance.md has the time that this saves.
+    With a layout of observations, samples of the reference are kept as observations have them.
 
     Args:
         n: number of sub-environments B.
@@ -27,6 +28,7 @@ class MotionBank:
         padding: number of copies of the last row of a motion behind it.
         plant: plant whose controls are kept; None keeps none.
         base: law whose torque is in the rows; None for none.
+        layout: layout of observations; None keeps no samples of them.
     """
 
     def __init__(
@@ -36,9 +38,11 @@ class MotionBank:
         padding: int,
         plant: Plant | None = None,
         base: FeedForwardLaw | None = None,
+        layout: ObservationLayout | None = None,
     ) -> None:
-        self.columns, self._plant, self._padding, self._base = columns, plant, padding, base
+        self.columns, self._plant, self._padding, self._base, self._layout = columns, plant, padding, base, layout
         self._table = np.zeros((0, columns.width))
+        self._samples = np.zeros((0, 0 if layout is None else layout.sample_size))
         self._controls = None if plant is None else np.zeros((0, plant.n_substeps, plant.model.nu))
         self._filled = 0
         self._place: dict[int, tuple[EpisodeMotion, int]] = {}
@@ -58,6 +62,11 @@ class MotionBank:
         first: IntArray = self._offset + step
         return self._table.take(first[:, None] + np.arange(width), axis=0)
 
+    def samples(self, step: IntArray, width: int) -> Array:
+        """Look up `width` samples of observations from sample `step` (B,) on, shape (B, width, K); a copy."""
+        first: IntArray = self._offset + step
+        return self._samples.take(first[:, None] + np.arange(width), axis=0)
+
     def setpoints(self, step: IntArray, ids: IntArray | None) -> Array | None:
         """Look up controls of the control step from sample `step` (B,) on, without torque, for sub-environments `ids`.
 
@@ -76,6 +85,8 @@ class MotionBank:
             start = self._filled
         self._filled = end = start + len(rows)
         self._table[start:end] = rows
+        if self._layout is not None:
+            self._samples[start:end] = self._layout.encode_samples(rows[:, self.columns.reference])
         self._place[id(motion)] = (motion, start)
         if self._controls is None or self._plant is None:
             return
@@ -94,7 +105,7 @@ class MotionBank:
         # in the order of the table, so that no motion is overwritten before it has moved
         for motion, at in kept:
             length = motion.n_steps + 1 + self._padding
-            for table in (self._table, self._controls):
+            for table in (self._table, self._samples, self._controls):
                 if table is not None:
                     table[self._filled : self._filled + length] = table[at : at + length]
             self._place[id(motion)] = (motion, self._filled)
@@ -104,7 +115,9 @@ class MotionBank:
                 self._offset[i] = self._place[id(followed_now)][1]
         # longer tables, in place: a second table would double the memory
         if self._filled + wanted > len(self._table):
-            self._table.resize((int((self._filled + wanted) * 1.25), self.columns.width), refcheck=False)
+            length = int((self._filled + wanted) * 1.25)
+            for table in (self._table, self._samples):
+                table.resize((length, table.shape[1]), refcheck=False)
         if self._controls is not None:
             shape = (len(self._table), *self._controls.shape[1:])
             if np.prod(shape) * self._controls.itemsize > LARGEST:
@@ -113,7 +126,7 @@ class MotionBank:
                 self._controls.resize(shape, refcheck=False)
 
 
-def path_error(tcp: Array, rows: Array, columns: MotionColumns, centre: Array, normal: Array) -> Array:
+def path_error(tcp: Array, rows: Array, columns: MotionColumns) -> Array:
     """Compute the distance of the TCP from its path [m], shape (B,).
 
     On a circle it is the distance to its nearest point, in its plane, as `ffgym.recordings.metrics.path_errors`;
@@ -121,16 +134,12 @@ def path_error(tcp: Array, rows: Array, columns: MotionColumns, centre: Array, n
     curvature of its path, the path's distance from its tangent, s^2 / 2 times the curvature, is subtracted at the TCP's
     distance s along it.
 
-    The `tcp` (B, 3) is without its offset at standstill [m], `rows` (B, W) are those of the motions now; circles have a
-    `centre` [m] and a `normal` of their plane, (B, 3) each.
+    The `tcp` (B, 3) is without its offset at standstill [m], `rows` (B, W) are those of the motions now.
     """
-    radius = rows[:, columns.radius]
-    circle = (radius > 0)[:, None]
-    arm = tcp - np.where(circle, centre, rows[:, columns.tcp])
-    drop = np.where(circle, normal, rows[:, columns.tangent])
-    along = _dot(arm, drop)[:, None]
-    left = arm - along * drop - 0.5 * along**2 * rows[:, columns.bend]
-    return np.abs(np.sqrt(_dot(left, left)) - radius)  # the radius is 0 elsewhere
+    arm, axis = tcp - rows[:, columns.anchor], rows[:, columns.axis]
+    along = _dot(arm, axis)[:, None]
+    left = arm - along * axis - 0.5 * along**2 * rows[:, columns.bend]
+    return np.abs(np.sqrt(_dot(left, left)) - rows[:, columns.radius])  # the radius is 0 but on circles
 
 
 def _dot(a: Array, b: Array) -> Array:

@@ -30,6 +30,8 @@ _POSITIONS = mujoco.mjtStage.mjSTAGE_POS.value
 _PHASES = np.array(PHASE_KINDS)
 
 
+WINDOW = 2
+"""Rows of the motions that are looked up in each step: the present sample and the next one."""
 _ENDLESS = 2**62
 """Control steps of an episode without horizon."""
 
@@ -44,8 +46,6 @@ _CHANGING = (
     "_mean_square",
     "_circle",
     "tcp_offset",
-    "_centre",
-    "_normal",
     "_rewards",
     "_one_reward",
     "_scores",
@@ -83,13 +83,12 @@ class TrackingCore:
         self.action_space: spaces.Box = spaces.Box(-1.0, 1.0, shape=(robot.n_joints,), dtype=np.float32)
         self.decision_dt = robot.servo.control_dt
         self.columns = MotionColumns(n_joints=robot.n_joints, has_tcp=robot.tool is not None)
-        # samples of the reference ahead, and instants of physics steps within a control step
-        self._width = max(layout.preview + 1, 2)
+        # instants of physics steps within a control step
         self._error_scale = Scales.of(robot).error
         self._fractions = np.arange(self.plant.n_substeps) / self.plant.n_substeps
         self.base = find_base(settings.base, robot)
         """Law whose torque is added beside the action; None for none."""
-        self._bank = MotionBank(n, self.columns, self._width, self.plant, self.base)
+        self._bank = MotionBank(n, self.columns, max(layout.preview + 1, WINDOW), self.plant, self.base, layout)
         if self.columns.has_tcp:
             self._sites = self.plant.batch.bind("site_xpos")
             self._tcp_site = self.plant.model.site("tcp").id
@@ -118,7 +117,6 @@ class TrackingCore:
         """True in a motion that is not rewarded, shape (B,)."""
         self.tcp_offset = np.zeros((n, 3))
         """TCP - reference at the start of the episode [m], shape (B, 3)."""
-        self._centre, self._normal = np.zeros((n, 3)), np.zeros((n, 3))
         self._rewards: list[Reward] = [find_reward(self.settings.reward, self.robot)] * n
         self._one_reward = True
         self._scores = self._rewards[0].uses_mean_square
@@ -179,8 +177,6 @@ class TrackingCore:
             self._last_step[i] = min(motion.n_steps, self._left[i])
             self._left[i] -= self._last_step[i]
             self._practice[i] = motion.is_practice
-            if self.columns.has_tcp:
-                self._centre[i], self._normal[i] = motion.plane
         self._labels = np.array([str(motion.label) if motion else "" for motion in self.motions])
 
     def _look_first(self, ids: IntArray) -> None:
@@ -331,7 +327,7 @@ class TrackingCore:
         if ids is not None:
             rows, last, action = rows[ids], last[ids], action[ids]
         # feed-forward plus added torque at both ends of the step
-        torque = rows[:, :2, at.feedforward].copy() if self.base is None else self.feedforward(rows[:, :2])
+        torque = rows[:, :, at.feedforward].copy() if self.base is None else self.feedforward(rows)
         torque[:, 0] += last * self.action_torque
         torque[:, 1] += action * self.action_torque
         # set-points, kept or interpolated
@@ -339,7 +335,7 @@ class TrackingCore:
         if controls is None:
             controls = np.empty((len(rows), self.plant.n_substeps, self.plant.model.nu))
             position, velocity, _ = self.plant.split_controls(controls[:, None])
-            samples = rows[:, :2, at.position], rows[:, :2, at.velocity]
+            samples = rows[:, :, at.position], rows[:, :, at.velocity]
             interpolate_motion(*samples, self.robot.servo.control_dt, self._fractions, (position, velocity))
         interpolate_torque(torque, self._fractions, self.plant.split_controls(controls[:, None])[2])
         return controls
@@ -357,14 +353,14 @@ class TrackingCore:
         """Read the state after a step or a reset; sensors are sampled where it is `fresh`, None is everywhere."""
         # error of the servos
         at = self.columns
-        self._window = self._bank.window(self.step_index, self._width)
+        self._window = self._bank.window(self.step_index, WINDOW)
         now = self._window[:, 0]
         n, state = self.robot.n_joints, self.plant.servo_state()
         both = now[:, : 2 * n] - state[:, : 2 * n]
         error, error_rate = both[:, :n], both[:, n:]
         # true signals, for rewards and info
         tcp = self._sites[:, self._tcp_site].copy() if at.has_tcp else None
-        away = None if tcp is None else path_error(tcp - self.tcp_offset, now, at, self._centre, self._normal)
+        away = None if tcp is None else path_error(tcp - self.tcp_offset, now, at)
         before, after = self._score(error, away, fresh) if self._scores else (None, None)
         self.signals = RewardSignals(
             error=error,
@@ -405,18 +401,15 @@ class TrackingCore:
 
     def _observe(self) -> Array:
         """Encode observations, shape (B, D)."""
-        window = self._window[:, : self.observation_layout.preview + 1, self.columns.reference]
-        drive, at = self.robot.drive, self.columns
-        if drive.coupling is not None:  # laws divide by the own gear ratio only
-            window = window.copy()
-            window[..., at.position] = drive.joint_angle(window[..., at.position]) * drive.gear_ratio
+        layout = self.observation_layout
+        samples = self._bank.samples(self.step_index, layout.preview + 1)
         if not self.settings.features:
-            return self.observation_layout.encode(*self._seen, self.action, window)
+            return layout.encode(*self._seen, self.action, samples)
         # errors that the base asks for itself say nothing of the machine
-        n, asked = self.robot.n_joints, self._window[:, 0, at.base_error]
+        n, at = self.robot.n_joints, self.columns
+        asked, base = self._window[:, 0, at.base_error], self._window[:, 1, at.base]
         error, error_rate = self._seen[0] - asked[:, :n], self._seen[1] - asked[:, n:]
-        base = self._window[:, 1, at.base]
-        return self.observation_layout.encode(error, error_rate, self.action, window, base)
+        return layout.encode(error, error_rate, self.action, samples, base)
 
     def _reward(self, stopped: BoolArray) -> Array:
         """Compute the reward of the last step, shape (B,)."""

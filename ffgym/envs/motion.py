@@ -54,8 +54,10 @@ class MotionColumns:
     """Errors that the base law asks for, position [rad] and speed [rad/s]."""
     tcp: slice = field(init=False)
     """TCP of a rigid arm on the reference [m]; no columns for a robot without tool."""
-    tangent: slice = field(init=False)
-    """Direction of its motion, zero at rest."""
+    anchor: slice = field(init=False)
+    """Point from which deviations of the TCP count [m]: the centre of a circle, elsewhere the TCP on the reference."""
+    axis: slice = field(init=False)
+    """Direction in which they do not count: normal of a circle's plane, elsewhere that of motion, zero at rest."""
     bend: slice = field(init=False)
     """Curvature of its path [1/m], towards the centre; zero where deviations count in a circle's plane."""
 
@@ -76,8 +78,9 @@ class MotionColumns:
             "base": slice(one + 4, one + 4 + n),
             "base_error": slice(one + 4 + n, tcp),
             "tcp": slice(tcp, tcp + wide),
-            "tangent": slice(tcp + wide, tcp + 2 * wide),
-            "bend": slice(tcp + 2 * wide, tcp + 3 * wide),
+            "anchor": slice(tcp + wide, tcp + 2 * wide),
+            "axis": slice(tcp + 2 * wide, tcp + 3 * wide),
+            "bend": slice(tcp + 3 * wide, tcp + 4 * wide),
         }.items():
             object.__setattr__(self, name, value)
 
@@ -177,10 +180,12 @@ class EpisodeMotion:
             if isinstance(base, CausalLaw):
                 rows[:, at.base_error] = np.hstack(base.own_errors(reference))
         if at.has_tcp:
-            rows[:, at.tcp] = self.arm.tcp_position(reference.q)
-            rows[:, at.tangent] = _directions(rows[:, at.tcp])
+            rows[:, at.tcp] = tcp = self.arm.tcp_position(reference.q)
+            (centre, normal), on_circle = self.plane, rows[:, at.radius, None] > 0
+            rows[:, at.anchor] = np.where(on_circle, centre, tcp)
+            rows[:, at.axis] = np.where(on_circle, normal, _directions(tcp))
             if self.in_space:
-                rows[:, at.bend] = _bends(rows[:, at.tcp], reference.robot.servo.control_dt)
+                rows[:, at.bend] = _bends(tcp, reference.robot.servo.control_dt)
         return np.pad(rows, ((0, padding), (0, 0)), mode="edge")
 
     def _write_phases(self, rows: Array) -> None:

@@ -24,10 +24,7 @@ def test_path_errors_of_a_batch_are_those_of_its_rows():
     rng, columns = np.random.default_rng(0), MotionColumns(n_joints=6, has_tcp=True)
     rows, tcp = of_any_size(rng, 300, columns.width), of_any_size(rng, 300, 3)
     rows[::2, columns.radius] = 0.0
-    centre, normal = of_any_size(rng, 300, 3), of_any_size(rng, 300, 3)
-    alone = np.concatenate(
-        [path_error(tcp[i : i + 1], rows[i : i + 1], columns, centre[i : i + 1], normal[i : i + 1]) for i in range(300)]
-    )
+    alone = np.concatenate([path_error(tcp[i : i + 1], rows[i : i + 1], columns) for i in range(300)])
     for size in (2, 3, 7, 8, 16, 64, 65, 255, 300):
         s = slice(0, size)
-        np.testing.assert_array_equal(path_error(tcp[s], rows[s], columns, centre[s], normal[s]), alone[s])
+        np.testing.assert_array_equal(path_error(tcp[s], rows[s], columns), alone[s])

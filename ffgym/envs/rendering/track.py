@@ -121,8 +121,8 @@ class ToolTrack(Track):
             flat = arm - (arm @ self._normal) * self._normal
             share = row[at.radius] / max(float(np.linalg.norm(flat)), 1e-12)
             return np.concatenate([self._centre + flat * share, flat * (1 - share)])
-        behind = (tcp - row[at.tcp]) @ row[at.tangent]
-        nearest = row[at.tcp] + behind * row[at.tangent] + 0.5 * behind**2 * row[at.bend]
+        behind = (tcp - row[at.anchor]) @ row[at.axis]
+        nearest = row[at.anchor] + behind * row[at.axis] + 0.5 * behind**2 * row[at.bend]
         return np.concatenate([nearest, tcp - nearest])
 
     def close_up(self) -> mujoco.MjvFigure:
