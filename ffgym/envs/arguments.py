@@ -18,7 +18,7 @@ def check_actions(actions: Any, shape: tuple[int, int], going: BoolArray | None)
         if values.shape == shape:
             if going is not None:
                 values = np.where(going[:, None], values, 0.0)
-            if np.isfinite(values).all():
+            if np.count_nonzero(np.isfinite(values)) == values.size:
                 return values
             actions = values
     return check_shape("actions", actions, shape)

@@ -136,12 +136,15 @@ def path_error(tcp: Array, rows: Array, columns: MotionColumns) -> Array:
 
     The `tcp` (B, 3) is without its offset at standstill [m], `rows` (B, W) are those of the motions now.
     """
-    arm, axis = tcp - rows[:, columns.anchor], rows[:, columns.axis]
-    along = _dot(arm, axis)[:, None]
-    left = arm - along * axis - 0.5 * along**2 * rows[:, columns.bend]
+    # components first, so that each operation runs along the batch
+    anchor, axis, bend = np.ascontiguousarray(rows[:, columns.geometry].T).reshape(3, 3, -1)
+    arm = tcp.T - anchor
+    along = _dot(arm, axis)
+    left = arm - along * axis - 0.5 * along**2 * bend
     return np.abs(np.sqrt(_dot(left, left)) - rows[:, columns.radius])  # the radius is 0 but on circles
 
 
 def _dot(a: Array, b: Array) -> Array:
-    product: Array = (a * b).sum(axis=1)
+    """Scalar products of vectors (3, B), shape (B,)."""
+    product: Array = (a * b).sum(axis=0)
     return product

@@ -19,7 +19,7 @@ from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.envs.bank import MotionBank, path_error
 from ffgym.envs.bases import find_base
 from ffgym.envs.motion import EpisodeMotion, MotionColumns
-from ffgym.envs.rewards import Reward, RewardSignals, find_reward
+from ffgym.envs.rewards import Reward, RewardSignals, find_reward, mean_square
 from ffgym.envs.settings import EnvSettings
 from ffgym.envs.start import Starts
 from ffgym.envs.tasks import MotorSensors, Observer, Tasks, Transition, copy_changing, restore_changing
@@ -224,7 +224,7 @@ class TrackingCore:
         own = dict(saved[0])
         self.plant.restore(own.pop("plant"))
         restore_changing(self.starts, own.pop("starts"))
-        restore_changing(self._sensors, own.pop("sensors"))
+        self._sensors.restore(own.pop("sensors"))
         for i, motion in enumerate(own.pop("motions")):
             if motion is not None:
                 self._bank.assign(i, motion)
@@ -286,17 +286,19 @@ class TrackingCore:
             self.step_index = self.step_index + active
         # ends and reward
         self._look(active)
-        terminated: BoolArray = np.abs(self.signals.error).max(axis=1) > self.settings.error_limit
+        beyond = np.abs(self.signals.error) > self.settings.error_limit
+        terminated: BoolArray = beyond.any(axis=1) if np.count_nonzero(beyond) else np.zeros(self.n, dtype=np.bool_)
         truncated: BoolArray = self.step_index >= self._last_step
         reward = self._reward(terminated)
-        if self._practice.any():  # which costs nothing but a stop
+        if np.count_nonzero(self._practice):  # which costs nothing but a stop
             reward = np.where(self._practice & ~terminated, 0.0, reward)
         if active is not None:
             terminated, truncated, reward = terminated & active, truncated & active, np.where(active, reward, 0.0)
         # motions that have ended, and episodes but for those that go on with another motion
         done = terminated | truncated
-        goes_on = self._find_unfinished(truncated, terminated)
-        if done.any():
+        any_done = np.count_nonzero(done) > 0
+        goes_on = self._find_unfinished(truncated, terminated) if any_done else done
+        if any_done:
             self._running = self._running & ~(done & ~goes_on)
             if self.settings.recorder is not None:
                 self.settings.recorder.end(self, np.flatnonzero(done))
@@ -304,7 +306,7 @@ class TrackingCore:
         for observer in self.observers:
             observer.follow(np.arange(self.n) if active is None else np.flatnonzero(active))
         self._in_step = True
-        if goes_on.any():
+        if np.count_nonzero(goes_on):
             self._go_on(np.flatnonzero(goes_on))
             truncated = truncated & ~goes_on
         return Transition(observation=self._observe(), reward=reward, terminated=terminated, truncated=truncated)
@@ -355,9 +357,8 @@ class TrackingCore:
         at = self.columns
         self._window = self._bank.window(self.step_index, WINDOW)
         now = self._window[:, 0]
-        n, state = self.robot.n_joints, self.plant.servo_state()
-        both = now[:, : 2 * n] - state[:, : 2 * n]
-        error, error_rate = both[:, :n], both[:, n:]
+        angle, speed, integral = self.plant.servo_state()
+        error, error_rate = now[:, at.position] - angle, now[:, at.velocity] - speed
         # true signals, for rewards and info
         tcp = self._sites[:, self._tcp_site].copy() if at.has_tcp else None
         away = None if tcp is None else path_error(tcp - self.tcp_offset, now, at)
@@ -365,7 +366,7 @@ class TrackingCore:
         self.signals = RewardSignals(
             error=error,
             error_rate=error_rate,
-            feedback=servo_torque(self.robot.servo, error, error_rate, state[:, 2 * n :]),
+            feedback=servo_torque(self.robot.servo, error, error_rate, integral),
             action=self.action,
             tcp=tcp,
             path_error=away,
@@ -376,7 +377,7 @@ class TrackingCore:
         if self._sensors.exact:
             self._seen = (error, error_rate)
             return
-        angle, speed = self._sensors.read(state[:, :n], state[:, n : 2 * n], fresh, self.step_index == 0)
+        angle, speed = self._sensors.read(angle, speed, fresh, self.step_index == 0)
         self._seen = (now[:, at.position] - angle, now[:, at.velocity] - speed)
 
     def _score(self, error: Array, away: Array | None, fresh: BoolArray | None) -> tuple[Array, Array]:
@@ -388,8 +389,7 @@ class TrackingCore:
             fresh: where there is a new sample, shape (B,); None is everywhere.
         """
         now, at = self._window[:, 0], self.columns
-        per_motor = error / self._error_scale if away is None else away[:, None]
-        square = np.square(per_motor).sum(axis=1) / per_motor.shape[1]
+        square = np.square(away) if away is not None else mean_square(error / self._error_scale)
         # a circle begins with the first sample of another number, and an episode with its first sample
         circle, share = now[:, at.circle], now[:, at.share]
         begins = (circle != self._circle) | (self.step_index == 0)
@@ -426,8 +426,8 @@ class TrackingCore:
             "time": self.time,
             "u_c": signals.feedback.u_fb.copy(),
             "u_i": signals.feedback.u_i.copy(),
-            "u_p": signals.feedback.u_p.copy(),
-            "phase": _PHASES[now[:, at.phase].astype(np.int64)],
+            "u_p": signals.feedback.u_p,  # computed when it is asked for
+            "phase": _PHASES.take(now[:, at.phase].astype(np.int64)),
             "circle": now[:, at.circle].astype(np.int64),
             "task": self._labels.copy(),
             "clipped": self.clipped.copy(),

@@ -84,6 +84,11 @@ class MotionColumns:
         }.items():
             object.__setattr__(self, name, value)
 
+    @cached_property
+    def geometry(self) -> slice:
+        """Anchor, axis and bend."""
+        return slice(self.anchor.start, self.bend.stop)
+
     @property
     def width(self) -> int:
         """Number of columns."""

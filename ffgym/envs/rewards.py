@@ -72,8 +72,8 @@ class Reward(ABC):
             what = f"has shape {cost.shape}" if cost.shape != stopped.shape else f"is {cost}"
             raise FFGymError(f"The cost of {type(self).__name__} {what}, must be {stopped.shape} finite numbers.")
         if self.effort_weight:
-            cost = cost + self.effort_weight * _mean_square(signals.action)
-        if stopped.any():
+            cost = cost + self.effort_weight * mean_square(signals.action)
+        if np.count_nonzero(stopped):
             cost = np.where(stopped, cost + self.stop_price(cost), cost)
         return -cost
 
@@ -94,7 +94,7 @@ class MotorError(Reward):
 
     def cost(self, signals: RewardSignals, robot: RobotDescription) -> Array:
         """Compute the root mean square of scaled motor errors."""
-        return np.sqrt(_mean_square(signals.error * (robot.servo.position_gain / robot.friction.static)))
+        return np.sqrt(mean_square(signals.error * (robot.servo.position_gain / robot.friction.static)))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -207,7 +207,7 @@ class FeedbackEffort(Reward):
 
     def cost(self, signals: RewardSignals, robot: RobotDescription) -> Array:
         """Compute the root mean square of scaled u_p."""
-        return np.sqrt(_mean_square(signals.feedback.u_p / robot.friction.static))
+        return np.sqrt(mean_square(signals.feedback.u_p / robot.friction.static))
 
 
 REWARDS: dict[str, type[Reward]] = {
@@ -227,7 +227,7 @@ def find_reward(reward: str | Reward, robot: RobotDescription | None = None) -> 
     return reward
 
 
-def _mean_square(values: Array) -> Array:
+def mean_square(values: Array) -> Array:
     """Compute the mean square over the joints; a row's sum does not depend on the number of rows (tested)."""
     mean: Array = np.square(values).sum(axis=-1) / values.shape[-1]
     return mean

@@ -174,21 +174,34 @@ class MotorSensors:
     def __init__(self, n: int, n_joints: int, dt: float) -> None:
         self._dt = dt
         self._step, self._noise = np.zeros((n, 1)), np.zeros((n, 1))
-        self._exact = np.ones((n, 1), dtype=np.bool_)
         self._angle, self._speed = np.zeros((n, n_joints)), np.zeros((n, n_joints))
         self._rngs: list[np.random.Generator | None] = [None] * n
-        self.exact = True
-        """True if all of them measure the true angle and speed."""
+        self._sort()
 
     def set(self, i: int, sensing: Sensing, rng: np.random.Generator) -> None:
         """Choose the sensors of one sub-environment, and the randomness of their noise."""
         self._rngs[i] = rng
-        self._step[i], self._noise[i], self._exact[i] = sensing.step, sensing.noise, sensing.is_exact
+        self._step[i], self._noise[i] = sensing.step, sensing.noise
+        self._sort()
+
+    def _sort(self) -> None:
+        """Sort sub-environments by what their sensors do, once for all steps."""
+        rounds, noisy = self._step > 0, self._noise > 0
+        self._rounds, self._exact, self._noisy = rounds, ~(rounds | noisy), np.flatnonzero(noisy)
+        # where angles are not rounded, they are divided by a step of 1
+        self._divisor = np.where(rounds, self._step, 1.0)
+        self._all_round, self._some_exact = bool(rounds.all()), bool(self._exact.any())
         self.exact = bool(self._exact.all())
+        """True if all of them measure the true angle and speed."""
 
     def save(self) -> dict[str, Any]:
         """Copy sensors and what they measured last."""
-        return copy_changing(self, ("_step", "_noise", "_exact", "_angle", "_speed", "_rngs", "exact"))
+        return copy_changing(self, ("_step", "_noise", "_angle", "_speed", "_rngs"))
+
+    def restore(self, saved: Mapping[str, Any]) -> None:
+        """Go back to what `save` copied."""
+        restore_changing(self, saved)
+        self._sort()
 
     def read(self, angle: Array, speed: Array, fresh: BoolArray | None, first: BoolArray) -> tuple[Array, Array]:
         """Measure angle [rad] and speed [rad/s], shape (B, N).
@@ -198,18 +211,25 @@ class MotorSensors:
         """
         if self.exact:
             return angle, speed
-        fresh = np.ones(len(angle), dtype=np.bool_) if fresh is None else fresh
-        measured = angle.copy()
-        for i in np.flatnonzero(fresh & (self._noise[:, 0] > 0)).tolist():
-            rng = self._rngs[i]
-            assert rng is not None  # noise comes with its generator
-            measured[i] += self._noise[i] * rng.standard_normal(measured.shape[1])
-        coarse = self._step[:, 0] > 0
-        measured[coarse] = np.round(measured[coarse] / self._step[coarse]) * self._step[coarse]
-        rate = np.where(first[:, None], speed, (measured - self._angle) / self._dt)
-        self._angle = np.where(fresh[:, None], measured, self._angle)
-        self._speed = np.where(fresh[:, None], rate, self._speed)
-        return np.where(self._exact, angle, self._angle), np.where(self._exact, speed, self._speed)
+        measured = angle
+        if self._noisy.size:
+            measured = angle.copy()
+            for i in self._noisy if fresh is None else self._noisy[fresh[self._noisy]]:
+                rng = self._rngs[i]
+                assert rng is not None  # noise comes with its generator
+                measured[i] += self._noise[i] * rng.standard_normal(measured.shape[1])
+        rounded = np.rint(measured / self._divisor) * self._divisor
+        measured = rounded if self._all_round else np.where(self._rounds, rounded, measured)
+        rate = (measured - self._angle) / self._dt
+        if np.count_nonzero(first):
+            rate = np.where(first[:, None], speed, rate)
+        if fresh is not None:
+            measured = np.where(fresh[:, None], measured, self._angle)
+            rate = np.where(fresh[:, None], rate, self._speed)
+        self._angle, self._speed = measured, rate
+        if self._some_exact:
+            return np.where(self._exact, angle, measured), np.where(self._exact, speed, rate)
+        return measured, rate
 
 
 def masks_for(info: dict[str, Any], n: int) -> dict[str, BoolArray]:

@@ -146,7 +146,7 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
             FFGymError: if an action has the wrong shape or is not finite, or no episode is running, before anything
                 has moved.
         """
-        going = ~self._ended if self._ended.any() else None
+        going = ~self._ended if np.count_nonzero(self._ended) else None
         actions = self._check_actions(actions, going)
         if going is None or going.any():
             result = self._stage.step(actions, going)
@@ -166,7 +166,7 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
         # episodes that end in this step
         info = self._info()
         done = result.terminated | result.truncated
-        if done.any():
+        if np.count_nonzero(done):
             info |= score(done, self._return, self._length)
             self._ended, self._flags = self._ended | done, (terminated.copy(), truncated.copy())
             if self.autoreset_mode is AutoresetMode.SAME_STEP:
@@ -220,7 +220,7 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
         if self.closed:
             raise FFGymError("This environment is closed; make another one.")
         idle = ~self.core.running if going is None else going & ~self.core.running
-        if idle.any():
+        if np.count_nonzero(idle):
             raise FFGymError(f"Sub-environments {np.flatnonzero(idle).tolist()} have no episode running; call reset.")
         if self.autoreset_mode is AutoresetMode.DISABLED and going is not None and not going.any():
             raise FFGymError("No episode is running, all have ended; call reset.")

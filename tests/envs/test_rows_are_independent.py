@@ -5,7 +5,7 @@ import pytest
 
 from ffgym.envs.bank import path_error
 from ffgym.envs.motion import MotionColumns
-from ffgym.envs.rewards import _mean_square
+from ffgym.envs.rewards import mean_square
 
 
 def of_any_size(rng, *shape):
@@ -15,9 +15,9 @@ def of_any_size(rng, *shape):
 @pytest.mark.parametrize("joints", [1, 2, 3, 6, 7, 9, 12])
 def test_mean_squares_of_a_batch_are_those_of_its_rows(joints):
     values = of_any_size(np.random.default_rng(joints), 300, joints)
-    alone = np.concatenate([_mean_square(values[i : i + 1]) for i in range(300)])
+    alone = np.concatenate([mean_square(values[i : i + 1]) for i in range(300)])
     for size in (2, 3, 7, 8, 16, 64, 65, 255, 300):
-        np.testing.assert_array_equal(_mean_square(values[:size]), alone[:size])
+        np.testing.assert_array_equal(mean_square(values[:size]), alone[:size])
 
 
 def test_path_errors_of_a_batch_are_those_of_its_rows():

@@ -145,21 +145,24 @@ class PlantState:
 def servo_reader(engine: batch.Batch, at: Addresses, drive: Drive) -> Callable[[], Array]:
     """Function that reads what servos know, in one go, as it is called at every control step.
 
-    It returns true motor position [rad], speed [rad/s] and integral [rad s], motor side, shape (B, 3 N), a copy.
+    It returns true motor position [rad], speed [rad/s] and integral [rad s], motor side, shape (3, B, N), a copy.
     """
     views = {name: engine.bind(name) for name in ("qpos", "qvel", "act")}
     base = engine.state.ctypes.data
     starts = {name: (view.ctypes.data - base) // view.itemsize for name, view in views.items() if view.size}
     integral = np.where(at.has_integral, starts.get("act", 0) + at.integral, 0)
-    columns = np.concatenate([starts["qpos"] + at.motor_qpos, starts["qvel"] + at.motor_qpos, integral])
-    both, n = drive.gear_ratio if drive.coupling is None else np.ones_like(drive.gear_ratio), len(drive.gear_ratio)
-    scale = np.concatenate([both, both, at.has_integral])
+    columns = np.stack([starts["qpos"] + at.motor_qpos, starts["qvel"] + at.motor_qpos, integral])
+    both = drive.gear_ratio if drive.coupling is None else np.ones_like(drive.gear_ratio)
+    # places in the state of all simulations, and a factor for each
+    n_robots, length = engine.state.shape
+    places = columns[:, None] + length * np.arange(n_robots)[:, None]
+    scale = np.repeat(np.stack([both, both, at.has_integral])[:, None], n_robots, axis=1)
+    everything = engine.state.reshape(-1)
 
     def read() -> Array:
-        state: Array = engine.state.take(columns, axis=1) * scale
+        state: Array = everything.take(places) * scale
         if drive.coupling is not None:
-            for part in (slice(0, n), slice(n, 2 * n)):
-                state[:, part] = drive.motor_angle(state[:, part])
+            state[:2] = drive.motor_angle(state[:2])
         return state
 
     return read

@@ -206,15 +206,15 @@ class Plant:
         return self.unpack(self._qpos, self._qvel, self._act)
 
     def servo_state(self) -> Array:
-        """Return motor position [rad], speed [rad/s] and integral [rad s] of the servos, motor side, (B, 3 N), a copy.
+        """Return motor position [rad], speed [rad/s] and integral [rad s] of the servos, motor side, (3, B, N), a copy.
 
         Position and speed are those that the resolver reads, if the machine has a resolver with an error.
         """
-        state, n = self._read_servo(), self.robot.n_joints
+        state = self._read_servo()
         if self._forces is not None:
-            error = self._forces.resolver_error(state[:, :n], state[:, n : 2 * n])
-            state[:, :n] += error.angle
-            state[:, n : 2 * n] += error.speed
+            error = self._forces.resolver_error(state[0], state[1])
+            state[0] += error.angle
+            state[1] += error.speed
         return state
 
     def unpack(self, qpos: Array, qvel: Array, act: Array) -> PlantState:
@@ -279,7 +279,7 @@ class Plant:
                 out: dict[str, Array] = self.batch.rollout(steps, control=controls, record=record, ids=ids)
             else:
                 out = self._forces.rollout(self.batch, controls, record, ids)
-        if self._warnings.any():
+        if np.count_nonzero(self._warnings):
             warned, self._warned = self._warnings > self._warned, self._warnings.copy()
             failed = np.flatnonzero(warned[:, _BAD].any(axis=1))
             if failed.size:

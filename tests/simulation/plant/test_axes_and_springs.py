@@ -172,7 +172,7 @@ def test_servos_see_motor_angles_and_speeds(coupled):
     plant.rest(np.stack([coupled.work_area.home, coupled.work_area.home + 0.1]))
     plant.batch.bind("qvel")[:] = np.random.default_rng(0).normal(size=(2, plant.model.nv))
     state = plant.state()
-    seen = np.concatenate([state.motor_position, state.motor_velocity, state.integral], axis=1)
+    seen = np.stack([state.motor_position, state.motor_velocity, state.integral])
     np.testing.assert_allclose(plant.servo_state(), seen, rtol=1e-12)
 
 

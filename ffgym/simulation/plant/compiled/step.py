@@ -95,10 +95,11 @@ class CompiledStep:
         """Roll out controls (B', S, 3 N); `reading` (B', S, 2 N) takes what servos know after each step."""
         engine = self._engine
         rows = self._everyone if ids is None else np.ascontiguousarray(ids, dtype=np.int64)
-        self._steps[rows], self._position[rows] = 0, self._everyone[: len(rows)]
+        chosen = slice(None) if ids is None else rows
+        self._steps[chosen], self._position[chosen] = 0, self._everyone[: len(rows)]
         self._context[CONTEXT.index("reading")] = 0 if reading is None else address(reading)
         self._context[CONTEXT.index("length")] = controls.shape[1]
-        with self._marks.set(slice(None) if ids is None else ids):
+        with self._marks.set(chosen):
             out: dict[str, Array] = engine.rollout(controls.shape[1], control=controls, record=record, ids=ids)
         if self._layout.reads:
             self._code.finish(self._context.ctypes.data, rows.ctypes.data, *self._states, len(rows), self._stride)
