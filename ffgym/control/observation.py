@@ -127,8 +127,8 @@ class ObservationLayout(Mapping[str, ObservationEntry]):
         """Encode samples of the reference, as they stand in observations: scaled and clipped, shape (T, K).
 
         Args:
-            reference: position [rad], velocity, acceleration, motor side, shape (T, 3 N). Observed is the joint position
-                times the own gear ratio, by which laws divide, without what coupled joints add.
+            reference: position [rad], velocity, acceleration, motor side, shape (T, 3 N). Observed is the position of
+                the joint times its own gear ratio, by which laws divide, without parts of coupled joints.
         """
         n = self.n_joints
         if self._drive.coupling is not None:
