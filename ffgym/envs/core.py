@@ -287,7 +287,9 @@ class TrackingCore:
         # ends and reward
         self._look(active)
         beyond = np.abs(self.signals.error) > self.settings.error_limit
-        terminated: BoolArray = beyond.any(axis=1) if np.count_nonzero(beyond) else np.zeros(self.n, dtype=np.bool_)
+        terminated: BoolArray = np.zeros(self.n, dtype=np.bool_)
+        if np.count_nonzero(beyond):
+            terminated = beyond.any(axis=1)
         truncated: BoolArray = self.step_index >= self._last_step
         reward = self._reward(terminated)
         if np.count_nonzero(self._practice):  # which costs nothing but a stop
