@@ -289,7 +289,7 @@ class TrackingCore:
         beyond = np.abs(self.signals.error) > self.settings.error_limit
         terminated: BoolArray = np.zeros(self.n, dtype=np.bool_)
         if np.count_nonzero(beyond):
-            terminated = beyond.any(axis=1)
+            terminated = np.logical_or.reduce(beyond, axis=1)
         truncated: BoolArray = self.step_index >= self._last_step
         reward = self._reward(terminated)
         if np.count_nonzero(self._practice):  # which costs nothing but a stop
