@@ -22,6 +22,7 @@ from scripts.bench.cases import (
     import_time,
     measure,
     memory_of,
+    python_of_a_step,
     training_ratios,
 )
 from scripts.bench.turns import Ratio, take_turns
@@ -81,6 +82,11 @@ def test_workcells_and_real_drives_are_measured_against_the_nominal_robot_and_ag
     assert [ratio.wanted for ratio in ratios] == [*[0.6] * 3, *[None] * 3, 0.6, None, 10.0]
     assert "one / real time" in ratios[-1].title
     assert all(0.1 < ratio.quartiles()[1] < 100 for ratio in ratios)
+
+
+def test_the_engine_is_left_out_of_the_python_of_a_step():
+    whole = 64e6 / Stepped(CIRCLES, 64, n_threads=1).rate()  # most of it is the engine
+    assert 10 < python_of_a_step(64, steps=20, threads=1).value < 0.5 * whole
 
 
 def test_the_bare_engine_steps_as_often_as_the_environment():
