@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from ffgym.agents.entrants import ENTRANTS, REGISTRY
+from ffgym.agents.residual.gains import SERVO_GAINS_DRIVES
 from ffgym.core.executors import Executor
 from ffgym.leaderboard.board import Board
 from ffgym.leaderboard.comparison.samples import DRAWS, GROUPS
@@ -23,7 +24,8 @@ N_DRAWS = 20
 def rows():
     """Committed rows in the order of the entrants."""
     board = Board(registry=REGISTRY, folder=DOCS / "results")
-    assert {name for name, entrant in ENTRANTS.items() if not entrant.slow} <= set(board.rows) <= set(ENTRANTS)
+    due = {name for name, entrant in ENTRANTS.items() if not entrant.slow and name != SERVO_GAINS_DRIVES}
+    assert due <= set(board.rows) <= set(ENTRANTS)  # gains for machines with drives may run on such machines alone
     return {name: board.rows[name] for name in ENTRANTS if name in board.rows}
 
 
