@@ -13,6 +13,8 @@ from ffgym.agents.amortised.estimator import Estimator, adapt
 from ffgym.agents.artefacts import ANYWHERE, TRAINED, locate_artefact, read_manifest
 from ffgym.agents.bspline import ExtendedBSN
 from ffgym.agents.elastic import elastic_law
+from ffgym.agents.iterative import TRIALS
+from ffgym.agents.iterative_basis import learn_basis_weights
 from ffgym.agents.lffc import thesis_training
 from ffgym.agents.lugre import dynamic_lugre
 from ffgym.agents.residual_torque import learn_residual_torque
@@ -54,6 +56,14 @@ def _learn_residual(setting: AdaptationSetting) -> FeedForwardLaw:
     """Fit the residual torque model."""
     references, trials = practice_for(setting)
     return learn_residual_torque(setting.trial, references, min(trials, GP_TRIALS)).law
+
+
+def _learn_basis(setting: AdaptationSetting) -> FeedForwardLaw:
+    """Learn weights of basis functions by iterative learning."""
+    references, trials = practice_for(setting)
+    return learn_basis_weights(
+        setting.arm, elastic_law(setting.arm), references, setting.trial, trials=min(trials, TRIALS)
+    )
 
 
 def _adapt_amortised(name: str, setting: AdaptationSetting) -> FeedForwardLaw:
@@ -123,6 +133,13 @@ ADAPTERS: tuple[Adapter, ...] = (
         about="A line and a Gaussian process per motor, fitted to the torque that was missing.",
         adapt=_learn_residual,
         laps=LAPS,
+    ),
+    Adapter(
+        name="ilc_basis",
+        title="iterative learning in basis functions",
+        about="Weights of torques of the nominal model, on elastic feed-forward, learned from the errors of the tool.",
+        adapt=_learn_basis,
+        laps=LAPS[:-1],
     ),
     _declare_amortised(
         "amortised_motors",
