@@ -22,6 +22,8 @@ NOMINAL = "nominal"
 """Plant that equals the nominal model of its controller."""
 THESIS_WORKCELL = WORKCELL + "thesis"
 """Workcell of the leaderboard."""
+DRAWN_WORKCELL = WORKCELL + "drives-"
+"""Prefix of the names of workcells that are drawn by a seed, with real drives and friction behind their springs."""
 DRAW = "draw:"
 """Prefix of the names of drawn plants."""
 _DRAW_NAME = re.compile(rf"{DRAW}(0|[1-9]\d{{0,8}})")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ffgym.core.errors import FFGymError
-from ffgym.leaderboard.comparison.samples import GROUPS, SELECTIONS
+from ffgym.leaderboard.comparison.samples import GROUPS, SELECTIONS, WORKCELLS
 from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL
 from ffgym.leaderboard.presentation.page import ToolTrace, render_page
 from ffgym.leaderboard.presentation.pictures import compute_traces, number, tool_pictures
@@ -38,7 +38,7 @@ def table_of(page):
 
 def test_the_page_has_every_table_and_every_card(board_page):
     tables = data_of(board_page)
-    assert set(tables) == {f"{group}|{selection}" for group in GROUPS for selection in SELECTIONS}
+    assert set(tables) == {f"{group}|{selection}" for group in GROUPS if group != WORKCELLS for selection in SELECTIONS}
     assert {name for name in SORTS if f'id="agent-{name}"' in board_page} == set(SORTS)
     widths = {len(table["columns"]) for table in tables.values()}
     assert all(len(line[4]) == len(table["columns"]) for table in tables.values() for line in table["lines"])
@@ -108,6 +108,13 @@ def test_without_javascript_the_workcells_held_out_circles_are_there(board_page)
     for line in first["lines"]:
         for text, *_ in line[4]:
             assert text in table.replace("&#39;", "'")
+
+
+def test_the_headline_is_of_drawn_workcells_where_they_were_run():
+    page = render(small(plants=("workcell:drives-1", "workcell:drives-2", THESIS_WORKCELL)))
+    headline = re.search(r'<div class="headline">(.*?)</header>', page, re.S)[1]
+    assert "On 2 drawn workcells, at positions without training" in headline
+    assert "with feedback, 2 drawn workcells, held-out positions" in headline or "feed-forward, 2 drawn" in headline
 
 
 def test_the_headline_says_who_is_best_and_by_how_much(board_page):

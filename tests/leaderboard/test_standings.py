@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ffgym.core.errors import FFGymError
-from ffgym.leaderboard.comparison.samples import DRAWS, SELECTIONS
+from ffgym.leaderboard.comparison.samples import DRAWS, SELECTIONS, WORKCELLS
 from ffgym.leaderboard.comparison.standings import standings
 from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL
 from ffgym.leaderboard.presentation.page import all_standings
@@ -289,6 +289,17 @@ def test_every_workcell_is_a_group_of_its_own():
     groups = list(dict.fromkeys(each.group for each in all_standings(rows)))
     assert groups == [THESIS_WORKCELL, NOMINAL, DRAWS, "workcell:3"]
     assert "workcell '3'" in format_standings(standings(rows, "workcell:3", "held_out"))
+
+
+def test_drawn_workcells_are_one_group_before_all_others():
+    plants = (NOMINAL, "workcell:drives-1", "workcell:drives-2")
+    rows = [fixed("none", 1.0, plants=plants, ranked=False), fixed("some", 0.5, plants=plants)]
+    every = all_standings(rows)
+    assert list(dict.fromkeys(each.group for each in every)) == [WORKCELLS, NOMINAL]
+    assert every[0].grid.plants == plants[1:]
+    assert "2 drawn workcells" in " ".join(format_standings(every[0]).split())
+    alone = [replace(each, outcomes=each.outcomes[:2]) for each in rows]
+    assert standings(alone, WORKCELLS, "held_out").line("some").unproven == "one drawn workcell"
 
 
 def test_a_row_that_met_other_physics_than_zero_action_is_left_out():

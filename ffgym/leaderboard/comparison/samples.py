@@ -9,14 +9,18 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.types import Array
-from ffgym.leaderboard.plants import DRAW, NOMINAL, THESIS_WORKCELL
+from ffgym.leaderboard.plants import DRAW, DRAWN_WORKCELL, NOMINAL, THESIS_WORKCELL
 from ffgym.leaderboard.results import CircleResult, Outcome, Row
 from ffgym.leaderboard.tasks import HELD_OUT, SPLITS, THESIS
 
 DRAWS = "draws"
 """Group of all drawn plants."""
-GROUPS = (THESIS_WORKCELL, NOMINAL, DRAWS)
+WORKCELLS = "workcells"
+"""Group of all workcells that are drawn by a seed."""
+GROUPS = (WORKCELLS, THESIS_WORKCELL, NOMINAL, DRAWS)
 """Plants of the leaderboard, the most important first. Every other workcell is a group of its own."""
+HEADLINED = GROUPS[:2]
+"""Groups whose first one that was run is the headline: machines with equations that no agent has."""
 SELECTIONS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {"held_out": HELD_OUT} | {split: (split,) for split in HELD_OUT} | {"thesis": THESIS, "train": SPLITS[:1]}
 )
@@ -63,8 +67,10 @@ class Sample:
 
 
 def group_of(plant: str) -> str:
-    """Return the group of a plant in standings: drawn plants are one group, any other is its own."""
-    return DRAWS if plant.startswith(DRAW) else plant
+    """Return the group of a plant in standings: drawn robots are one, drawn workcells another, others their own."""
+    if plant.startswith(DRAW):
+        return DRAWS
+    return WORKCELLS if plant.startswith(DRAWN_WORKCELL) else plant
 
 
 def groups_of(row: Row) -> list[str]:

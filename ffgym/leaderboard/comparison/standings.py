@@ -7,6 +7,7 @@ from ffgym.core.errors import FFGymError, check_choice
 from ffgym.leaderboard.comparison.samples import (
     DRAWS,
     SELECTIONS,
+    WORKCELLS,
     Grid,
     collect_grid,
     collect_sample,
@@ -174,7 +175,8 @@ def _unproven(scored: ScoredRow, grid: Grid) -> str | None:
     """Name the factor that did not vary, so that the effect of another seed or robot is unknown; None if both did."""
     if scored.row.seeded and len(scored.sample.seeds) == 1:
         return "one seed"
-    return "one drawn robot" if group_of(grid.plants[0]) == DRAWS and len(grid.plants) == 1 else None
+    one = {DRAWS: "one drawn robot", WORKCELLS: "one drawn workcell"}
+    return one.get(group_of(grid.plants[0])) if len(grid.plants) == 1 else None
 
 
 def _compare(

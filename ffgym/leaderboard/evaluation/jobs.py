@@ -9,7 +9,7 @@ import numpy as np
 from ffgym.core.provenance import versions
 from ffgym.leaderboard.entrants import ReadyAgent, Registry, find_entrant
 from ffgym.leaderboard.evaluation.closed_loop import inference_time, run_rollouts
-from ffgym.leaderboard.plants import DRAW, TestPlant, find_plant
+from ffgym.leaderboard.plants import DRAW, DRAWN_WORKCELL, TestPlant, find_plant
 from ffgym.leaderboard.results import CircleResult, Outcome, Trail
 from ffgym.leaderboard.tasks import Task, make_references, noise_seed
 from ffgym.recordings import Recording
@@ -115,7 +115,7 @@ def _outcome(
         for task, recording in pairs
         for cell in (score_circles(task, recording) if recording else lost_cells(task))
     ]
-    pictured = agent.seed == 0 and not plant.name.startswith(DRAW)
+    pictured = agent.seed == 0 and not plant.name.startswith((DRAW, DRAWN_WORKCELL))
     trails = [trail for task, recording in pairs if pictured and recording for trail in compute_trails(task, recording)]
     return Outcome(
         seed=agent.seed,

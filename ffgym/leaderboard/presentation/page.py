@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import Any, TypeAlias
 
-from ffgym.leaderboard.comparison.samples import GROUPS, SELECTIONS, collect_grid, groups_of
+from ffgym.leaderboard.comparison.samples import GROUPS, HEADLINED, SELECTIONS, collect_grid, groups_of
 from ffgym.leaderboard.comparison.standings import Standing, Standings, standings
 from ffgym.leaderboard.presentation.figures import count, digits, duration, length_with_change, share
 from ffgym.leaderboard.presentation.pictures import (
@@ -50,14 +50,14 @@ def render_page(
     every, paths = all_standings(rows), tracks or {}
     tables = [table_of(each) for each in every]
     first, script = every[0], resource("leaderboard.js")
-    on_workcell = [each for each in every if (each.group, each.selection) == (GROUPS[0], "positions")]
+    headlined = [each for each in every if each.group in HEADLINED and each.selection == "positions"]
     # data cannot end the script around it, whatever a row is called; the page's policy lets only `script` run
     data = json.dumps({table.key: table.plain() for table in tables}, separators=(",", ":"), allow_nan=False)
     data = data.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")
     script_hash = "sha256-" + base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
     return render(
         "leaderboard.html.j2",
-        headline=headline(on_workcell[0] if on_workcell else None),
+        headline=headline(headlined[0] if headlined else None),
         residuals=residual_sentence(first),
         table=tables[0],
         glance=glance(first),

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from math import fsum, isfinite
 
 from ffgym.envs.machines import is_workcell
-from ffgym.leaderboard.comparison.samples import DRAWS, CellKey
+from ffgym.leaderboard.comparison.samples import DRAWS, WORKCELLS, CellKey
 from ffgym.leaderboard.comparison.standings import SERVO_GAINS, AgainstBase, Standing, Standings
 from ffgym.leaderboard.plants import NOMINAL, find_plant
 from ffgym.leaderboard.results import FEED_FORWARD, WITH_FEEDBACK
@@ -107,12 +107,13 @@ PRACTISED = "per task"
 def group_title(group: str) -> str:
     """Return the title of a group of plants."""
     kind, _, name = group.partition(":")
-    return {NOMINAL: "nominal robot", DRAWS: "drawn robots"}.get(group, f"{kind} “{name}”")
+    titles = {NOMINAL: "nominal robot", DRAWS: "drawn robots", WORKCELLS: "drawn workcells"}
+    return titles.get(group, f"{kind} “{name}”")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Headline:
-    """Best agent on the workcell's held-out positions, with its gain at each speed, beside the best of the thesis."""
+    """Best agent on the held-out positions of workcells, with its gain at each speed, beside the best of the thesis."""
 
     sentences: tuple[str, ...]
     speeds: tuple[float, ...] = ()
@@ -122,10 +123,12 @@ class Headline:
 
 
 def headline(positions: Standings | None) -> Headline:
-    """Write the headline from standings on the workcell's held-out positions; None if they were not run."""
+    """Write the headline from standings on held-out positions of workcells; None if they were not run."""
     if positions is None:
         return Headline(sentences=("The workcell's held-out positions have not been run yet.",))
     speeds = positions.grid.speeds_mm_s
+    cells = "the workcell" if len(positions.grid.plants) == 1 else f"{len(positions.grid.plants)} drawn workcells"
+    place = cells.removeprefix("the ")
     before = [line for line in positions.ranked if line.row.track != PRACTISED]
     after = [line for line in positions.ranked if line.row.track == PRACTISED]
     sentences, lines = [], []
@@ -136,15 +139,15 @@ def headline(positions: Standings | None) -> Headline:
         shared = f", which shares its rank with {_join_words(ties)}," if ties else ""
         changes = [f"{each} at {speed:g} mm/s" for each, speed in zip(_changes(best), speeds, strict=True)]
         sentences.append(
-            f"On the workcell, at positions without training, {best.row.title}{shared} leaves the least error of "
+            f"On {cells}, at positions without training, {best.row.title}{shared} leaves the least error of "
             f"all agents that have not practised the very motion: {_join_words(changes)} than without compensation."
         )
         for control in (FEED_FORWARD, WITH_FEEDBACK):
             first = next((line for line in before if line.row.control == control), None)
             if first is not None:
-                lines.append((first.row.title, f"{control}, workcell, held-out positions", _changes(first)))
+                lines.append((first.row.title, f"{control}, {place}, held-out positions", _changes(first)))
     if after:
-        where = f"{after[0].row.control}, workcell, practised on the very motion"
+        where = f"{after[0].row.control}, {place}, practised on the very motion"
         lines.append((after[0].row.title, where, _changes(after[0])))
     published = {speed: f"{percent(gone)} ({method})" for speed, (method, gone) in best_reductions().items()}
     lines.append(
@@ -205,14 +208,15 @@ def _list_better(pairs: Sequence[tuple[Standing, AgainstBase]]) -> list[str]:
 def circles_note(standings: Standings, published: Sequence[PublishedRow] = ()) -> str:
     """Describe circles and plants, and name the rows that are left out with the reason."""
     grid = standings.grid
-    plants = f"{len(grid.plants)} drawn robots" if len(grid.plants) > 1 else group_title(standings.group)
+    title = group_title(standings.group)
+    plants = f"{len(grid.plants)} {title}" if len(grid.plants) > 1 else title
     _, positions, radii, speeds = (sorted(set(part)) for part in zip(*grid.cells, strict=True))
     parts = [
         f"{len(grid.cells)} circles at {_numbers(speeds)} mm/s, radii {_numbers(radii)} mm, positions "
         f"{', '.join(positions)}; {plants}."
     ]
-    if is_workcell(standings.group):
-        (tracker,) = (each for each in find_plant(standings.group).sensors if isinstance(each, LaserTracker))
+    if is_workcell(grid.plants[0]):
+        (tracker,) = (each for each in find_plant(grid.plants[0]).sensors if isinstance(each, LaserTracker))
         parts.append(
             f"The errors are what a laser tracker with {tracker.noise * 1e6:g} um of noise in each coordinate "
             "measures: none is below that noise."
