@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ffgym.agents.adapters import ADAPTERS
 from ffgym.agents.entrants import ENTRANTS, REGISTRY
 from ffgym.cli.learning_options import Leaderboard
 from ffgym.cli.outputs import check_outputs, need_extra, print_places, provenance, write_numbers
@@ -15,11 +16,13 @@ from ffgym.cli.progress import progress_bar
 from ffgym.core.errors import FFGymError, check_choice, check_whole
 from ffgym.core.executors import Executor
 from ffgym.core.files import write_text
+from ffgym.leaderboard.adaptation.results import AdaptationResults, read_results
 from ffgym.leaderboard.board import Board
 from ffgym.leaderboard.comparison.samples import SELECTIONS, group_of
 from ffgym.leaderboard.comparison.standings import standings
 from ffgym.leaderboard.entrants import Entrant, Registry, find_entrants
 from ffgym.leaderboard.plants import NOMINAL, ROBOT, draw_name, find_plant
+from ffgym.leaderboard.presentation.adaptation import draw_adaptation
 from ffgym.leaderboard.presentation.page import render_page
 from ffgym.leaderboard.presentation.pictures import compute_traces
 from ffgym.leaderboard.presentation.table import format_standings
@@ -46,6 +49,9 @@ def run(config: Leaderboard) -> None:
         raise FFGymError(f"--json {config.json}: lies among the result files of --out; choose another folder.")
     if config.page is not None:
         need_extra("The page of the leaderboard", "jinja2", "matplotlib")
+    curve = None if config.adaptation is None else read_results(config.adaptation)
+    if curve is not None and config.page is None:
+        raise FFGymError(f"--adaptation {config.adaptation}: is shown on the page; say where that goes: --page FILE.")
     # evaluate rows that have no current result; others are read from their files
     executor = Executor(kind=config.executor, jobs=config.jobs, address=config.address)
     if registry.files and (note := isolation_note()) is not None:
@@ -66,7 +72,7 @@ def run(config: Leaderboard) -> None:
             f"{simulated:.0f} s of motion in {took:.1f} s, {took / bare:.1f} times what the bare engine takes for "
             f"it on all cores ({bare:.1f} s)"
         )
-    _write(config, rows, plants, {"wall_s": took, "bare_s": bare, "simulated_s": simulated})
+    _write(config, rows, plants, {"wall_s": took, "bare_s": bare, "simulated_s": simulated}, curve)
 
 
 def _entrants(config: Leaderboard, registry: Registry) -> list[Entrant]:
@@ -118,13 +124,22 @@ def _bare(simulated: float) -> float:
     return simulated / robot.servo.control_dt * robot.n_substeps / rate
 
 
-def _write(config: Leaderboard, rows: Sequence[Row], plants: Sequence[str], times: dict[str, float]) -> None:
+def _write(
+    config: Leaderboard,
+    rows: Sequence[Row],
+    plants: Sequence[str],
+    times: dict[str, float],
+    curve: AdaptationResults | None,
+) -> None:
     """Write the page, and every circle with what it belongs to, as `ffgym demo` has them."""
     info = provenance("ffgym leaderboard", config, ROBOT, find_plant(plants[0]).fingerprint, None)
     every = dict.fromkeys([*plants, *(outcome.plant for row in rows for outcome in row.outcomes)])
     info["fingerprints"] = {plant: find_plant(plant).fingerprint for plant in every}
     if config.page is not None:
-        write_text(config.page, render_page(rows, tracks=compute_traces(rows), provenance=info))
+        titles = {adapter.name: adapter.title for adapter in ADAPTERS}
+        picture = None if curve is None else draw_adaptation(curve, titles)
+        page = render_page(rows, tracks=compute_traces(rows), provenance=info, adaptation=picture)
+        write_text(config.page, page)
     circles = []
     for row in rows:
         for outcome in row.outcomes:

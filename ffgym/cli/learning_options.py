@@ -163,6 +163,8 @@ class Leaderboard:
     """Folder of result files, one per row. What is complete in it is not run again."""
     page: Path | None = None
     """Page to write, one file with tables, pictures and cards."""
+    adaptation: Path | None = None
+    """Results of `python -m scripts.adaptation`, whose curve the page shows then."""
     json: Path | None = None
     """Also write every circle to this file."""
     executor: Literal["local", "ray"] = "local"

@@ -35,6 +35,8 @@ class CurvePoint:
 def curve(runs: Sequence[AdaptationRun], adapter: str, machines: Sequence[str]) -> list[CurvePoint]:
     """Compute the curve of an adapter on machines, by budget; budgets that lack a machine have those that are there.
 
+    Machines are in the order of their names, so that intervals, which are resampled, do not depend on that of the call.
+
     Raises:
         FFGymError: if a machine has no error without compensation.
     """
@@ -43,7 +45,7 @@ def curve(runs: Sequence[AdaptationRun], adapter: str, machines: Sequence[str]) 
     points = []
     for laps in sorted({run.laps for run in own}):
         found = {(run.machine, run.seed): run for run in own if run.laps == laps}
-        names = tuple(name for name in machines if any(machine == name for machine, _ in found))
+        names = tuple(name for name in sorted(machines) if any(machine == name for machine, _ in found))
         seeds = sorted({seed for _, seed in found})
         for name in names:
             if name not in whole:

@@ -64,8 +64,9 @@ def read_results(path: Path) -> AdaptationResults:
     Raises:
         FFGymError: if the file cannot be read, is damaged, or of another format.
     """
+    text = read_text(path)
     try:
-        tree = json.loads(read_text(path))
+        tree = json.loads(text)
     except ValueError as error:
         raise FFGymError(f"{path}: is damaged, no JSON: {error}. Remove it, and run the command again.") from error
     found = tree.pop("format", None) if isinstance(tree, dict) else None

@@ -8,6 +8,7 @@ from typing import Any, TypeAlias
 
 from ffgym.leaderboard.comparison.samples import GROUPS, HEADLINED, SELECTIONS, collect_grid, groups_of
 from ffgym.leaderboard.comparison.standings import Standing, Standings, standings
+from ffgym.leaderboard.presentation.adaptation import AdaptationPicture
 from ffgym.leaderboard.presentation.figures import count, digits, duration, length_with_change, share
 from ffgym.leaderboard.presentation.pictures import (
     LearningCurve,
@@ -35,6 +36,7 @@ def render_page(
     tracks: ToolTraces | None = None,
     provenance: Mapping[str, Any],
     agent_pages: str = "../agents/",
+    adaptation: AdaptationPicture | None = None,
 ) -> str:
     """Render the leaderboard as HTML; the same rows, in any order, give the same text.
 
@@ -43,6 +45,7 @@ def render_page(
         tracks: path of the tool by row name and TCP speed [mm/s]; rows without one have no picture.
         provenance: origin of the numbers, by name; a dict in it gives a line per entry.
         agent_pages: start of the links to the agents' pages, relative to the place of this page.
+        adaptation: curve of adaptation; without it the page has none.
 
     Raises:
         FFGymError: if rows cannot be compared, or matplotlib or jinja2 is missing.
@@ -70,6 +73,7 @@ def render_page(
         knowledge=sorted({line.track for table in tables for line in table.lines}),
         where="; ".join(sorted({path.where for own in paths.values() for path in own.values() if path.where})),
         agent_pages=agent_pages,
+        adaptation=adaptation,
         style=resource("leaderboard.css"),
         script=script,
         script_hash=script_hash,
