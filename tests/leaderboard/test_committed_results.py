@@ -7,7 +7,6 @@ from pathlib import Path
 import pytest
 
 from ffgym.agents.entrants import ENTRANTS, REGISTRY
-from ffgym.agents.residual.gains import SERVO_GAINS_DRIVES
 from ffgym.core.executors import Executor
 from ffgym.leaderboard.board import Board
 from ffgym.leaderboard.comparison.samples import DRAWS, GROUPS, WORKCELLS, group_of
@@ -25,8 +24,8 @@ N_DRAWS, N_WORKCELLS = 20, 10
 def rows():
     """Committed rows in the order of the entrants."""
     board = Board(registry=REGISTRY, folder=DOCS / "results")
-    due = {name for name, entrant in ENTRANTS.items() if not entrant.slow and name != SERVO_GAINS_DRIVES}
-    assert due <= set(board.rows) <= set(ENTRANTS)  # gains for machines with drives may run on such machines alone
+    due = {name for name, entrant in ENTRANTS.items() if not entrant.slow}
+    assert due <= set(board.rows) <= set(ENTRANTS)
     return {name: board.rows[name] for name in ENTRANTS if name in board.rows}
 
 
@@ -39,10 +38,10 @@ def test_results_are_of_this_physics(plant, rows):
 
 
 def test_laws_that_are_made_from_the_robot_still_give_these_results(rows):
-    made = [ENTRANTS[name] for name in rows if ENTRANTS[name].seeds == (0,) and name != "model_fitted"]
+    made = [entrant for entrant in ENTRANTS.values() if entrant.seeds == (0,) and entrant.name != "model_fitted"]
     board = Board(registry=REGISTRY)
     board.run(made, [NOMINAL], ["speeds"], 1, Executor())
-    assert len(board.rows) == 6
+    assert len(board.rows) == 7
     for name, row in board.rows.items():
         now = {cell.key: cell.rms_mm for cell in row.outcomes[0].cells}
         (committed,) = (outcome for outcome in rows[name].outcomes if outcome.plant == NOMINAL)
