@@ -60,7 +60,7 @@ class Axes:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Family:
+class FamilyCurve:
     """One family of adapters in the picture."""
 
     title: str
@@ -78,7 +78,7 @@ class AdaptationPicture:
     """Picture of the curve, and who leaves least at each budget."""
 
     axes: Axes
-    families: tuple[Family, ...]
+    families: tuple[FamilyCurve, ...]
     sentences: tuple[str, ...]
     machines: int
     """Number of workcells."""
@@ -116,15 +116,15 @@ def draw_adaptation(results: AdaptationResults, titles: Mapping[str, str]) -> Ad
     )
 
 
-def _make_family(axes: Axes, title: str, colour: str, points: Sequence[CurvePoint]) -> Family:
+def _make_family(axes: Axes, title: str, colour: str, points: Sequence[CurvePoint]) -> FamilyCurve:
     """Make the lines of a family; a law that moves nothing is a level line."""
     if points[-1].budget_s == 0:
         level = axes.line([START, axes.last], [points[-1].left] * 2)
-        return Family(title=title, colour=colour, line=level, machines=(), points=())
+        return FamilyCurve(title=title, colour=colour, line=level, machines=(), points=())
     whole = [point for point in points if point.machines == points[0].machines]
     times = [point.budget_s for point in whole]
     rows = range(len(points[0].machines))
-    return Family(
+    return FamilyCurve(
         title=title,
         colour=colour,
         line=axes.line(times, [point.left for point in whole]),
