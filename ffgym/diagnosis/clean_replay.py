@@ -140,6 +140,5 @@ def _record(log: Log, run: Replay, fine: Replay, every: int, i: int) -> Recordin
     header = replace(recording.header, position_side="motor", torque_semantics="motor_side", hold="sampled", phases=())
     seen = run.machine.seen(Recording(columns=columns, header=header))
     hidden = ("link.",) if log.link is None else ()  # trackers that err need it, but the log has none
-    return Recording(
-        columns={name: values for name, values in seen.columns.items() if not name.startswith(hidden)}, header=header
-    )
+    columns = {name: values for name, values in seen.columns.items() if not name.startswith(hidden)}
+    return seen.derive(columns, header)

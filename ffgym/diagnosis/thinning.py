@@ -191,4 +191,4 @@ def thin(sources: Sequence[Recording | Stored]) -> list[Recording]:
         f"The log was thinned: {used:.0f} of {total:.0f} s are used, {len(found)} stretches of {whole} that are spread "
         "over all of it and tell most of the joints; more would take memory and time, and tell hardly more."
     )
-    return [Recording(one.columns, replace(one.header, meta=one.header.meta | {NOTE: text})) for one in found]
+    return [one.derive(one.columns, replace(one.header, meta=one.header.meta | {NOTE: text})) for one in found]

@@ -76,7 +76,7 @@ def correct_offsets(recording: Recording, columns: ColumnMap) -> Recording:
     """A recording with the corrections of a map, which its provenance names."""
     provenance = recording.header.provenance | {"columns": Path(columns.where).name}
     made = columns.rewiring.apply(recording)
-    return Recording(made.columns, replace(made.header, provenance=provenance))
+    return made.derive(made.columns, replace(made.header, provenance=provenance))
 
 
 def _digest(path: Path) -> str:

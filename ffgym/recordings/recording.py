@@ -44,7 +44,8 @@ class Recording:
             raise FFGymError(f"header must be a Header, got {type(self.header).__name__}.")
         if not isinstance(self.columns, Mapping):
             raise FFGymError(f"columns must map names to arrays, got {type(self.columns).__name__}.")
-        columns = _check_columns(self.columns, self.header)
+        known = self.columns.known if isinstance(self.columns, _Derived) else {}
+        columns = _check_columns(self.columns, self.header, known)
         object.__setattr__(self, "columns", MappingProxyType(columns))
         # phases lie within [t_0, t_last + dt], up to rounding
         first, last = float(self.t[0]), float(self.t[-1]) + self.dt
@@ -74,9 +75,16 @@ class Recording:
     def __reduce__(self) -> tuple[Any, ...]:
         return Recording, (dict(self.columns), self.header)  # a mapping proxy cannot be pickled
 
+    def derive(self, columns: Mapping[str, Any], header: Header | None = None) -> "Recording":
+        """Return a recording of these columns (T,), with the same header unless another is given.
+
+        Columns of this recording that keep their name are shared with it, and not checked again.
+        """
+        return Recording(_Derived(columns, self.columns), self.header if header is None else header)
+
     def rename(self, segment: str) -> "Recording":
         """Return the recording with another name of its segment."""
-        return Recording(columns=self.columns, header=replace(self.header, segment=segment))
+        return self.derive(self.columns, replace(self.header, segment=segment))
 
     @property
     def t(self) -> Array:
@@ -166,14 +174,16 @@ class Recording:
     def slice(self, start: float | None = None, end: float | None = None) -> "Recording":
         """Cut out rows with start <= t < end [s], 2 or more; None leaves that side open. Phases are cut, too."""
         low, high = (-np.inf if start is None else start), (np.inf if end is None else end)
-        rows = (self.t >= low) & (self.t < high)
-        if rows.sum() < 2:
+        first, last = np.searchsorted(self.t, (low, high)).tolist()
+        count = max(0, last - first)
+        if count < 2:
             span = f"[{self.t[0]}, {self.t[-1]}] s"
-            raise FFGymError(f"slice({start}, {end}) keeps {rows.sum()} rows of {span}, must keep at least 2.")
-        t = self.t[rows]
+            raise FFGymError(f"slice({start}, {end}) keeps {count} rows of {span}, must keep at least 2.")
+        # rows of columns that were checked need no check; a view would keep the whole column
+        columns = {name: values[first:last].copy() for name, values in self.columns.items()}
+        t = columns["timestamp"]
         phases = clip_phases(self.header.phases, float(t[0]), float(t[-1] + np.median(np.diff(t))))
-        columns = {name: values[rows] for name, values in self.columns.items()}
-        return Recording(columns, replace(self.header, phases=phases))
+        return Recording(_Derived(columns, columns), replace(self.header, phases=phases))
 
     def with_columns(
         self, columns: Mapping[str, Any] | None = None, /, *, units: Mapping[str, str] | None = None, **more: Any
@@ -183,7 +193,7 @@ class Recording:
         Columns may be keywords too, `**{"user.x": x}`.
         """
         header = replace(self.header, units={**self.header.units, **(units or {})})
-        return Recording({**self.columns, **(columns or {}), **more}, header)
+        return self.derive({**self.columns, **(columns or {}), **more}, header)
 
     def equals(self, other: "Recording") -> bool:
         """Compare headers, and names and bits of columns in any order."""
@@ -204,25 +214,33 @@ class Recording:
         return np.stack([self[column] for column in columns], axis=1)
 
 
-def _check_columns(columns: Mapping[str, Any], header: Header) -> dict[str, Array]:
-    """Copy `columns` as read-only float64, checked against the schema and `header`.
+class _Derived(dict[str, Any]):
+    """Columns, and those among them that are known to follow the schema, as they are of a recording."""
 
-    Every NaN becomes the one NaN that NumPy writes, so that files in every format keep each bit.
-    """
+    def __init__(self, columns: Mapping[str, Any], known: Mapping[str, Array]) -> None:
+        super().__init__(columns)
+        self.known = known
+
+
+def _check_columns(columns: Mapping[str, Any], header: Header, known: Mapping[str, Array]) -> dict[str, Array]:
+    """Copy `columns` as read-only float64, checked against the schema and `header`; those `known` are kept."""
     check_columns(columns, header.joints, header.units)
     if "timestamp" not in columns:
         raise FFGymError(f"Column 'timestamp' [s] is required. Present: {', '.join(columns) or 'none'}.")
-    arrays = {name: _as_column(name, value) for name, value in columns.items()}
+    fresh = {name: _as_column(name, value) for name, value in columns.items() if known.get(name) is not value}
+    arrays = {name: fresh.get(name, value) for name, value in columns.items()}
     n_rows = len(arrays["timestamp"])
     for name, array in arrays.items():
         if len(array) != n_rows:
             raise FFGymError(f"Column {name!r} has {len(array)} rows, must be {n_rows} as in timestamp.")
     if n_rows < 2:
         raise FFGymError(f"A recording needs at least 2 rows, got {n_rows}.")
-    for name, array in arrays.items():
+    for name, array in fresh.items():
         _check_values(name, array)
+    if "timestamp" in fresh:
+        _check_time(fresh["timestamp"])
+    for array in arrays.values():
         array.flags.writeable = False
-    _check_time(arrays["timestamp"])
     return arrays
 
 
@@ -236,24 +254,33 @@ def _as_column(name: str, value: Any) -> Array:
             f"Column {name!r} must be real numbers of shape (T,), got {array.dtype} of shape {array.shape}."
         )
     with np.errstate(over="ignore"):  # a long double beyond float64 becomes inf, which is refused below
-        copy = np.array(array, dtype=np.float64)
-    copy[np.isnan(copy)] = np.nan
-    return copy
+        return np.array(array, dtype=np.float64)
 
 
 def _check_values(name: str, array: Array) -> None:
-    """Check that numbers are finite, unless the family may miss samples, and that a mask is 0 or 1."""
-    family = family_of(name)
-    may_miss = family is not None and family.may_miss
-    good = ~np.isinf(array) if may_miss else np.isfinite(array)
+    """Check that numbers are finite, unless the family may miss samples, and that a mask is 0 or 1.
+
+    Every NaN becomes the one NaN that NumPy writes, so that files in every format keep each bit.
+    """
+    good = np.isfinite(array)
     if not good.all():
-        row = int(np.argmin(good))
-        hint = "" if may_miss else "; only tcp.* and temperature.* may miss samples (NaN)"
-        raise FFGymError(f"Column {name!r} row {row} is {array[row]}, must be finite{hint}. Drop or repair the row.")
-    other = (array != 0.0) & (array != 1.0)
-    if name.startswith(f"{VALID}.") and other.any():
-        row = int(np.argmax(other))
-        raise FFGymError(f"Column {name!r} row {row} is {array[row]}, must be 1 where the row counts, or 0.")
+        family = family_of(name)
+        may_miss = family is not None and family.may_miss
+        if may_miss:
+            missing = np.isnan(array)
+            array[missing] = np.nan
+            good |= missing
+        if not good.all():
+            row = int(np.argmin(good))
+            hint = "" if may_miss else "; only tcp.* and temperature.* may miss samples (NaN)"
+            raise FFGymError(
+                f"Column {name!r} row {row} is {array[row]}, must be finite{hint}. Drop or repair the row."
+            )
+    if name.startswith(f"{VALID}."):
+        other = (array != 0.0) & (array != 1.0)
+        if other.any():
+            row = int(np.argmax(other))
+            raise FFGymError(f"Column {name!r} row {row} is {array[row]}, must be 1 where the row counts, or 0.")
 
 
 def _check_time(t: Array) -> None:

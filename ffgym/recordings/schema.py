@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
+from functools import lru_cache
 from types import MappingProxyType
 from typing import Literal
 
@@ -122,7 +123,7 @@ def family_of(column: str) -> Family | None:
 
 def check_columns(names: Iterable[str], joints: Sequence[str], units: Mapping[str, str]) -> None:
     """Check that `names` are columns of the schema, or of the user with a unit, and that families are complete."""
-    owner = {column: family for family in _FAMILIES for column in family.columns(joints)}
+    owner = _owners(tuple(joints))
     present = list(names)
     for name in present:
         if name not in owner:
@@ -132,6 +133,12 @@ def check_columns(names: Iterable[str], joints: Sequence[str], units: Mapping[st
         missing = [column for column in family.columns(joints) if column not in held]
         if missing and not family.may_lack:
             raise FFGymError(f"{family.name} is incomplete: {', '.join(missing)} missing. Add them or drop the family.")
+
+
+@lru_cache(maxsize=64)
+def _owners(joints: tuple[str, ...]) -> Mapping[str, Family]:
+    """Map every column of a robot with `joints` to its family."""
+    return MappingProxyType({column: family for family in _FAMILIES for column in family.columns(joints)})
 
 
 def _check_user_column(name: str, joints: Sequence[str], units: Mapping[str, str], owner: Iterable[str]) -> None:

@@ -56,7 +56,7 @@ class Resolver(Sensor):
             encoder_bits=self.bits,
             filters=(*recording.header.filters, "motor.velocity is the backward difference of motor.position"),
         )
-        return Recording(columns=dict(recording.columns) | columns, header=header)
+        return recording.derive({**recording.columns, **columns}, header)
 
 
 @final
@@ -88,7 +88,7 @@ class LaserTracker(Sensor):
             noisy = recording[f"tcp.position.{axis}"] + rng.normal(scale=self.noise, size=len(seen))
             columns[f"tcp.position.{axis}"] = np.where(seen, noisy, np.nan)
         columns["tcp.timestamp"] = np.where(seen, recording.t, np.nan)
-        return Recording(columns=dict(recording.columns) | columns, header=recording.header)
+        return recording.derive({**recording.columns, **columns})
 
 
 @final
@@ -154,7 +154,7 @@ def measure(recording: Recording, sensors: Sequence[Sensor], rng: np.random.Gene
     seen = {family for sensor in sensors for family in sensor.measures}
     hidden = tuple(f"{family}." for family in TRUTH if family not in seen)
     columns = {name: values for name, values in recording.columns.items() if not name.startswith(hidden)}
-    return Recording(columns=columns, header=recording.header)
+    return recording.derive(columns)
 
 
 def sensors_of(robot: RobotDescription) -> tuple[Sensor, ...]:

@@ -44,7 +44,7 @@ class SealedMachine(Machine):
         """Return the recording as sensors see it, without columns that no sensor of the workcell measures."""
         seen = super().seen(recording)
         columns = {name: values for name, values in seen.columns.items() if not name.startswith(_HIDDEN)}
-        return Recording(columns=columns, header=seen.header)
+        return seen.derive(columns)
 
 
 @final

@@ -173,3 +173,24 @@ def test_copies_and_pickles_are_equal_and_still_read_only(rec: Recording) -> Non
     for twin in (copy.deepcopy(rec), pickle.loads(pickle.dumps(rec))):
         assert twin.equals(rec)
         assert not twin.t.flags.writeable
+
+
+def test_derived_recording_shares_columns_that_it_keeps_and_checks_all_others() -> None:
+    rec = recording()
+    moved = rec.t + 1.0
+    other = rec.derive({**rec.columns, "timestamp": moved, "tcp.position.x": np.full(len(rec), np.nan)})
+    assert other["motor.position.j1"] is rec["motor.position.j1"]
+    assert np.isnan(other["tcp.position.x"]).all()
+    moved[0] = -1.0
+    assert other.t[0] == rec.t[0] + 1.0
+    with refused("Column 'motor.position.j1' row 0 is nan, must be finite"):
+        other.derive({**other.columns, "motor.position.j1": other["tcp.position.x"]})
+    with refused("motor.position is incomplete: motor.position.j1 missing"):
+        rec.derive({name: values for name, values in rec.columns.items() if name != "motor.position.j1"})
+    with refused("Column 'motor.position.j2' has 4 rows, must be 5"):
+        rec.derive({**rec.columns, "motor.position.j2": np.zeros(4)})
+
+
+def test_cut_columns_do_not_keep_the_whole_and_cannot_be_changed() -> None:
+    part = recording().slice(0.004)
+    assert all(values.base is None and not values.flags.writeable for values in part.columns.values())

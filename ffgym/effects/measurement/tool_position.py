@@ -12,4 +12,4 @@ def replace_tool_positions(recording: Recording, seen: Callable[[Array], Array])
         return recording
     position = seen(recording.vector("tcp.position"))
     columns = {f"tcp.position.{axis}": position[:, k] for k, axis in enumerate("xyz")}
-    return Recording(columns=dict(recording.columns) | columns, header=recording.header)
+    return recording.derive({**recording.columns, **columns})

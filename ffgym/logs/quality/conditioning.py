@@ -87,7 +87,7 @@ class _Repair:
         found, recording = {**self.recording.columns, **self.columns}, self.recording
         if self.masked.any():
             found |= mask_columns(recording.header, recording.valid & ~self.masked)
-        return Recording(found, add_note(recording.header, *notes))
+        return recording.derive(found, add_note(recording.header, *notes))
 
 
 def without_copies(recording: Recording) -> Recording:
@@ -230,7 +230,7 @@ def trim(recording: Recording) -> Recording:
     before, after = float(t[rows[0]] - t[0]), float(t[-1] - t[rows[-1]])
     texts = [f"{x:.3g} s at the {end}" for x, end in ((before, "beginning"), (after, "end")) if x > 0]
     note = f"Rows that count for no joint were dropped: {', '.join(texts)}."
-    return Recording(part.columns, add_note(part.header, note))
+    return part.derive(part.columns, add_note(part.header, note))
 
 
 _BEFORE: tuple[Callable[[Recording], Recording], ...] = (without_copies, without_spikes)

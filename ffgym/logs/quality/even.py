@@ -195,7 +195,7 @@ def _longest_part(recording: Recording) -> Recording:
         f"{t[start]:.4g} to {t[stop - 1]:.4g} s, is used. Give the other parts as logs of their own."
     )
     part = recording.slice(float(t[start]), float(t[stop]) if stop < len(t) else None)
-    return Recording(part.columns, add_note(part.header, note))
+    return part.derive(part.columns, add_note(part.header, note))
 
 
 def _at(recording: Recording, s: Array, t: Array) -> tuple[dict[str, Array], Header]:

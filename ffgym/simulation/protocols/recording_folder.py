@@ -12,7 +12,7 @@ from ffgym.control import FeedForwardLaw, NoCompensation
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.files import check_writable, write_json
 from ffgym.core.provenance import versions
-from ffgym.recordings import Recording, read_recording, write_recording
+from ffgym.recordings import read_recording, write_recording
 from ffgym.recordings.io import FORMATS, INDEX, read_index
 from ffgym.simulation import RECORD_DT, Rig
 from ffgym.simulation.protocols.sessions import SessionMotion, record
@@ -92,7 +92,7 @@ def record_into(
     for i, recording in zip(todo, chain(first, made), strict=True):
         provenance = recording.header.provenance | {"session": index["session"]}
         header = replace(recording.header, provenance=provenance)
-        write_recording(Recording(recording.columns, header), places[i])
+        write_recording(recording.derive(recording.columns, header), places[i])
     return RecordedSession(index=index, made=len(todo), kept=len(motions) - len(todo))
 
 

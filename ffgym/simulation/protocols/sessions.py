@@ -148,7 +148,7 @@ def record(
             header = recording.header
             meta = header.meta | {"protocol": motions[i].protocol, "session_start": motions[i].start}
             header = replace(header, meta=meta, provenance=header.provenance | {"seed": seed})
-            yield Recording(recording.columns, header)
+            yield recording.derive(recording.columns, header)
 
 
 def _batches(motions: Sequence[SessionMotion], wanted: Sequence[int], longest: float) -> Iterator[list[int]]:
