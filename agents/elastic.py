@@ -199,7 +199,7 @@ class ElasticLaw(CausalLaw):
         friction = np.zeros_like(links)
         if self.friction is not None:
             friction = (1 - self._arm_share) * friction_along(self.friction, speed, dt, added)
-        integral = sum_limited(increments, self.known, load[0])
+        integral = sum_limited(np.zeros_like(load[0]), increments, self.known, load[0])
         return self._moving_torque(links, reference.motor_ddq, lead, friction), lead, integral
 
     # Sample by sample

@@ -111,11 +111,10 @@ def limit_integral(integral: Array, controller: RigidArm, load: Array) -> Array:
     return np.where(beyond, drive.joint_angle(ended), integral)
 
 
-def sum_limited(increments: Array, controller: RigidArm, load: Array) -> Array:
-    """Sum `increments` (T, N) [rad s] from 0 on, each sum limited by `limit_integral`, shape (T + 1, N)."""
-    sums = np.zeros((len(increments) + 1, increments.shape[1]))
-    np.cumsum(increments, axis=0, out=sums[1:])
-    if np.array_equal(limit_integral(sums, controller, np.broadcast_to(load, sums.shape)), sums):
+def sum_limited(start: Array, increments: Array, controller: RigidArm, load: Array) -> Array:
+    """Sum `increments` (T, ..., N) from `start` (..., N) [rad s], limited by `limit_integral`, (T + 1, ..., N)."""
+    sums = np.add.accumulate(np.concatenate([start[None], increments]))
+    if np.array_equal(limit_integral(sums[1:], controller, load), sums[1:]):
         return sums
     for k, increment in enumerate(increments):
         sums[k + 1] = limit_integral(sums[k] + increment, controller, load)
@@ -176,6 +175,35 @@ def bristles_within(
         next_z = keep * z + gain
         middles[k], z = 0.5 * (z + next_z), next_z
     return middles, speeds, z
+
+
+def bristles_along(
+    law: DynamicLuGreExact, z: Array, dq: Array, next_dq: Array, dt: float
+) -> tuple[Array, Array, Array]:
+    """Integrate the bristles through K steps one after the other, as `bristles_within` does in each.
+
+    Args:
+        law: friction model.
+        z: bristle deflection at the start of the first step [rad], (..., N).
+        dq: motor speed at the start of each step [rad/s], (K, ..., N).
+        next_dq: motor speed at their ends [rad/s], (K, ..., N).
+        dt: length of a step [s].
+
+    Returns:
+        Deflection [rad] and motor speed [rad/s] in the middle of each sub-step, (S, K, ..., N), and the deflection at
+        the end of the last step, (..., N).
+    """
+    speeds = np.stack([dq + (next_dq - dq) * share for share in law.shares])
+    factors = law.friction.exact_bristle_factors(speeds, dt / law.n_substeps)
+    # deflections at the ends of sub-steps, in the order of time
+    ends = np.empty((speeds.shape[0] * speeds.shape[1] + 1, *z.shape))
+    ends[0] = z
+    keep, gain = (factor.swapaxes(0, 1).reshape(-1, *z.shape) for factor in factors)
+    for now, after, kept, gained in zip(ends[:-1], ends[1:], keep, gain, strict=True):
+        np.multiply(kept, now, out=after)
+        after += gained
+    middles = 0.5 * (ends[:-1] + ends[1:])
+    return middles.reshape(len(dq), -1, *z.shape).swapaxes(0, 1), speeds, ends[-1]
 
 
 def in_parts(torques: Array) -> tuple[Array, Array]:

@@ -40,6 +40,7 @@ from ffgym.agents.declaration import AgentEntry, declare
 from ffgym.agents.elastic import ElasticLaw, elastic_law
 from ffgym.agents.elastic_memory import ArmPast
 from ffgym.agents.flexible_joints import Lead, bristles_within, given_torque, in_parts, limit_integral, motion_at
+from ffgym.agents.model_along import ModelAlong, SideBySide
 from ffgym.agents.model_arm import AheadOnArm, ModelArm
 from ffgym.agents.model_memory import Carried, Past, Start, unpack_past
 from ffgym.agents.model_springs import SpringEffects
@@ -47,6 +48,7 @@ from ffgym.agents.model_states import ModelStates, MotorEffects, state_between
 from ffgym.control import CausalLaw, DynamicLuGreExact, LawStyle, Window
 from ffgym.core.types import Array
 from ffgym.effects import Effect, NativeEffect, ResolverEffect, TorqueEffect
+from ffgym.paths import Reference
 from ffgym.robot import RigidArm
 from ffgym.robot.drive import Drive
 from ffgym.simulation.plant import Machine, load_machine
@@ -128,6 +130,33 @@ class ModelLaw(CausalLaw):
     @property
     def _drive(self) -> Drive:
         return self.machine.physical.drive
+
+    # Along whole references
+
+    def torque(self, reference: Reference) -> Array:
+        """Compute the torques of `step` for all samples."""
+        return self.torques_along([reference])[0]
+
+    def torques_along(self, references: Sequence[Reference]) -> list[Array]:
+        """Compute the torques of `step` along references side by side, in blocks where springs alone remember."""
+        if len({reference.robot.servo.control_dt for reference in references}) > 1:
+            return [self.torque(reference) for reference in references]
+        if self.elastic.arm_friction is not None or any(self._lengths[1]):
+            return self.step_along(references)
+        for reference in references:
+            self.check_joints(reference)
+        longest_first = sorted(range(len(references)), key=lambda i: -len(references[i].t))
+        motions = SideBySide.of([references[i] for i in longest_first], self.preview)
+        past = self._past(self.initial_memory(motions.first_window(self.preview)))
+        along = ModelAlong(
+            elastic=self.elastic,
+            springs=self._springs,
+            states=self._states,
+            motors=self._motors,
+            friction=self._friction,
+        )
+        torques = dict(zip(longest_first, along.torques(motions, past), strict=True))
+        return [torques[i] for i in range(len(references))]
 
     # Sample by sample
 

@@ -1,7 +1,8 @@
 """Memory of model feed-forward from sample to sample: torques that are carried, the lead, friction, and effects."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields, replace
+from typing import TypeVar
 
 import numpy as np
 
@@ -34,6 +35,9 @@ class Start:
     """Torque of effects on the motors [N m], motor side."""
     error: Array
     """Error of the resolvers, reading less true angle [rad], motor side."""
+
+
+Parts = TypeVar("Parts", Carried, Start, Lead)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -69,6 +73,30 @@ class Past:
             rows += [*self.arm.rows, self.arm_ahead]
         flat = [memory.reshape(*memory.shape[:-2], -1) for memory in (*self.springs, *self.motors)]
         return np.concatenate([*rows, *flat], axis=-1)
+
+    def first(self, count: int) -> "Past":
+        """Return the memory of the first `count` of motions side by side, where nothing is behind the elasticity."""
+
+        def cut(values: Array) -> Array:
+            return values[:count]
+
+        return replace(
+            self,
+            start=change_parts(cut, self.start),
+            carried=tuple(change_parts(cut, each) for each in self.carried),
+            time=cut(self.time),
+            lead=change_parts(cut, self.lead),
+            integral=cut(self.integral),
+            bristle=cut(self.bristle),
+            lost=cut(self.lost),
+            springs=[cut(memory) for memory in self.springs],
+            motors=[cut(memory) for memory in self.motors],
+        )
+
+
+def change_parts(change: Callable[..., Array], *each: Parts) -> Parts:
+    """Return parts that `change` makes of the parts of the same name."""
+    return type(each[0])(**{f.name: change(*(getattr(one, f.name) for one in each)) for f in fields(each[0])})
 
 
 def unpack_past(

@@ -140,6 +140,10 @@ class CausalLaw(FeedForwardLaw):
         dts = {reference.robot.servo.control_dt for reference in references}
         if type(self).torque is not CausalLaw.torque or len(dts) > 1 or len(references) < 2:
             return super().torques_along(references)  # a law that computes a whole reference at once is fast enough
+        return self.step_along(references)
+
+    def step_along(self, references: Sequence[Reference]) -> list[Array]:
+        """Step sample by sample along references side by side, which have one time between samples."""
         for reference in references:
             self.check_joints(reference)
         # longest first, so that references which still run are always the first rows
@@ -148,7 +152,7 @@ class CausalLaw(FeedForwardLaw):
         lengths = np.array([len(window.q) for window in windows])
         memory = self.initial_memory(_side_by_side(windows, 0))
         if memory.shape[-1] == 0:
-            return super().torques_along(references)
+            return [CausalLaw.torque(self, reference) for reference in references]
         torques = [np.zeros_like(reference.q) for reference in references]
         for k in range(lengths[0]):
             going = int((lengths > k).sum())

@@ -4,11 +4,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from ffgym.agents.catalogue import find_law_name, make_law
 from ffgym.agents.declaration import AgentSetting
 from ffgym.agents.elastic import ElasticLaw, elastic_law
 from ffgym.agents.model import ModelLaw, left_alone, model_law
+from ffgym.agents.model_along import BLOCK
+from ffgym.agents.model_springs import cut_to_root, find_rising_root
+from ffgym.control import CausalLaw
 from ffgym.core.errors import FFGymError
 from ffgym.effects import EFFECTS, NativeEffect, ResolverEffect, TorqueEffect
 from ffgym.paths import joint_reference, multisine
@@ -134,6 +139,28 @@ def test_samples_and_batches_with_effects_are_the_same_law(arm, circle, swing):
     check_samples(law, circle)
     check_batch(law, circle)
     check_side_by_side(law, [swing, circle])
+
+
+@pytest.mark.parametrize("names", [("torsional_hysteresis", *WITHOUT), ("backlash", "resolver_ripple"), WITH_MEMORY])
+def test_blocks_of_samples_have_the_bits_of_single_steps(names, arm, circle, swing):
+    law = model_law(machine_with(arm.robot, *names), arm)
+    assert len(swing.t) > 2 * BLOCK
+    for reference, torque in zip((swing, circle), law.torques_along([swing, circle]), strict=True):
+        assert torque.tobytes() == CausalLaw.torque(law, reference).tobytes()
+
+
+@given(st.integers(0, 10**9), st.sampled_from([0.0, 1e-5, 1e-4]))
+def test_a_guessed_root_has_the_bits_of_cutting(seed, kink):
+    rng = np.random.default_rng(seed)
+    root, slope, cubic = rng.normal(scale=5e-4, size=6), 10 ** rng.uniform(3, 7, size=6), rng.uniform(0, 1e12)
+
+    def rising(x):
+        away = x - root
+        return slope * (away + np.clip(away, -kink, kink)) + cubic * away**3
+
+    for middle in (np.zeros(6), root, np.full(6, 2e-3)):  # anywhere, on a border of cells, beyond
+        found, cut = find_rising_root(rising, middle, 1e-3), cut_to_root(rising, middle, 1e-3)
+        assert found.tobytes() == cut.tobytes()
 
 
 def test_on_a_rigid_axis_effects_of_the_motor_are_compensated(one_axis):
