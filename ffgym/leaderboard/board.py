@@ -13,7 +13,7 @@ from ffgym.leaderboard.entrants import Entrant, Registry, find_entrants
 from ffgym.leaderboard.evaluation import jobs as work
 from ffgym.leaderboard.plants import find_plant
 from ffgym.leaderboard.results import DIGITS, Outcome, Row, decode_row, encode_row, read_row
-from ffgym.leaderboard.tasks import SPLITS, make_references
+from ffgym.leaderboard.tasks import SPLITS, duration_of
 from ffgym.simulation.run import Progress
 
 
@@ -180,5 +180,6 @@ def _join(old: Outcome | None, new: Outcome, entrant: Entrant) -> Outcome:
 
 def sum_durations(plants: Sequence[str], splits: Sequence[str]) -> float:
     """Sum the durations of all motions of splits on these plants [s]."""
-    arms = [(find_plant(plant).rig.arm, find_plant(plant).tasks(splits)) for plant in plants]
-    return sum(reference.duration for arm, tasks in arms for reference in make_references(arm, tasks))
+    return sum(
+        duration_of(find_plant(plant).rig.robot, task) for plant in plants for task in find_plant(plant).tasks(splits)
+    )

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import Any
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError
 from ffgym.envs import Sensing
-from ffgym.envs.machines import WORKCELL, is_workcell, make_rig
+from ffgym.envs.machines import WORKCELL, find_controller, is_workcell, make_rig
 from ffgym.leaderboard.tasks import Task, list_tasks
 from ffgym.robot import RigidArm, RobotDescription, load_robot
 from ffgym.simulation import Rig, Sensor, SimulatedRig
@@ -79,7 +79,7 @@ def draw_number(name: str) -> int | None:
 def find_plant(name: str) -> TestPlant:
     """Find a plant by its name: 'nominal', 'workcell:<name or seed>' or 'draw:<number>'."""
     if is_workcell(name):
-        cell = make_rig(name)
+        cell = replace(make_rig(name), arm=_arm_of(find_controller(name)))
         return TestPlant(
             name=name,
             rig=cell,
@@ -87,7 +87,7 @@ def find_plant(name: str) -> TestPlant:
             env_arguments={"workcell": name},
             sensors=tuple(getattr(cell, "sensors", ())),
         )
-    arm, number = _nominal_arm(), draw_number(name)
+    arm, number = _arm_of(ROBOT), draw_number(name)
     machine, truth = None, arm.robot
     arguments: dict[str, Any] = {"sensing": Sensing(encoder_bits=16)}  # by a resolver, as on a workcell
     if number is not None:  # friction, stiffness, masses and payload differ from the nominal ones
@@ -102,6 +102,6 @@ def find_plant(name: str) -> TestPlant:
 
 
 @cache
-def _nominal_arm() -> RigidArm:
-    """Load the nominal arm, one for all plants, so that references are made once."""
-    return RigidArm(load_robot(ROBOT))
+def _arm_of(robot: str) -> RigidArm:
+    """Load the arm that controllers of a robot know, one for all plants, so that references are made once."""
+    return RigidArm(load_robot(robot))

@@ -6,9 +6,9 @@ from functools import lru_cache
 from zlib import crc32
 
 from ffgym.core.errors import check_choice
-from ffgym.paths import RADII, SPEEDS, Reference, cartesian_reference, circle_test
-from ffgym.robot import RigidArm
-from ffgym.studies import circle_references
+from ffgym.paths import RADII, SPEEDS, CartesianPath, Reference, cartesian_reference, circle_test
+from ffgym.robot import RigidArm, RobotDescription
+from ffgym.studies.circles import circle_path
 
 SPLITS = ("train", "positions", "radii", "speeds")
 """Split that agents may learn on, and three held out from learning: other positions, radii, speeds."""
@@ -69,12 +69,19 @@ def make_references(arm: RigidArm, tasks: Sequence[Task]) -> list[Reference]:
     return [_reference(arm, task) for task in tasks]
 
 
+def duration_of(robot: RobotDescription, task: Task) -> float:
+    """Return the duration of the motion of a task [s], without the joint angles that it takes."""
+    return float(_path(robot, task).t[-1])
+
+
 @lru_cache(maxsize=64)
 def _reference(arm: RigidArm, task: Task) -> Reference:
+    return cartesian_reference(arm, _path(arm.robot, task))
+
+
+def _path(robot: RobotDescription, task: Task) -> CartesianPath:
     if task.centre is None:
-        return next(iter(circle_references(arm, [task.position], [task.speed], task.radii).values()))
-    robot = arm.robot
+        return circle_path(robot, task.position, task.speed, task.radii)
     assert robot.work_area is not None  # robots of the leaderboard have one
     normal, dt = robot.work_area.normal, robot.servo.control_dt
-    path = circle_test(task.centre, task.speed, radii=task.radii, normal=normal, dt=dt, name=task.position)
-    return cartesian_reference(arm, path)
+    return circle_test(task.centre, task.speed, radii=task.radii, normal=normal, dt=dt, name=task.position)

@@ -7,7 +7,7 @@ import numpy as np
 
 from ffgym.control import DynamicLuGreExact, FeedForwardLaw, NoCompensation, StaticLuGre
 from ffgym.core.errors import FFGymError, check_shape
-from ffgym.paths import RADII, SPEEDS, Reference, cartesian_reference, circle_test
+from ffgym.paths import RADII, SPEEDS, CartesianPath, Reference, cartesian_reference, circle_test
 from ffgym.recordings import Recording
 from ffgym.recordings.metrics import motor_error_rms, path_errors
 from ffgym.robot import ModelOptions, RigidArm, RobotDescription
@@ -147,14 +147,19 @@ def circle_references(
     for what, values in axes.items():
         if not values or len(set(values)) < len(values):
             raise FFGymError(f"{what} of one study must be at least one, and all different, got {values}.")
+    return {
+        (name, speed): cartesian_reference(arm, circle_path(robot, name, speed, radii))
+        for speed in speeds
+        for name in names
+    }
+
+
+def circle_path(robot: RobotDescription, position: str, speed: float, radii: Sequence[float] = RADII) -> CartesianPath:
+    """Make the path of the test motion at a position, at a speed [m/s], with circles of `radii` [m]."""
+    assert robot.work_area is not None  # it has the position
     normal, dt = robot.work_area.normal, robot.servo.control_dt
-
-    def reference(name: str, speed: float) -> Reference:
-        title = f"{name}, {speed * 1e3:g} mm/s"
-        path = circle_test(robot.position(name), speed, radii=radii, normal=normal, dt=dt, name=title)
-        return cartesian_reference(arm, path)
-
-    return {(name, speed): reference(name, speed) for speed in speeds for name in names}
+    title = f"{position}, {speed * 1e3:g} mm/s"
+    return circle_test(robot.position(position), speed, radii=radii, normal=normal, dt=dt, name=title)
 
 
 def circle_study(
