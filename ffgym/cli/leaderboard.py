@@ -61,6 +61,9 @@ def run(config: Leaderboard) -> None:
     with progress_bar("leaderboard", "s of motion") as progress:
         simulated = board.run(entrants, plants, splits, config.seeds, executor, progress)
     took = time.perf_counter() - began
+    if config.margins:
+        with progress_bar("stability margins", "agents") as progress:
+            board.measure_margins(entrants, config.seeds, executor, progress)
     rows, left_out = board.current()
     _tell(rows, plants, splits)
     for words in left_out:

@@ -159,6 +159,8 @@ class Leaderboard:
     """Circles: train and positions are the 36 of the thesis; radii and speeds are others; or all."""
     seeds: int = 1
     """Trainings of each row that a seed changes; five ship."""
+    margins: bool = False
+    """Also measure stability margins of agents with feedback, on a robot with drives: half a minute for each seed."""
     out: Path | None = None
     """Folder of result files, one per row. What is complete in it is not run again."""
     page: Path | None = None

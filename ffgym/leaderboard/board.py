@@ -11,8 +11,8 @@ from ffgym.core.executors import Executor
 from ffgym.core.files import made_folder, write_text
 from ffgym.leaderboard.entrants import Entrant, Registry, find_entrants
 from ffgym.leaderboard.evaluation import jobs as work
-from ffgym.leaderboard.plants import find_plant
-from ffgym.leaderboard.results import DIGITS, Outcome, Row, decode_row, encode_row, read_row
+from ffgym.leaderboard.plants import drives_plant, find_plant
+from ffgym.leaderboard.results import DIGITS, Margins, Outcome, Row, decode_row, encode_row, read_row
 from ffgym.leaderboard.tasks import SPLITS, duration_of
 from ffgym.simulation.run import Progress
 
@@ -107,20 +107,56 @@ class Board:
         row = self.rows.get(name)
         return None if row is None else next((o for o in row.outcomes if o.key == (seed, plant)), None)
 
+    def measure_margins(
+        self, entrants: Sequence[Entrant], n_seeds: int, executor: Executor, progress: Progress | None = None
+    ) -> None:
+        """Measure missing stability margins of agents with feedback that have a row; arguments are those of `run`.
+
+        Raises:
+            FFGymError: if an agent cannot be run, a result cannot be written, or another process fills the folder.
+        """
+        with self.hold():
+            rows = {entrant.name: self.rows[entrant.name] for entrant in entrants if entrant.name in self.rows}
+            known = {(name, each.seed): each for name, row in rows.items() for each in row.margins}
+            jobs = [
+                work.MarginsJob(self.registry, entrant.name, seed)
+                for entrant in entrants
+                if entrant.feedback and entrant.name in rows
+                for seed in entrant.seeds[:n_seeds]
+                if not _are_current(known.get((entrant.name, seed)), entrant)
+            ]
+            for done, (i, found) in enumerate(executor.run(work.run_margins_job, jobs), start=1):
+                if found is not None:
+                    self._keep_margins(jobs[i].name, found)
+                if progress is not None:
+                    progress(done, len(jobs))
+
+    def _keep_margins(self, name: str, found: Margins) -> None:
+        """Put the margins of a seed into their row, and write it."""
+        row = self.rows[name]
+        every = {each.seed: each for each in (*row.margins, found)}
+        made = replace(row, margins=tuple(every[seed] for seed in sorted(every)))
+        self._write(replace(decode_row(encode_row(made), name), outcomes=row.outcomes))  # with the digits of a file
+
+    def _write(self, row: Row) -> None:
+        """Keep a row, and write it if there is a folder."""
+        self.rows[row.name] = row
+        if self.folder is not None:
+            with made_folder(self.folder):
+                write_text(self.folder / f"{row.name}.json", encode_row(row))
+
     def keep(self, outcomes: Sequence[tuple[str, Outcome]]) -> None:
         """Put outcomes into their rows, and write the rows."""
         every = find_entrants(self.registry)
         for name in dict.fromkeys(name for name, _ in outcomes):
             head = every[name].row()
-            before = self.rows[name].outcomes if name in self.rows else ()
+            known = self.rows.get(name, head)
             made = replace(head, outcomes=tuple(outcome for own, outcome in outcomes if own == name))
             new = decode_row(encode_row(made), name).outcomes  # with the digits of a file
             joined = [_join(self._known(name, *o.key), o, every[name]) for o in new]
-            every_outcome = {outcome.key: outcome for outcome in (*before, *joined)}
-            self.rows[name] = replace(head, outcomes=tuple(sorted(every_outcome.values(), key=_order)))
-            if self.folder is not None:
-                with made_folder(self.folder):
-                    write_text(self.folder / f"{name}.json", encode_row(self.rows[name]))
+            every_outcome = {outcome.key: outcome for outcome in (*known.outcomes, *joined)}
+            ordered = tuple(sorted(every_outcome.values(), key=_order))
+            self._write(replace(head, outcomes=ordered, margins=known.margins))
 
     def current(self) -> tuple[list[Row], list[str]]:
         """Return rows that can be compared, in the order of entrants, and sentences on those left out.
@@ -134,7 +170,8 @@ class Board:
         for name, entrant in every.items():
             if name not in self.rows:
                 continue
-            row = replace(entrant.row(), outcomes=self.rows[name].outcomes)
+            margins = tuple(each for each in self.rows[name].margins if _are_current(each, entrant))
+            row = replace(entrant.row(), outcomes=self.rows[name].outcomes, margins=margins)
             kept = tuple(o for o in row.outcomes if _is_current(o, entrant, find_plant(o.plant).fingerprint))
             if len(kept) < len(row.outcomes):
                 old = len(row.outcomes) - len(kept)
@@ -147,6 +184,15 @@ def _is_current(outcome: Outcome, entrant: Entrant, fingerprint: str) -> bool:
     """Check that an outcome is of these physics, and of the present artefact."""
     wanted = fingerprint, entrant.artefact(outcome.plant, outcome.seed)
     return (outcome.fingerprint, outcome.artefact) == wanted
+
+
+def _are_current(margins: Margins | None, entrant: Entrant) -> bool:
+    """Check that margins are there, of the present machine with drives, and of the present artefact."""
+    if margins is None:
+        return False
+    plant = drives_plant()
+    wanted = plant.fingerprint, entrant.artefact(plant.name, margins.seed)
+    return (margins.fingerprint, margins.artefact) == wanted
 
 
 def _order(outcome: Outcome) -> tuple[bool, str, int, int]:

@@ -18,6 +18,8 @@ from ffgym.simulation.plant import Machine, PlantDistribution
 
 ROBOT = "irb4600_60_205"
 """Robot of the leaderboard."""
+DRIVES_ROBOT = "irb4600_60_205_arm_drives"
+"""The same robot with losses behind its springs and drives that are not ideal."""
 NOMINAL = "nominal"
 """Plant that equals the nominal model of its controller."""
 THESIS_WORKCELL = WORKCELL + "thesis"
@@ -99,6 +101,14 @@ def find_plant(name: str) -> TestPlant:
         )
     rig = SimulatedRig(arm=arm, machine=machine, name=name)
     return TestPlant(name=name, rig=rig, env_id="ffgym/CirclePath-v0", env_arguments=arguments, truth=truth)
+
+
+@cache
+def drives_plant() -> TestPlant:
+    """Make the machine with drives on which stability margins are measured: the robot of the -v1 environments."""
+    rig = SimulatedRig(arm=_arm_of(DRIVES_ROBOT), name="drives")
+    arguments = {"robot": DRIVES_ROBOT, "sensing": Sensing(encoder_bits=16)}
+    return TestPlant(name="drives", rig=rig, env_id="ffgym/CirclePath-v0", env_arguments=arguments)
 
 
 @cache

@@ -95,6 +95,23 @@ class Outcome:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Margins:
+    """Stability margins of one seed of an agent with feedback, see `ffgym.leaderboard.evaluation.margins`."""
+
+    seed: int
+    fingerprint: str
+    """Fingerprint of the physics of the machine with drives that they were measured on."""
+    artefact: str | None
+    """sha256 of the file that the agent was read from."""
+    gain: float
+    """Largest factor on the agent's own torque with which the loop is stable; 0 if it bears no factor that was tried,
+    below 1 if the loop is unstable as it is."""
+    delay_ms: float | None = None
+    """Largest added delay of the agent's own torque with which the loop is stable [ms]; None if it is unstable without
+    any."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Row:
     """One agent on the leaderboard."""
 
@@ -119,6 +136,8 @@ class Row:
     """Steps of training, mean reward per step over seeds; empty without training in steps."""
     feedback: bool = False
     """True if it observes present errors of the motors."""
+    margins: tuple[Margins, ...] = ()
+    """Stability margins by seed; empty for rows of the track feed-forward, and where they were not measured."""
 
     @property
     def control(self) -> str:
@@ -129,6 +148,9 @@ class Row:
 def encode_row(row: Row) -> str:
     """Encode a row as the text of its file: one line per circle, so that differences can be read."""
     head = {"format": FORMAT} | {key: value for key, value in asdict(row).items() if key != "outcomes"}
+    head |= {"margins": [_short(asdict(each)) for each in row.margins]}
+    if not row.margins:
+        del head["margins"]
     lines = []
     for outcome in row.outcomes:
         entry = asdict(outcome)
@@ -161,11 +183,14 @@ def decode_row(text: str, path: str) -> Row:
         raise FFGymError(f"{path}: has format {found!r}, this version of ffgym reads {FORMAT}.")
     try:
         # structure, then the values that must be names, numbers or unique
-        tree = {"feedback": False} | {
+        tree = {"feedback": False, "margins": []} | {  # which older ones lack, and rows without feedback
             key: value for key, value in tree.items() if key != "format"
-        }  # older ones lack it
+        }
         row: Row = from_json(Row, tree, "row")
         _check_once("outcome", [outcome.key for outcome in row.outcomes])
+        _check_once("seed of margins", [each.seed for each in row.margins])
+        for each in row.margins:
+            check_number("margins.gain", each.gain, low=0.0)
         for outcome in row.outcomes:
             name = outcome.plant
             if name != NOMINAL and not is_workcell(name) and draw_number(name) is None:

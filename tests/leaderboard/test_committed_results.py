@@ -64,6 +64,21 @@ def test_rows_say_what_entrants_say(rows):
         assert told[0] == told[1]
 
 
+def test_every_agent_with_feedback_has_margins_of_every_seed(rows):
+    current, _ = Board(registry=REGISTRY, folder=DOCS / "results").current()
+    found = {row.name: tuple(each.seed for each in row.margins) for row in current if row.margins}
+    assert found == {name: ENTRANTS[name].seeds for name in rows if ENTRANTS[name].feedback}
+
+
+def test_the_margins_in_the_docs_are_those_of_these_results(rows):
+    lines = []
+    for name, row in rows.items():
+        gains = ", ".join(f"{each.gain:.2f}" for each in row.margins)
+        delays = ", ".join("none" if each.delay_ms is None else f"{each.delay_ms:g}" for each in row.margins)
+        lines += [f"| `{name}` | {gains} | {delays} |"] if row.margins else []
+    assert "\n".join(lines) in (DOCS / "margins.md").read_text(encoding="utf-8")
+
+
 @pytest.mark.parametrize("group", GROUPS)
 def test_every_row_is_complete_where_it_may_run(group, rows):
     found = standings(list(rows.values()), group, "held_out")

@@ -9,8 +9,9 @@ import numpy as np
 from ffgym.core.provenance import versions
 from ffgym.leaderboard.entrants import ReadyAgent, Registry, find_entrant
 from ffgym.leaderboard.evaluation.closed_loop import inference_time, run_rollouts
-from ffgym.leaderboard.plants import DRAW, DRAWN_WORKCELL, TestPlant, find_plant
-from ffgym.leaderboard.results import CircleResult, Outcome, Trail
+from ffgym.leaderboard.evaluation.margins import measure_margins
+from ffgym.leaderboard.plants import DRAW, DRAWN_WORKCELL, TestPlant, drives_plant, find_plant
+from ffgym.leaderboard.results import CircleResult, Margins, Outcome, Trail
 from ffgym.leaderboard.tasks import Task, make_references, noise_seed
 from ffgym.recordings import Recording
 from ffgym.recordings.metrics import deviation_along
@@ -78,6 +79,38 @@ def run_job(job: Job) -> list[tuple[str, Outcome]]:
         found = zip(seeds, made, strict=True)
         seeded += [SeededAgent(name=name, seed=seed, ready=ready) for seed, ready in found if ready is not None]
     return run_agents(plant, seeded, tasks, job.threads)
+
+
+@dataclass(frozen=True)
+class MarginsJob:
+    """One seed of an agent with feedback, whose stability margins are measured."""
+
+    registry: Registry
+    name: str
+    seed: int
+    threads: int = 1
+    """Threads of the engine."""
+
+
+def run_margins_job(job: MarginsJob) -> Margins | None:
+    """Measure the margins of an agent on the machine with drives in this process; None if it does not run there."""
+    plant, entrant = drives_plant(), find_entrant(job.registry, job.name)
+    [ready] = entrant.ready(plant, [job.seed], ())
+    if ready is None or ready.policy is None:
+        return None
+    base = None
+    if entrant.base is not None:
+        [below] = find_entrant(job.registry, entrant.base).ready(plant, [0], ())
+        base = None if below is None else below.timed
+    found = measure_margins(plant, ready.policy, base, n_threads=job.threads)
+    dt = plant.rig.arm.robot.servo.control_dt
+    return Margins(
+        seed=job.seed,
+        fingerprint=plant.fingerprint,
+        artefact=ready.artefact,
+        gain=found.gain,
+        delay_ms=None if found.delay is None else found.delay * dt * 1e3,
+    )
 
 
 def run_agents(

@@ -20,7 +20,13 @@ from ffgym.leaderboard.presentation.pictures import (
 )
 from ffgym.leaderboard.presentation.pictures import ToolTrace as ToolTrace
 from ffgym.leaderboard.presentation.table import every_column, table_of
-from ffgym.leaderboard.presentation.words import SELECTION_TITLES, group_title, headline, residual_sentence
+from ffgym.leaderboard.presentation.words import (
+    SELECTION_TITLES,
+    group_title,
+    headline,
+    margins_sentence,
+    residual_sentence,
+)
 from ffgym.leaderboard.results import Row
 from ffgym.leaderboard.tasks import HELD_OUT
 from ffgym.report.laws import UNCOMPENSATED
@@ -62,6 +68,7 @@ def render_page(
         "leaderboard.html.j2",
         headline=headline(headlined[0] if headlined else None),
         residuals=residual_sentence(first),
+        margins=margins_sentence(first),
         table=tables[0],
         glance=glance(first),
         overview_circles=f"{group_title(first.group)}, {SELECTION_TITLES[first.selection]}",

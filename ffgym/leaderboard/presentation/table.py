@@ -25,8 +25,10 @@ from ffgym.leaderboard.presentation.words import (
     circles_note,
     group_title,
     list_published_rows,
+    margins_sentence,
     residual_sentence,
 )
+from ffgym.leaderboard.results import Row
 from ffgym.report import table as report
 from ffgym.report.page import resource
 
@@ -158,6 +160,8 @@ def _figures(line: Standing) -> dict[str, Figure]:
             sort=sortable(score.worse),
         ),
         "score": NOTHING if score.normalised is None else length(score.normalised),
+        "gain": _gain_margin(row),
+        "delay": _delay_margin(row),
         "base": NOTHING if line.against_base is None else _against(line.against_base),
         "control": Figure(text=row.control, sort=row.control),
         "track": Figure(text=row.track, sort=row.track),
@@ -181,6 +185,24 @@ def _figures_of_thesis(row: PublishedRow) -> dict[str, Figure]:
 
 def _rank(rank: int | None) -> Figure:
     return Figure(text="–" if rank is None else str(rank), sort=rank)
+
+
+def _gain_margin(row: Row) -> Figure:
+    """Format the smallest gain margin of the seeds; nothing where there is none."""
+    if not row.margins:
+        return NOTHING
+    least = min(each.gain for each in row.margins)
+    return Figure(text=digits(least), sort=sortable(least))
+
+
+def _delay_margin(row: Row) -> Figure:
+    """Format the smallest delay margin of the seeds; nothing where there is none."""
+    if not row.margins:
+        return NOTHING
+    delays = [each.delay_ms for each in row.margins if each.delay_ms is not None]
+    if len(delays) < len(row.margins):
+        return Figure(text="none", sort=-1.0)
+    return Figure(text=f"{min(delays):g}", sort=sortable(min(delays)))
 
 
 def _against(found: AgainstBase) -> Figure:
@@ -219,8 +241,8 @@ def format_standings(standings: Standings) -> str:
         ],
         fixed=2,
     )
-    told = residual_sentence(standings)
-    words = [_LEGEND, *([] if told is None else [told]), circles_note(standings)]
+    told = (residual_sentence(standings), margins_sentence(standings))
+    words = [_LEGEND, *(each for each in told if each is not None), circles_note(standings)]
     text = "\n".join([report.underline(title), table.text(), "", *map(report.wrap_text, words)])
     for sign, plain in (("−", "-"), ("–", "-"), ("“", "'"), ("”", "'"), ("±", "")):  # a terminal may know ASCII only
         text = text.replace(sign, plain)

@@ -180,6 +180,20 @@ def residual_sentence(standings: Standings) -> str | None:
     )
 
 
+def margins_sentence(standings: Standings) -> str | None:
+    """Count agents with feedback whose loop is stable on a robot with drives; None if no margins were measured."""
+    measured = [line.row for line in standings.lines if line.row.margins]
+    if not measured:
+        return None
+    stable = [row.title for row in measured if all(each.gain >= 1 for each in row.margins)]
+    names = f": {_join_words(stable)}" if stable else ""
+    rest = " The others chatter there: their gain margin is below 1." if len(stable) < len(measured) else ""
+    return (
+        f"Of {len(measured)} agent{'' if len(measured) == 1 else 's'} with feedback, {len(stable)} "
+        f"{'is' if len(stable) == 1 else 'are'} stable on a robot with drives with all seeds{names}.{rest}"
+    )
+
+
 def _gains_sentence(learned: Sequence[Standing]) -> str:
     """Count the learned residuals that beat servo gains, in a sentence with a space before it; empty without them."""
     pairs = [(line, line.against_gains) for line in learned if line.against_gains is not None]

@@ -1,0 +1,184 @@
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+
+from ffgym.agents.entrants import ENTRANTS, REGISTRY
+from ffgym.agents.torque_response import TorqueResponse
+from ffgym.core.executors import Executor
+from ffgym.leaderboard.board import Board
+from ffgym.leaderboard.comparison.standings import standings
+from ffgym.leaderboard.evaluation import jobs
+from ffgym.leaderboard.evaluation.margins import (
+    CIRCLES,
+    Change,
+    LoopMargins,
+    dies_out,
+    find_stable,
+    measure_margins,
+    search_margins,
+)
+from ffgym.leaderboard.plants import NOMINAL, ROBOT, TestPlant, drives_plant
+from ffgym.leaderboard.presentation.table import table_of
+from ffgym.leaderboard.presentation.words import margins_sentence
+from ffgym.leaderboard.results import Margins, encode_row
+from ffgym.leaderboard.tasks import make_references
+from ffgym.robot import RigidArm, load_robot
+from ffgym.simulation import SimulatedRig
+from tests.leaderboard.synthetic_rows import row
+
+SLOW = (replace(CIRCLES[0], radii=(0.002,)),)
+MARGINS = Margins(seed=0, fingerprint=drives_plant().fingerprint, artefact=None, gain=0.5, delay_ms=8.0)
+
+
+def linear_robot():
+    """The built-in robot with viscous friction, and a thousandth of the rest, by which torques are scaled."""
+    robot = load_robot(ROBOT)
+    friction = robot.friction.scale(coulomb=1e-3, bristle_stiffness=1e-3, bristle_damping=0.0)
+    return replace(robot, friction=replace(friction, static=friction.coulomb))
+
+
+@dataclass(frozen=True)
+class Proportional:
+    """Policy and agent of torques proportional to the position error."""
+
+    gain: float
+    """Gain in those of the servo."""
+    preview: int = 1
+    action_scale: float = 1e5
+
+    def agent(self, robot, layout):
+        gain = self.gain * robot.servo.position_gain / layout["added_torque"].scale
+
+        class Feedback:
+            def predict(self, observation, state=None, episode_start=None, deterministic=False):
+                return gain * layout.read(observation, "error"), None
+
+        return Feedback()
+
+
+def is_stable(arm, q, gain, change):
+    """Whether the eigenvalues of the robot and a sampled position gain, in those of the servo, are below 1."""
+    response, n = TorqueResponse.of(arm, q, "motor"), arm.robot.n_joints
+    states = len(response.transition)
+    size = states + n * (1 + change.delay)
+    # state, torque at this sample, and torques that are on their way, the oldest last
+    read = np.zeros((n, size))
+    read[:, :states], read[:, states : states + n] = response.output, response.direct
+    own = -change.factor * gain * arm.robot.servo.position_gain[:, None] * read
+    loop = np.zeros((size, size))
+    loop[:states, :states], loop[:states, states : states + n] = response.transition, response.entry
+    on_their_way = np.concatenate([own, np.eye(n * change.delay, size, states + n)])
+    loop[states : states + n] = on_their_way[-n:]
+    loop[states + n :] = on_their_way[:-n]
+    return np.abs(np.linalg.eigvals(loop)).max() < 1
+
+
+@pytest.mark.parametrize("gain", [0.7, 3.0])
+def test_margins_of_a_linear_loop_are_those_of_its_eigenvalues(gain):
+    arm = RigidArm(linear_robot())
+    [reference] = make_references(arm, SLOW)
+    expected = search_margins(lambda changes: [is_stable(arm, reference.q[0], gain, each) for each in changes])
+    assert 1 < expected.gain < 16
+    assert 0 < expected.delay < 16
+    plant = TestPlant(
+        name="linear", rig=SimulatedRig(arm=arm), env_id="ffgym/CirclePath-v0", env_arguments={"robot": arm.robot}
+    )
+    assert measure_margins(plant, Proportional(gain), circles=SLOW, pulse=100.0, n_threads=1) == expected
+
+
+def test_torque_of_the_base_is_not_changed():
+    arm = RigidArm(linear_robot())
+    plant = TestPlant(
+        name="linear", rig=SimulatedRig(arm=arm), env_id="ffgym/CirclePath-v0", env_arguments={"robot": arm.robot}
+    )
+    policy, changes = Proportional(3.0), [Change(factor=1.0), Change(factor=2.0)]
+    stable = find_stable(plant, policy, None, changes, circles=SLOW, pulse=100.0, n_threads=1)
+    same = find_stable(plant, policy, policy, changes, circles=SLOW, pulse=100.0, n_threads=1)
+    assert stable.ravel().tolist() == [True, False]
+    assert same.ravel().tolist() == [True, True]
+
+
+def test_an_answer_must_be_smaller_in_the_second_half_than_at_first_on_every_motor():
+    t = np.arange(100)[:, None]
+    assert dies_out(np.hstack([0.99**t, 0.9**t]), 10)
+    assert not dies_out(np.hstack([1.001**t, 0.9**t]), 10)
+    assert not dies_out(np.ones((100, 1)), 10)
+    # a large answer that comes late, and dies out
+    assert dies_out(np.exp(-(((t - 20) / 10) ** 2)) + 1e-3 * (t < 10), 10)
+
+
+def test_a_search_ends_at_the_first_change_that_is_not_borne():
+    def search(factor, delay):
+        return search_margins(lambda changes: [each.factor <= factor and each.delay <= delay for each in changes])
+
+    assert search(2.9, 5) == LoopMargins(gain=pytest.approx(2**1.5), delay=5)
+    assert search(0.9, 5) == LoopMargins(gain=pytest.approx(2**-0.25), delay=None)
+    assert search(0.01, 5) == LoopMargins(gain=0.0, delay=None)
+    assert search(1.0, 0) == LoopMargins(gain=1.0, delay=0)
+    assert search(99, 99) == LoopMargins(gain=16.0, delay=16)
+
+
+def test_feedback_is_what_a_policy_adds_to_its_base_on_the_machine_with_drives(monkeypatch):
+    asked = []
+
+    def measure(plant, policy, base, n_threads):
+        asked.append((plant, policy, base))
+        return LoopMargins(gain=2.0, delay=3)
+
+    monkeypatch.setattr(jobs, "measure_margins", measure)
+    found = jobs.run_margins_job(jobs.MarginsJob(REGISTRY, "servo_gains_drives", 0))
+    [(plant, policy, base)] = asked
+    assert plant.machine.robot.drive.torque_delay is not None
+    assert policy.base == base.make(plant.rig.arm.robot).name == "elastic"
+    assert (found.gain, found.delay_ms) == (2.0, pytest.approx(12.0))
+    assert found.artefact == ENTRANTS["servo_gains_drives"].artefact("drives", 0)
+
+
+def test_margins_are_kept_with_the_row_and_measured_once(tmp_path, monkeypatch):
+    measured = []
+
+    def run_margins_job(job):
+        measured.append((job.name, job.seed))
+        return replace(MARGINS, seed=job.seed, artefact=ENTRANTS[job.name].artefact("drives", job.seed))
+
+    monkeypatch.setattr(jobs, "run_margins_job", run_margins_job)
+    for name in ("servo_gains", "elastic"):
+        (tmp_path / f"{name}.json").write_text(encode_row(ENTRANTS[name].row()))
+    entrants = [ENTRANTS[name] for name in ("servo_gains", "elastic", "sac_elastic")]
+    for _ in range(2):
+        board = Board(registry=REGISTRY, folder=tmp_path)
+        board.measure_margins(entrants, 1, Executor(jobs=1))
+    assert measured == [("servo_gains", 0)]  # the second has no feedback, and the third no row
+    rows = {row.name: row for row in Board(registry=REGISTRY, folder=tmp_path).current()[0]}
+    [found] = rows["servo_gains"].margins
+    assert (found.gain, found.delay_ms) == (0.5, 8.0)
+    assert '"margins"' not in (tmp_path / "elastic.json").read_text()
+
+
+def test_margins_of_other_physics_or_artefacts_are_not_shown(tmp_path):
+    artefact = ENTRANTS["servo_gains"].artefact("drives", 0)
+    for old in (replace(MARGINS, fingerprint="old", artefact=artefact), replace(MARGINS, artefact="old")):
+        row = replace(ENTRANTS["servo_gains"].row(), margins=(old,))
+        (tmp_path / "servo_gains.json").write_text(encode_row(row))
+        [shown], _ = Board(registry=REGISTRY, folder=tmp_path).current()
+        assert shown.margins == ()
+
+
+def test_tables_have_the_smallest_margins_of_the_seeds():
+    def shown(*seeds):
+        margins = tuple(replace(MARGINS, seed=i, gain=gain, delay_ms=delay) for i, (gain, delay) in enumerate(seeds))
+        rows = [row("none", [NOMINAL]), replace(row("tqc_elastic", [NOMINAL]), margins=margins)]
+        found = standings(rows, NOMINAL, "held_out")
+        table = table_of(found)
+        places = [[column.key for column in table.columns].index(key) for key in ("gain", "delay")]
+        [line] = [line for line in table.lines if line.name == "tqc_elastic"]
+        return [line.cells[place].text for place in places], margins_sentence(found)
+
+    assert shown() == (["–", "–"], None)
+    cells, told = shown((2.0, 12.0), (1.5, 8.0))
+    assert cells == ["1.50", "8"]
+    assert told.startswith("Of 1 agent with feedback, 1 is stable on a robot with drives")
+    cells, told = shown((2.0, 12.0), (0.5, None))
+    assert cells == ["0.50", "none"]
+    assert told.startswith("Of 1 agent with feedback, 0 are stable")
