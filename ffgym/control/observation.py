@@ -68,6 +68,7 @@ class ObservationLayout(Mapping[str, ObservationEntry]):
         self._stribeck_velocity, breakaway = robot.friction.stribeck_velocity, robot.friction.static
         before = [*(errors.values() if sees_errors else ()), np.ones(n), *([breakaway] if features else [])]
         self._scale = np.concatenate(before)
+        self._tiled: dict[int, tuple[Array, Array, Array]] = {}
         self._sample_scale = np.concatenate([reference, np.ones(n if features else 0)])
         # catalogue of entries by name, in the order of the vector
         self._entries: dict[str, ObservationEntry] = {}
@@ -155,8 +156,19 @@ class ObservationLayout(Mapping[str, ObservationEntry]):
         if self.features:
             assert base is not None  # an environment with features has the torque of its base
             before = (*before, base)
-        own = _clip(np.concatenate(before, axis=1) / self._scale)
+        own = np.concatenate(before, axis=1)
+        scale, low, high = self._tile(len(own))
+        own /= scale
+        _clip(own, low, high)
         return np.concatenate((own, samples.reshape(len(own), -1)), axis=1)
+
+    def _tile(self, n: int) -> tuple[Array, Array, Array]:
+        """Return scale and bounds with a row for each of `n` observations: arrays of one shape are divided faster."""
+        found = self._tiled.get(n)
+        if found is None:
+            scale = np.tile(self._scale, (n, 1))
+            self._tiled[n] = found = scale, np.full_like(scale, -BOUND), np.full_like(scale, BOUND)
+        return found
 
     def read(self, observation: Array, name: str, ahead_by: int = 0) -> Array:
         """Read physical values (..., N) of an entry from observations (..., D), `ahead_by` samples ahead."""
@@ -164,10 +176,10 @@ class ObservationLayout(Mapping[str, ObservationEntry]):
         return np.asarray(observation, dtype=np.float64)[..., entry.slice] * entry.scale
 
 
-def _clip(values: Array) -> Array:
+def _clip(values: Array, low: float | Array = -BOUND, high: float | Array = BOUND) -> Array:
     """Clip scaled values to the bounds of observations, in place."""
-    np.maximum(values, -BOUND, out=values)
-    return np.minimum(values, BOUND, out=values)
+    np.maximum(values, low, out=values)
+    return np.minimum(values, high, out=values)
 
 
 def ahead(name: str, samples: int) -> str:

@@ -114,7 +114,7 @@ def _ends(samples: Array) -> tuple[Array, Array]:
     return samples[:, :-1], samples[:, 1:]
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(slots=True, kw_only=True, eq=False)
 class ServoTorque:
     """Feedback torque and its integral part, motor side [N m], any shape (..., N)."""
 

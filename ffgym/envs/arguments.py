@@ -13,14 +13,16 @@ from ffgym.core.types import Array, BoolArray
 
 def check_actions(actions: Any, shape: tuple[int, int], going: BoolArray | None) -> Array:
     """Return actions as float64 of `shape` (B, N), zero where no episode is `going`, None is everywhere."""
-    with suppress(TypeError, ValueError, OverflowError):  # then check_shape names the mistake
+    try:
         values: Array = np.asarray(actions, dtype=np.float64)
-        if values.shape == shape:
-            if going is not None:
-                values = np.where(going[:, None], values, 0.0)
-            if np.count_nonzero(np.isfinite(values)) == values.size:
-                return values
-            actions = values
+    except (TypeError, ValueError, OverflowError):
+        return check_shape("actions", actions, shape)  # which names the mistake
+    if values.shape == shape:
+        if going is not None:
+            values = np.where(going[:, None], values, 0.0)
+        if np.count_nonzero(np.isfinite(values)) == values.size:
+            return values
+        actions = values
     return check_shape("actions", actions, shape)
 
 

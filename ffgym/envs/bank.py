@@ -42,6 +42,7 @@ class MotionBank:
     ) -> None:
         self.columns, self._plant, self._padding, self._base, self._layout = columns, plant, padding, base, layout
         self._table = np.zeros((0, columns.width))
+        self._torques = np.zeros((0, columns.n_joints))
         self._samples = np.zeros((0, 0 if layout is None else layout.sample_size))
         self._controls = None if plant is None else np.zeros((0, plant.n_substeps, plant.model.nu))
         self._filled = 0
@@ -49,6 +50,9 @@ class MotionBank:
         """Motion and its first row, by identity."""
         self.motions: list[EpisodeMotion | None] = [None] * n
         self._offset = np.zeros(n, dtype=np.int64)
+        self._ahead = np.zeros((0, 1), dtype=np.int64)
+        self.has_bends = False
+        """True if a motion has the curvature of its path."""
 
     def assign(self, i: int, motion: EpisodeMotion) -> None:
         """Let sub-environment `i` follow `motion`."""
@@ -57,26 +61,34 @@ class MotionBank:
             self._store(motion)
         self._offset[i] = self._place[id(motion)][1]
 
-    def window(self, step: IntArray, width: int) -> Array:
-        """Look up `width` rows from sample `step` (B,) on, shape (B, width, W); a copy."""
-        first: IntArray = self._offset + step
-        return self._table.take(first[:, None] + np.arange(width), axis=0)
+    def places(self, step: IntArray, width: int) -> IntArray:
+        """Return the places of `width` samples from sample `step` (B,) on, (width, B), until motions are assigned."""
+        if len(self._ahead) != width:
+            self._ahead = np.arange(width)[:, None]
+        return self._ahead + (self._offset + step)
 
-    def samples(self, step: IntArray, width: int) -> Array:
-        """Look up `width` samples of observations from sample `step` (B,) on, shape (B, width, K); a copy."""
-        first: IntArray = self._offset + step
-        return self._samples.take(first[:, None] + np.arange(width), axis=0)
+    def rows(self, places: IntArray) -> Array:
+        """Look up rows at `places` (...), shape (..., W); a copy."""
+        return self._table.take(places, axis=0)
 
-    def setpoints(self, step: IntArray, ids: IntArray | None) -> Array | None:
-        """Look up controls of the control step from sample `step` (B,) on, without torque, for sub-environments `ids`.
+    def torques(self, places: IntArray) -> Array:
+        """Look up rigid feed-forward and torque of the base [N m], motor side, at `places` (...), (..., N); a copy."""
+        return self._torques.take(places, axis=0)
 
-        Shape (B', S, 3 N), a copy; None is all sub-environments. Returns None where they are not kept, because there
-        are too many motions.
+    def samples(self, places: IntArray) -> Array:
+        """Look up samples of observations at `places` (...), shape (..., K); a copy."""
+        return self._samples.take(places, axis=0)
+
+    def write_setpoints(self, places: IntArray, out: Array) -> bool:
+        """Write controls of the control steps that begin at `places` (B',), without torque, into `out` (B', S, 3 N).
+
+        Returns:
+            False where they are not kept, because there are too many motions.
         """
         if self._controls is None:
-            return None
-        first: IntArray = self._offset + step
-        return self._controls.take(first if ids is None else first[ids], axis=0)
+            return False
+        self._controls.take(places, axis=0, out=out, mode="clip")  # a mode that needs no copy of `out`; all are inside
+        return True
 
     def _store(self, motion: EpisodeMotion) -> None:
         rows, start = motion.rows(self._padding, self._base), self._filled
@@ -85,6 +97,9 @@ class MotionBank:
             start = self._filled
         self._filled = end = start + len(rows)
         self._table[start:end] = rows
+        feedforward = rows[:, self.columns.feedforward]
+        self._torques[start:end] = feedforward if self._base is None else feedforward + rows[:, self.columns.base]
+        self.has_bends = self.has_bends or bool(rows[:, self.columns.bend].any())
         if self._layout is not None:
             self._samples[start:end] = self._layout.encode_samples(rows[:, self.columns.reference])
         self._place[id(motion)] = (motion, start)
@@ -105,7 +120,7 @@ class MotionBank:
         # in the order of the table, so that no motion is overwritten before it has moved
         for motion, at in kept:
             length = motion.n_steps + 1 + self._padding
-            for table in (self._table, self._samples, self._controls):
+            for table in (self._table, self._torques, self._samples, self._controls):
                 if table is not None:
                     table[self._filled : self._filled + length] = table[at : at + length]
             self._place[id(motion)] = (motion, self._filled)
@@ -116,7 +131,7 @@ class MotionBank:
         # longer tables, in place: a second table would double the memory
         if self._filled + wanted > len(self._table):
             length = int((self._filled + wanted) * 1.25)
-            for table in (self._table, self._samples):
+            for table in (self._table, self._torques, self._samples):
                 table.resize((length, table.shape[1]), refcheck=False)
         if self._controls is not None:
             shape = (len(self._table), *self._controls.shape[1:])
@@ -126,7 +141,7 @@ class MotionBank:
                 self._controls.resize(shape, refcheck=False)
 
 
-def path_error(tcp: Array, rows: Array, columns: MotionColumns) -> Array:
+def path_error(tcp: Array, rows: Array, columns: MotionColumns, *, has_bends: bool = True) -> Array:
     """Compute the distance of the TCP from its path [m], shape (B,).
 
     On a circle it is the distance to its nearest point, in its plane, as `ffgym.recordings.metrics.path_errors`;
@@ -134,17 +149,20 @@ def path_error(tcp: Array, rows: Array, columns: MotionColumns) -> Array:
     curvature of its path, the path's distance from its tangent, s^2 / 2 times the curvature, is subtracted at the TCP's
     distance s along it.
 
-    The `tcp` (B, 3) is without its offset at standstill [m], `rows` (B, W) are those of the motions now.
+    The `tcp` (B, 3) is without its offset at standstill [m], `rows` (B, W) are those of the motions now. False for
+    `has_bends` leaves out curvatures, all of which are zero.
     """
     # components first, so that each operation runs along the batch
     anchor, axis, bend = np.ascontiguousarray(rows[:, columns.geometry].T).reshape(3, 3, -1)
     arm = tcp.T - anchor
     along = _dot(arm, axis)
-    left = arm - along * axis - 0.5 * along**2 * bend
+    left = arm - along * axis
+    if has_bends:
+        left -= 0.5 * along**2 * bend
     return np.abs(np.sqrt(_dot(left, left)) - rows[:, columns.radius])  # the radius is 0 but on circles
 
 
 def _dot(a: Array, b: Array) -> Array:
     """Scalar products of vectors (3, B), shape (B,)."""
-    product: Array = (a * b).sum(axis=0)
+    product: Array = np.add.reduce(a * b, axis=0)
     return product

@@ -24,6 +24,7 @@ from ffgym.envs.settings import EnvSettings
 from ffgym.envs.start import Starts
 from ffgym.envs.tasks import MotorSensors, Observer, Tasks, Transition, copy_changing, restore_changing
 from ffgym.recordings import PHASE_KINDS
+from ffgym.robot.parts import Servo
 from ffgym.simulation.plant import Plant
 
 _POSITIONS = mujoco.mjtStage.mjSTAGE_POS.value
@@ -52,7 +53,7 @@ _CHANGING = (
     "_running",
     "_in_step",
     "_labels",
-    "_window",
+    "_rows",
     "_seen",
     "signals",
 )
@@ -83,8 +84,14 @@ class TrackingCore:
         self.action_space: spaces.Box = spaces.Box(-1.0, 1.0, shape=(robot.n_joints,), dtype=np.float32)
         self.decision_dt = robot.servo.control_dt
         self.columns = MotionColumns(n_joints=robot.n_joints, has_tcp=robot.tool is not None)
-        # instants of physics steps within a control step
+        # numbers with a row for each robot, as arrays of one shape are multiplied faster
         self._error_scale = Scales.of(robot).error
+        self._action_torques = np.tile(self.action_torque, (n, 1))
+        self._servos = _tile_gains(robot.servo, n)
+        self._action_bounds = np.full((n, robot.n_joints), -1.0), np.full((n, robot.n_joints), 1.0)
+        self._error_limits = np.full((n, robot.n_joints), settings.error_limit)
+        self._controls_buffer = np.zeros((n, self.plant.n_substeps, self.plant.model.nu))
+        # instants of physics steps within a control step
         self._fractions = np.arange(self.plant.n_substeps) / self.plant.n_substeps
         self.base = find_base(settings.base, robot)
         """Law whose torque is added beside the action; None for none."""
@@ -138,7 +145,7 @@ class TrackingCore:
     @property
     def rows(self) -> Array:
         """Rows of the motions at the present sample, shape (B, W), by `columns`."""
-        return self._window[:, 0]
+        return self._rows
 
     @property
     def time(self) -> Array:
@@ -229,6 +236,7 @@ class TrackingCore:
             if motion is not None:
                 self._bank.assign(i, motion)
         restore_changing(self, own)
+        self._find_places()
         if self.columns.has_tcp:  # which pictures show
             self.plant.batch.forward(None, stage=_POSITIONS)
 
@@ -247,6 +255,7 @@ class TrackingCore:
             self.plant.restore(saved)
             if self._touched:
                 self._running[ids] = False
+                self._find_places()
             raise
 
     def _rest(self, ids: IntArray, motions: Sequence[EpisodeMotion]) -> None:
@@ -273,7 +282,8 @@ class TrackingCore:
         """
         if active is not None and active.all():
             active = None
-        wanted, action = action, np.minimum(np.maximum(action, -1.0), 1.0)
+        low, high = self._action_bounds
+        wanted, action = action, np.minimum(np.maximum(action, low), high)
         clipped = wanted != action
         # move, and count the step
         self._in_step = False  # until engine and counters agree again
@@ -286,7 +296,7 @@ class TrackingCore:
             self.step_index = self.step_index + active
         # ends and reward
         self._look(active)
-        beyond = np.abs(self.signals.error) > self.settings.error_limit
+        beyond = np.abs(self.signals.error) > self._error_limits
         terminated: BoolArray = np.zeros(self.n, dtype=np.bool_)
         if np.count_nonzero(beyond):
             terminated = np.logical_or.reduce(beyond, axis=1)
@@ -326,49 +336,51 @@ class TrackingCore:
 
     def _controls(self, action: Array, ids: IntArray | None) -> Array:
         """Compute MuJoCo's controls at every physics step of one control step, shape (B', S, 3 N)."""
-        at = self.columns
-        rows, last = self._window, self.action
+        places, last, per_action = self._places, self.action, self._action_torques
         if ids is not None:
-            rows, last, action = rows[ids], last[ids], action[ids]
+            places, last, action, per_action = places[:, ids], last[ids], action[ids], per_action[ids]
         # feed-forward plus added torque at both ends of the step
-        torque = rows[:, :, at.feedforward].copy() if self.base is None else self.feedforward(rows)
-        torque[:, 0] += last * self.action_torque
-        torque[:, 1] += action * self.action_torque
+        torque = self._bank.torques(places[:WINDOW])
+        torque[0] += last * per_action
+        torque[1] += action * per_action
         # set-points, kept or interpolated
-        controls = self._bank.setpoints(self.step_index, ids)
-        if controls is None:
-            controls = np.empty((len(rows), self.plant.n_substeps, self.plant.model.nu))
+        controls = self._controls_buffer[: len(last)]
+        if not self._bank.write_setpoints(places[0], controls):
             position, velocity, _ = self.plant.split_controls(controls[:, None])
+            at, rows = self.columns, self._bank.rows(places[:WINDOW]).swapaxes(0, 1)
             samples = rows[:, :, at.position], rows[:, :, at.velocity]
             interpolate_motion(*samples, self.robot.servo.control_dt, self._fractions, (position, velocity))
-        interpolate_torque(torque, self._fractions, self.plant.split_controls(controls[:, None])[2])
+        interpolate_torque(torque.swapaxes(0, 1), self._fractions, self.plant.split_controls(controls[:, None])[2])
         return controls
-
-    def feedforward(self, rows: Array) -> Array:
-        """Compute rigid feed-forward and torque of the base [N m], motor side, of rows (..., W); shape (..., N)."""
-        both: Array = rows[..., self.columns.feedforward] + rows[..., self.columns.base]
-        return both
 
     def compute_added_torque(self, action: Array, ids: IntArray) -> Array:
         """Compute the torque of base and actions (B', N) [N m], motor side, at the next sample of `ids`."""
-        return action * self.action_torque + self._window[ids, 1, self.columns.base]
+        return action * self.action_torque + self._next_base(ids)
+
+    def _next_base(self, ids: IntArray | slice) -> Array:
+        """Look up the torque of the base [N m], motor side, at the next sample of `ids`, (B', N)."""
+        return self._bank.rows(self._places[1, ids])[:, self.columns.base]
+
+    def _find_places(self) -> None:
+        """Find the rows of the motions from the present sample on."""
+        self._places = self._bank.places(self.step_index, max(self.observation_layout.preview + 1, WINDOW))
 
     def _look(self, fresh: BoolArray | None) -> None:
         """Read the state after a step or a reset; sensors are sampled where it is `fresh`, None is everywhere."""
         # error of the servos
         at = self.columns
-        self._window = self._bank.window(self.step_index, WINDOW)
-        now = self._window[:, 0]
+        self._find_places()
+        self._rows = now = self._bank.rows(self._places[0])
         angle, speed, integral = self.plant.servo_state()
         error, error_rate = now[:, at.position] - angle, now[:, at.velocity] - speed
         # true signals, for rewards and info
         tcp = self._sites[:, self._tcp_site].copy() if at.has_tcp else None
-        away = None if tcp is None else path_error(tcp - self.tcp_offset, now, at)
+        away = None if tcp is None else path_error(tcp - self.tcp_offset, now, at, has_bends=self._bank.has_bends)
         before, after = self._score(error, away, fresh) if self._scores else (None, None)
         self.signals = RewardSignals(
             error=error,
             error_rate=error_rate,
-            feedback=servo_torque(self.robot.servo, error, error_rate, integral),
+            feedback=servo_torque(self._servos, error, error_rate, integral),
             action=self.action,
             tcp=tcp,
             path_error=away,
@@ -390,7 +402,7 @@ class TrackingCore:
             away: distance of the TCP from its path [m], shape (B,); None for a robot without tool.
             fresh: where there is a new sample, shape (B,); None is everywhere.
         """
-        now, at = self._window[:, 0], self.columns
+        now, at = self._rows, self.columns
         square = np.square(away) if away is not None else mean_square(error / self._error_scale)
         # a circle begins with the first sample of another number, and an episode with its first sample
         circle, share = now[:, at.circle], now[:, at.share]
@@ -404,12 +416,12 @@ class TrackingCore:
     def _observe(self) -> Array:
         """Encode observations, shape (B, D)."""
         layout = self.observation_layout
-        samples = self._bank.samples(self.step_index, layout.preview + 1)
+        samples = self._bank.samples(self._places[: layout.preview + 1].T)
         if not self.settings.features:
             return layout.encode(*self._seen, self.action, samples)
         # errors that the base asks for itself say nothing of the machine
         n, at = self.robot.n_joints, self.columns
-        asked, base = self._window[:, 0, at.base_error], self._window[:, 1, at.base]
+        asked, base = self._rows[:, at.base_error], self._next_base(slice(None))
         error, error_rate = self._seen[0] - asked[:, :n], self._seen[1] - asked[:, n:]
         return layout.encode(error, error_rate, self.action, samples, base)
 
@@ -423,7 +435,7 @@ class TrackingCore:
 
     def info(self) -> dict[str, Any]:
         """Return signals of machine and simulation beside the observation, each of shape (B, ...), copies."""
-        now, signals, at = self._window[:, 0], self.signals, self.columns
+        now, signals, at = self._rows, self.signals, self.columns
         out: dict[str, Any] = {
             "time": self.time,
             "u_c": signals.feedback.u_fb.copy(),
@@ -438,3 +450,13 @@ class TrackingCore:
         if signals.tcp is not None and signals.path_error is not None:
             out |= {"tcp": signals.tcp.copy(), "path_error": signals.path_error.copy()}
         return out
+
+
+def _tile_gains(servo: Servo, n: int) -> Servo:
+    """Return the gains of a servo for each of `n` robots, (B, N)."""
+    return Servo(
+        position_gain=np.tile(servo.position_gain, (n, 1)),
+        velocity_gain=np.tile(servo.velocity_gain, (n, 1)),
+        integral_gain=np.tile(servo.integral_gain, (n, 1)),
+        control_dt=servo.control_dt,
+    )

@@ -3,6 +3,7 @@
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import ClassVar, final
 
 import numpy as np
@@ -17,9 +18,9 @@ STOP_STEPS = 250
 is so far out that under the default reward no standard motion costs as much, so that stopping never pays."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(slots=True, kw_only=True, eq=False)
 class RewardSignals:
-    """Signals at the end of a control step, in B sub-environments; motor side."""
+    """Signals at the end of a control step, in B sub-environments; motor side. Nothing changes them afterwards."""
 
     error: Array
     """True position error [rad], shape (B, N)."""
@@ -68,7 +69,7 @@ class Reward(ABC):
     def __call__(self, signals: RewardSignals, robot: RobotDescription, stopped: BoolArray) -> Array:
         """Compute the reward of a step, shape (B,), <= 0; `stopped` (B,) marks emergency stops."""
         cost = np.asarray(self.cost(signals, robot), dtype=np.float64)
-        if cost.shape != stopped.shape or not math.isfinite(cost.sum()):
+        if cost.shape != stopped.shape or not math.isfinite(np.add.reduce(cost)):
             what = f"has shape {cost.shape}" if cost.shape != stopped.shape else f"is {cost}"
             raise FFGymError(f"The cost of {type(self).__name__} {what}, must be {stopped.shape} finite numbers.")
         if self.effort_weight:
@@ -94,7 +95,7 @@ class MotorError(Reward):
 
     def cost(self, signals: RewardSignals, robot: RobotDescription) -> Array:
         """Compute the root mean square of scaled motor errors."""
-        return np.sqrt(mean_square(signals.error * (robot.servo.position_gain / robot.friction.static)))
+        return np.sqrt(mean_square(signals.error * _error_gain(robot, len(signals.error))))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -229,5 +230,11 @@ def find_reward(reward: str | Reward, robot: RobotDescription | None = None) -> 
 
 def mean_square(values: Array) -> Array:
     """Compute the mean square over the joints; a row's sum does not depend on the number of rows (tested)."""
-    mean: Array = np.square(values).sum(axis=-1) / values.shape[-1]
+    mean: Array = np.add.reduce(np.square(values), axis=-1) / values.shape[-1]
     return mean
+
+
+@lru_cache(maxsize=8)
+def _error_gain(robot: RobotDescription, n: int) -> Array:
+    """Return the torque of the servo per motor error in breakaway torques [1/rad], (N,), for `n` robots, (B, N)."""
+    return np.tile(robot.servo.position_gain / robot.friction.static, (n, 1))

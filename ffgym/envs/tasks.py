@@ -17,7 +17,7 @@ from ffgym.envs.motion import EpisodeMotion
 from ffgym.robot import RigidArm, RobotDescription, robot_of
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(slots=True, kw_only=True, eq=False)
 class Transition:
     """Result of a step in B sub-environments."""
 

@@ -102,7 +102,8 @@ def test_the_controller_keeps_its_own_robot_whatever_the_plant(irb4600):
     for env in (plain, other):
         np.testing.assert_array_equal(env.unwrapped.action_torque, 2.5 * irb4600.friction.static)
     np.testing.assert_array_equal(one[6:], two[6:])  # the same reference, in the same scales
-    rows = [env.unwrapped.core._bank.window(np.array([90]), 1)[0, 0] for env in (plain, other)]
+    banks = [env.unwrapped.core._bank for env in (plain, other)]
+    rows = [bank.rows(bank.places(np.array([90]), 1))[0, 0] for bank in banks]
     np.testing.assert_array_equal(*rows)  # the rigid feed-forward knows nothing of the payload
     errors = [[np.abs(env.step(np.zeros(6))[0][:6]).max() for _ in range(100)][-1] for env in (plain, other)]
     assert errors[0] != errors[1]

@@ -50,7 +50,7 @@ def test_a_changed_reward_asks_for_a_new_version(monkeypatch):
 @pytest.mark.parametrize(
     "change",
     [
-        (ffgym.envs.core, "path_error", lambda original: lambda *a: 1.001 * original(*a)),
+        (ffgym.envs.core, "path_error", lambda original: lambda *a, **k: 1.001 * original(*a, **k)),
         (ffgym.envs.rewards.AbsolutePathError, "cost", lambda original: lambda *a: 1.001 * original(*a)),
         (ffgym.envs.rewards.RelativePathError, "cost", lambda original: lambda *a: 1.001 * original(*a)),
         (ffgym.envs.rewards.FeedbackEffort, "cost", lambda original: lambda *a: 1.001 * original(*a)),

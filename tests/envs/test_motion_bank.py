@@ -37,9 +37,9 @@ def test_every_sub_environment_reads_the_rows_of_its_own_motion(motions, monkeyp
         bank.assign(i, motion)
         followed[i] = motion
         step = np.array([rng.integers(m.n_steps + 1) for m in followed])
-        window = bank.window(step, PADDING)
+        window = bank.rows(bank.places(step, PADDING))
         for k, m in enumerate(followed):
-            np.testing.assert_array_equal(window[k], rows[id(m)][step[k] : step[k] + PADDING])
+            np.testing.assert_array_equal(window[:, k], rows[id(m)][step[k] : step[k] + PADDING])
         assert len(bank._table) <= 1.25 * (keep + 6 * longest)
         assert len(bank._place) * 250 <= len(bank._table)
     assert bank.motions == followed
@@ -66,17 +66,17 @@ def test_the_last_sample_is_held_beyond_the_end(motions):
     motion = motions[0]
     bank = MotionBank(1, motion.columns, PADDING)
     bank.assign(0, motion)
-    window = bank.window(np.array([motion.n_steps]), PADDING + 1)[0]
+    window = bank.rows(bank.places(np.array([motion.n_steps]), PADDING + 1))[:, 0]
     np.testing.assert_array_equal(window, np.tile(window[0], (PADDING + 1, 1)))
 
 
 def test_a_window_is_a_copy(motions):
     bank = MotionBank(1, motions[0].columns, PADDING)
     bank.assign(0, motions[0])
-    before = bank.window(np.array([5]), 2)
+    before = bank.rows(bank.places(np.array([5]), 2))
     assert not np.shares_memory(before, bank._table)
-    bank.window(np.array([5]), 2)[:] = np.nan
-    np.testing.assert_array_equal(bank.window(np.array([5]), 2), before)
+    bank.rows(bank.places(np.array([5]), 2))[:] = np.nan
+    np.testing.assert_array_equal(bank.rows(bank.places(np.array([5]), 2)), before)
 
 
 def test_hundreds_of_random_episodes_need_no_more_memory_than_a_few(monkeypatch):

@@ -212,3 +212,16 @@ def test_writing_into_what_was_returned_changes_nothing():
             if not key.startswith("_"):
                 np.testing.assert_array_equal(env.core.info()[key], value, err_msg=key)
     np.testing.assert_array_equal(plant_state(env), plant_state(untouched))
+
+
+def test_what_was_returned_stays_as_it_was():
+    env = gym.make_vec(CIRCLE, num_envs=2, speeds=[0.1], radii=[0.001])
+    env.reset(seed=0)
+    actions = actions_for(3, 2, 6)
+    *results, info = env.step(actions[0])
+    seen = {"observation": results[0], "reward": results[1], "terminated": results[2], "truncated": results[3]} | info
+    before = {name: value.copy() for name, value in seen.items()}
+    for action in actions[1:]:
+        env.step(action)
+    for name, value in seen.items():
+        np.testing.assert_array_equal(value, before[name], err_msg=name)

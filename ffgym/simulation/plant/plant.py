@@ -1,7 +1,6 @@
 """Many copies of one robot, stepped together by MuJoCo; motor quantities go in and come out in motor units."""
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from typing import Any
 
 import mujoco
@@ -274,11 +273,16 @@ class Plant:
     def _roll(self, controls: Array, record: tuple[str, ...], ids: IntArray | None) -> dict[str, Array]:
         steps = controls.shape[1]
         began = self._time.copy()
-        with unprinted_warnings():
+        # without warnings that MuJoCo prints and writes to a file: an unstable simulation is an error of ours
+        before = mujoco.get_mju_user_warning()
+        mujoco.set_mju_user_warning(_ignore)
+        try:
             if self._forces is None:
                 out: dict[str, Array] = self.batch.rollout(steps, control=controls, record=record, ids=ids)
             else:
                 out = self._forces.rollout(self.batch, controls, record, ids)
+        finally:
+            mujoco.set_mju_user_warning(before)
         if np.count_nonzero(self._warnings):
             warned, self._warned = self._warnings > self._warned, self._warnings.copy()
             failed = np.flatnonzero(warned[:, _BAD].any(axis=1))
@@ -299,12 +303,5 @@ def _make(model: mujoco.MjModel) -> tuple[Any, ...]:
     return model.nu, model.na, names, model.actuator_dyntype.tolist()
 
 
-@contextmanager
-def unprinted_warnings() -> Iterator[None]:
-    """Keep MuJoCo from printing warnings and writing them to a file; an unstable simulation is an error of ours."""
-    before = mujoco.get_mju_user_warning()
-    mujoco.set_mju_user_warning(lambda _: None)
-    try:
-        yield
-    finally:
-        mujoco.set_mju_user_warning(before)
+def _ignore(_: str) -> None:
+    """Print no warning."""
