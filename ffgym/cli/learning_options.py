@@ -223,9 +223,11 @@ class Verify:
     machines: int = 10
     """Machines to draw; 0 replays the public motions alone, which gives no score."""
     motions: int = 6
-    """Circles to draw; every machine runs all of them."""
+    """Motions to draw; every machine runs all of them."""
     series: str = "workcell:"
     """Series that machines are drawn from: workcell: or draw:."""
+    kinds: tuple[str, ...] = ("circle", "square", "spiral", "tilted")
+    """Kinds of motions, in turn: circles, squares with rounded corners, spirals, circles in tilted planes."""
     round_seed: int | None = None
     """Seed of the draw, to repeat a verification; none draws a fresh one and prints it."""
     round: Path | None = None
@@ -254,6 +256,8 @@ class NewRound:
     machines: int = 10
     """Machines to draw."""
     motions: int = 6
-    """Circles to draw; every machine runs all of them."""
+    """Motions to draw; every machine runs all of them."""
     series: str = "workcell:"
     """Series that machines are drawn from: workcell: or draw:."""
+    kinds: tuple[str, ...] = ("circle", "square", "spiral", "tilted")
+    """Kinds of motions, in turn: circles, squares with rounded corners, spirals, circles in tilted planes."""

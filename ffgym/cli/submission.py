@@ -86,7 +86,7 @@ def verify(config: Verify) -> None:
 def new_round(config: NewRound) -> None:
     """Draw, write, print."""
     check_outputs({"--out": config.out, "--secret": config.secret})
-    drawn = draw_round(machines=config.machines, motions=config.motions, series=config.series)
+    drawn = draw_round(machines=config.machines, motions=config.motions, series=config.series, kinds=config.kinds)
     write_json(config.secret, drawn.list_revealed())
     write_json(config.out, drawn.list_published())
     print(f"commitment: {drawn.commitment}")
@@ -110,7 +110,7 @@ def find_round(config: Verify) -> Round | None:
         return drawn
     if config.machines == 0:
         return None
-    drawn = draw_round(machines=config.machines, motions=config.motions, series=config.series)
+    drawn = draw_round(machines=config.machines, motions=config.motions, series=config.series, kinds=config.kinds)
     return drawn if config.round_seed is None else replace(drawn, seed=config.round_seed, salt="")
 
 
@@ -122,6 +122,7 @@ def _drawn_numbers(scored: DrawnVerdict) -> dict[str, Any]:
         "motions": to_json(scored.motions),
         "rows": [
             {"name": row.name, "rank": row.rank, "feedback": row.row.feedback, "public": row.public}
+            | {"by_kind": dict(row.by_kind)}
             | {"score": to_json(row.score)}
             | {"circles": [{"plant": o.plant} | to_json(cell) for o in row.row.outcomes for cell in o.cells]}
             for row in scored.rows
@@ -140,7 +141,7 @@ def _drawn_lines(scored: DrawnVerdict) -> list[str]:
     lines = [
         f"round: seed {drawn.seed}, {drawn.machines} machines {drawn.series}<number>, {drawn.motions} motions "
         f"(repeat with --round-seed {drawn.seed} --machines {drawn.machines} --motions {drawn.motions} "
-        f"--series {drawn.series})",
+        f"--series {drawn.series} --kinds {' '.join(drawn.kinds)})",
         f"{'error left':20} {'drawn':>7} {'interval':>16} {'public':>7} {'rank':>5} track",
     ]
     for row in scored.rows:
@@ -149,6 +150,9 @@ def _drawn_lines(scored: DrawnVerdict) -> list[str]:
         lines.append(
             f"{row.name:20} {row.score.left:7.3f} {interval:>16} {row.public:7.3f} {row.rank:5d} {row.row.control}"
         )
+    kinds = list(scored.rows[0].by_kind)
+    lines.append(f"{'by kind of motion':20}" + "".join(f" {kind:>7}" for kind in kinds))
+    lines += [f"{row.name:20}" + "".join(f" {row.by_kind[kind]:7.3f}" for kind in kinds) for row in scored.rows]
     return [
         *lines,
         f"robot time: {scored.robot_seconds:g} s before the scored motions, as counted here; "

@@ -6,6 +6,7 @@ from functools import lru_cache
 from zlib import crc32
 
 from ffgym.core.errors import check_choice
+from ffgym.leaderboard.motions import CIRCLE, SPIRAL, SQUARE, follow_shape
 from ffgym.paths import RADII, SPEEDS, CartesianPath, Reference, cartesian_reference, circle_test
 from ffgym.robot import RigidArm, RobotDescription
 from ffgym.studies.circles import circle_path
@@ -27,16 +28,20 @@ NEW_SPEEDS = (0.020, 0.070)
 
 @dataclass(frozen=True)
 class Task:
-    """One motion: circles of some radii, one after the other, at one position and one speed."""
+    """One motion: circles of some radii, one after the other, or another shape, at one position and one speed."""
 
     position: str
     speed: float
     """Speed of the TCP [m/s]."""
     radii: tuple[float, ...]
-    """Radii of the circles [m]."""
+    """Radii of the circles [m]; one size of another shape, see `follow_shape`."""
     split: str
     centre: tuple[float, float, float] | None = field(default=None, repr=False)
     """Centre of the circles in the world [m] where it is no position of the work area; None is `position`."""
+    kind: str = field(default=CIRCLE, repr=False)
+    """Kind of the motion, in KINDS; those other than circles in the plane of the work area have a centre."""
+    normal: tuple[float, float, float] | None = field(default=None, repr=False)
+    """Normal of the plane of a tilted circle; None is that of the work area."""
 
     @property
     def place(self) -> str | tuple[float, float, float]:
@@ -76,6 +81,9 @@ def duration_of(robot: RobotDescription, task: Task) -> float:
 
 @lru_cache(maxsize=64)
 def _reference(arm: RigidArm, task: Task) -> Reference:
+    if task.kind in (SQUARE, SPIRAL):
+        assert task.centre is not None  # such motions are drawn about a point
+        return follow_shape(arm, task.kind, task.centre, task.radii[0], task.speed, task.position)
     return cartesian_reference(arm, _path(arm.robot, task))
 
 
@@ -83,5 +91,5 @@ def _path(robot: RobotDescription, task: Task) -> CartesianPath:
     if task.centre is None:
         return circle_path(robot, task.position, task.speed, task.radii)
     assert robot.work_area is not None  # robots of the leaderboard have one
-    normal, dt = robot.work_area.normal, robot.servo.control_dt
+    normal, dt = task.normal or robot.work_area.normal, robot.servo.control_dt
     return circle_test(task.centre, task.speed, radii=task.radii, normal=normal, dt=dt, name=task.position)

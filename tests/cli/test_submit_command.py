@@ -11,7 +11,8 @@ from ffgym.cli.learning_options import NewRound, Verify
 from ffgym.cli.main import main
 from ffgym.leaderboard.submission import judge
 from ffgym.leaderboard.submission.rounds import Round
-from tests.leaderboard.submission_samples import PLAN, agent_file, changed
+from ffgym.robot import load_robot
+from tests.leaderboard.submission_samples import PLAN, ROBOT, agent_file, changed
 
 WHO = ["--name", "mine", "--author", "somebody", "--track", "causal, nominal parameters"]
 
@@ -69,7 +70,7 @@ def test_what_is_submitted_is_accepted_and_what_is_changed_is_refused_in_one_lin
 
 def test_a_committed_round_is_run_after_it_was_revealed_and_its_seed_repeats_it(small, capsys):
     assert main(["leaderboard", "submit", "mine.py", *WHO, "--out", "agent.zip", "--robot-seconds", "5"]) == 0
-    size = ["--machines", "2", "--motions", "1", "--series", "draw:"]
+    size = ["--machines", "2", "--motions", "1", "--series", "draw:", "--kinds", "square"]
     assert main(["leaderboard", "round", *size]) == 0
     out = capsys.readouterr().out
     published, secret = (json.loads((small / name).read_text()) for name in ("round.json", "round_secret.json"))
@@ -95,12 +96,17 @@ def test_a_committed_round_is_run_after_it_was_revealed_and_its_seed_repeats_it(
         for ours, none in zip(*(rows[n]["circles"] for n in ("mine", "none")), strict=True)
     ]
     assert rows["mine"]["score"]["left"] == pytest.approx(np.exp(np.mean(np.log(left))), rel=1e-9)
+    assert rows["mine"]["by_kind"] == {"square": pytest.approx(rows["mine"]["score"]["left"], rel=1e-9)}
+    assert f"{'by kind of motion':20}  square" in lines
     assert {circle["plant"] for circle in rows["mine"]["circles"]} == set(first["drawn"]["plants"])
     assert sorted(rows) == ["elastic", "lugre_dynamic", "mine", "none"]
 
-    options = Verify(submission=small, round_seed=secret["seed"], machines=2, motions=1, series="draw:")
+    options = Verify(
+        submission=small, round_seed=secret["seed"], machines=2, motions=1, series="draw:", kinds=("square",)
+    )
     again = submission.find_round(options)
     assert sorted(again.plants) == sorted(first["drawn"]["plants"])
+    assert again.draw_motions(load_robot(ROBOT).work_area)[0].kind == "square"
 
 
 @pytest.mark.parametrize(
@@ -178,8 +184,5 @@ def test_the_oracle_has_no_track_for_submissions(small):
 def test_sizes_of_a_round_are_those_of_the_library(options):
     drawn = Round(seed=1)
     defaults = {field.name: field.default for field in fields(options)}
-    assert [defaults[name] for name in ("machines", "motions", "series")] == [
-        drawn.machines,
-        drawn.motions,
-        drawn.series,
-    ]
+    for name in ("machines", "motions", "series", "kinds"):
+        assert defaults[name] == getattr(drawn, name)

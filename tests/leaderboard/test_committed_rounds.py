@@ -7,10 +7,13 @@ import numpy as np
 import pytest
 
 from ffgym.core.errors import FFGymError
+from ffgym.leaderboard.motions import CIRCLE, KINDS, SPIRAL, SQUARE, TILTED
 from ffgym.leaderboard.submission.rounds import (
     RADII,
     SEEDS,
     SPEEDS,
+    TILTS,
+    WIDER,
     Round,
     draw_round,
     read_commitment,
@@ -64,7 +67,8 @@ def test_machines_and_motions_are_none_that_are_public(seed):
         assert np.all(corners.min(axis=0) <= task.centre)
         assert np.all(task.centre <= corners.max(axis=0))
         assert np.linalg.norm(corners - task.centre, axis=1).min() > 0.009
-        assert RADII[0] <= task.radii[0] <= RADII[1]
+        size = task.radii[0] / (1.0 if task.kind in (CIRCLE, TILTED) else WIDER)
+        assert RADII[0] <= size <= RADII[1]
         assert SPEEDS[0] <= task.speed <= SPEEDS[1]
 
 
@@ -76,6 +80,42 @@ def test_a_drawn_motion_is_a_circle_about_its_centre():
     [named] = make_references(arm, [Task("p2", task.speed, task.radii, "positions")])
     assert named.duration == reference.duration
     assert not np.allclose(named.q, reference.q, atol=1e-3)
+
+
+def test_a_round_of_circles_draws_what_the_first_format_drew():
+    drawn = Round(seed=5, machines=2, series="draw:", kinds=[CIRCLE])
+    assert drawn.commitment == "6db684151a989d603d06a8d432b76858c063706fddffd6d0f92f28aa2564374c"
+    assert drawn.plants == ("draw:713012461", "draw:623727154")
+    first, *_, last = drawn.draw_motions(AREA)
+    assert first == Task("p4 +22.6 -16.4 mm", 0.0546, (0.00116,), "drawn", centre=(1.3226, 0.1836, 0.6))
+    assert (last.position, last.speed, last.radii) == ("p3 -24.4 -24.3 mm", 0.0722, (0.00126,))
+
+
+def test_kinds_of_motions_are_drawn_in_turn_at_the_same_places():
+    circles, mixed = (Round(seed=5, kinds=kinds).draw_motions(AREA) for kinds in ((CIRCLE,), KINDS))
+    assert [task.kind for task in mixed] == [*KINDS, *KINDS[:2]]
+    assert [(t.centre, t.speed, t.position) for t in mixed] == [(t.centre, t.speed, t.position) for t in circles]
+    assert {task.split for task in mixed} == {"drawn", "drawn square", "drawn spiral", "drawn tilted"}
+    [tilted] = [task for task in mixed if task.kind == TILTED]
+    up = np.array(tilted.normal) @ [0, 0, 1]
+    assert TILTS[0] <= np.arccos(up) <= TILTS[1]
+    assert np.linalg.norm(tilted.normal) == pytest.approx(1.0)
+    with pytest.raises(FFGymError, match="Unknown kind of motion 'star'"):
+        Round(seed=5, kinds=("star",))
+    with pytest.raises(FFGymError, match="kinds of a round are empty"):
+        Round(seed=5, kinds=())
+
+
+@pytest.mark.parametrize(("kind", "spread"), [(SQUARE, 2 * WIDER), (SPIRAL, 1.75 * WIDER), (TILTED, 2.0)])
+def test_a_drawn_motion_has_its_size_about_its_centre(kind, spread):
+    arm = RigidArm(ROBOT)
+    [circle], [task] = (Round(seed=5, motions=1, kinds=(each,)).draw_motions(AREA) for each in (CIRCLE, kind))
+    [reference] = make_references(arm, [task])
+    away = arm.tcp_position(reference.q) - task.centre
+    # the radius of a spiral of two turns is three quarters of the last one half a turn before
+    assert np.ptp(away[:, 0]) == pytest.approx(spread * circle.radii[0], rel=0.02)
+    assert np.abs(away @ (task.normal or (0, 0, 1))).max() < 1e-6
+    assert np.ptp(away[:, 2]) > 1e-4 if kind == TILTED else np.ptp(away[:, 2]) < 1e-6
 
 
 def test_a_revealed_round_fits_the_hash_that_was_published_before_it(tmp_path):
@@ -92,13 +132,22 @@ def test_a_revealed_round_fits_the_hash_that_was_published_before_it(tmp_path):
 
 def test_anyone_computes_the_hash_with_ten_words_of_python(tmp_path):
     tree = draw_round().list_revealed()
-    rest = {key: tree[key] for key in ("seed", "salt", "machines", "motions", "series")}
+    rest = {key: tree[key] for key in ("seed", "salt", "machines", "motions", "series", "kinds")}
     text = json.dumps(rest, sort_keys=True, separators=(",", ":"))
     assert hashlib.sha256(text.encode()).hexdigest() == tree["commitment"]
 
 
 @pytest.mark.parametrize(
-    "change", [{"seed": 4}, {"salt": "00"}, {"machines": 9}, {"motions": 1}, {"series": "draw:"}, {"commitment": "0"}]
+    "change",
+    [
+        {"seed": 4},
+        {"salt": "00"},
+        {"machines": 9},
+        {"motions": 1},
+        {"series": "draw:"},
+        {"commitment": "0"},
+        {"kinds": ["square"]},
+    ],
 )
 def test_another_round_than_the_committed_one_is_refused(tmp_path, change):
     with pytest.raises(FFGymError, match="not the round that was committed to"):
@@ -112,7 +161,10 @@ def test_another_round_than_the_committed_one_is_refused(tmp_path, change):
         (draw_round(machines=1).list_revealed() | {"seed": "1"}, "is no round"),
         (draw_round(machines=1).list_revealed() | {"seed": -1}, "is no round"),
         (draw_round(machines=1).list_revealed() | {"more": 1}, "is no round"),
-        (draw_round(machines=1).list_revealed() | {"format": 2}, "no file of a round"),
+        (draw_round(machines=1).list_revealed() | {"format": 3}, "no file of a round of format 1 or 2"),
+        (draw_round(machines=1).list_revealed() | {"format": 1}, "Files of format 1 have no kinds"),
+        (draw_round(machines=1).list_revealed() | {"kinds": ["circle"]}, "which files of format 1 have"),
+        (draw_round(machines=1, kinds=["circle"]).list_revealed() | {"format": 2}, "is no round"),
         ([], "no file of a round"),
     ],
 )

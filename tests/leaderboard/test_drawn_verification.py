@@ -16,6 +16,8 @@ from ffgym.core.errors import FFGymError
 from ffgym.leaderboard.comparison.scores import Difference
 from ffgym.leaderboard.comparison.statistics import Interval
 from ffgym.leaderboard.evaluation.closed_loop import run_rollouts
+from ffgym.leaderboard.evaluation.jobs import lost_cells, score_motion
+from ffgym.leaderboard.motions import KINDS
 from ffgym.leaderboard.plants import find_plant
 from ffgym.leaderboard.submission.drawn import BASE, SpotCheck, ZeroAction, list_public, verify_drawn
 from ffgym.leaderboard.submission.judge import SCORE_TOLERANCE, STANDARD
@@ -27,9 +29,10 @@ from ffgym.robot import load_robot
 from ffgym.simulation.sensors import sensors_of
 from tests.leaderboard.submission_samples import ABOUT, PYTHON, ROBOT, agent_file, changed, judge, manifest_of
 
-PUBLIC = {"draw:0": (Task("p2", 0.1, (0.003,), "positions"),)}
+PUBLIC = {"draw:0": (Task("p2", 0.1, (0.001,), "positions"),)}
 """The public machine and circle of these tests."""
-ROUND = Round(seed=1, machines=3, motions=2, series="draw:")
+ROUND = Round(seed=361, machines=2, motions=4, series="draw:")
+"""Round of one motion of each kind, all of them short."""
 BESIDE = rows_beside((BASE,), load_robot(ROBOT))
 MEMORISER = """
 import base64
@@ -94,13 +97,19 @@ def test_stored_torques_of_public_circles_score_as_their_base_on_what_is_drawn(v
     assert ends == pytest.approx((1.0, 1.0), abs=SCORE_TOLERANCE)
     assert verdict.is_memorised
     assert verdict.sentence.startswith(
-        "accepted, rank 1 of 4: on 3 machines and 2 motions that were drawn it leaves 0."
+        "accepted, rank 1 of 4: on 2 machines and 4 motions that were drawn it leaves 0."
     )
     assert "memorised: of the error of elastic it leaves 0." in verdict.sentence
     ranks = {row.name: row.rank for row in verdict.rows}
+    elastic_left = next(row.by_kind for row in verdict.rows if row.name == "elastic")
     assert ranks["mine"] == ranks["elastic"] == 1 < ranks["none"]
     assert ranks["other"] > 1
-    assert (verdict.robot_seconds, verdict.manifest.robot_seconds > 4) == (0.0, True)
+    for row in verdict.rows:
+        assert list(row.by_kind) == list(KINDS)
+        left = {"mine": elastic_left, "elastic": elastic_left, "none": dict.fromkeys(KINDS, 1.0)}.get(row.name)
+        assert left is None or row.by_kind == pytest.approx(left, rel=SCORE_TOLERANCE)
+    assert max(elastic_left.values()) < 0.5
+    assert (verdict.robot_seconds, verdict.manifest.robot_seconds > 2) == (0.0, True)
 
 
 @pytest.mark.parametrize(
@@ -119,6 +128,29 @@ def test_a_submission_is_memorised_if_less_than_half_of_its_public_gain_holds(ve
     found = replace(verdict, public_ratio=public, against_base=against)
     assert found.is_memorised == memorised
     assert ("memorised" in found.sentence) == memorised
+
+
+def test_every_kind_of_motion_is_scored_on_its_path():
+    plant, tasks = find_plant("draw:0"), ROUND.draw_motions(load_robot(ROBOT).work_area)
+    assert [task.kind for task in tasks] == list(KINDS)
+    policies = [View(preview=1, action_scale=1.0, make=ZeroAction)] * 2
+    first, same = run_rollouts(plant, policies, tasks, n_threads=1)
+    references = make_references(plant.rig.arm, tasks)
+    for task, reference, one, other in zip(tasks, references, first, same, strict=True):
+        assert one.recording.t[-1] == pytest.approx(reference.duration)
+        [cell] = score_motion(task, one.recording)
+        assert [cell] == score_motion(task, other.recording)
+        assert cell.key == lost_cells(task)[0].key
+        assert 1e-3 < cell.rms_mm < cell.max_mm < 5  # of motions of some millimetres
+        assert all(error > 0 for error in cell.motor_rms_rad)
+
+
+def test_circles_along_any_path_are_those_of_the_circle_test():
+    plant, [circle, square, *_] = find_plant("draw:0"), ROUND.draw_motions(load_robot(ROBOT).work_area)
+    policy = View(preview=1, action_scale=1.0, make=ZeroAction)
+    [[alone]] = run_rollouts(plant, [policy], [circle], n_threads=1)
+    [[beside, _]] = run_rollouts(plant, [policy], [circle, square], n_threads=1)
+    assert score_motion(circle, alone.recording) == score_motion(circle, beside.recording)
 
 
 def test_machines_side_by_side_run_as_each_alone():

@@ -17,12 +17,14 @@ from ffgym.core.registration import find_spec
 from ffgym.core.types import Array, BoolArray
 from ffgym.envs import EpisodeRecorder
 from ffgym.envs.core import TrackingCore
+from ffgym.leaderboard.motions import CIRCLE
 from ffgym.leaderboard.plants import TestPlant
-from ffgym.leaderboard.tasks import Task, noise_seed
+from ffgym.leaderboard.tasks import Task, make_references, noise_seed
 from ffgym.paths import Reference
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
 from ffgym.simulation import RECORD_DT, Rig
+from ffgym.simulation.plant import Machine
 from ffgym.simulation.run import Progress
 from ffgym.simulation.sensors import measure
 
@@ -75,14 +77,20 @@ def run_rollouts(
         raise FFGymError(f"Policies must have one preview, action scale and track to run side by side, got {views}.")
     [(preview, scale, feedback)] = views
     size = len(policies) * n
-    env = environment_for(plant, preview, scale, size, feedback=feedback, recorder=recorder, n_threads=n_threads)
+    of_tasks = [plant] * n if machines is None else list(machines)
+    made: dict[str, Any] = {"feedback": feedback, "recorder": recorder, "n_threads": n_threads}
+    if all(task.kind == CIRCLE for task in tasks):
+        env = environment_for(plant, preview, scale, size, **made)
+        each: list[dict[str, Any]] = [{"position": t.place, "speed": t.speed, "radii": t.radii} for t in tasks]
+    else:
+        references = make_references(plant.rig.arm, tasks)
+        env = _environment_along(plant.rig.robot, plant.machine, references, preview, scale, size, **made)
+        each = [{"path": reference} for reference in references]
     core: TrackingCore = env.unwrapped.core
     robot, layout = core.robot, core.observation_layout
     # agents decide on equal shares of the rows
     decide = agents or [policy.agent(robot, layout) for policy in policies]
     own = [0] * len(policies) if seeds is None else list(seeds)
-    each: list[dict[str, Any]] = [{"position": t.place, "speed": t.speed, "radii": t.radii} for t in tasks]
-    of_tasks = [plant] * n if machines is None else list(machines)
     if machines is not None:
         each = [one | {"plant": machine.machine} for one, machine in zip(each, of_tasks, strict=True)]
     of_rows = [seed + i for seed in own for i in range(n)]
@@ -128,17 +136,14 @@ def run_references(
         FFGymError: if the policy does not fit the robot, or an action is not finite or has the wrong shape.
     """
     recorder = EpisodeRecorder(record_dt=record_dt)
-    env: Any = gym.make_vec(
-        find_spec("ffgym/FollowPath-v0"),
-        num_envs=len(references),
-        autoreset_mode=AutoresetMode.DISABLED,
-        robot=rig.robot,
-        plant=rig.machine,
-        path=list(references),
-        preview=policy.preview,
-        action_scale=policy.action_scale,
-        track="feedback" if sees_errors(policy) else "feed-forward",
-        sensing="resolver",
+    env = _environment_along(
+        rig.robot,
+        rig.machine,
+        references,
+        policy.preview,
+        policy.action_scale,
+        len(references),
+        feedback=sees_errors(policy),
         recorder=recorder,
         n_threads=n_threads,
     )
@@ -170,6 +175,33 @@ def environment_for(
         action_scale=action_scale,
         track="feedback" if feedback else "feed-forward",
         **dict(plant.env_arguments) | arguments,
+    )
+
+
+def _environment_along(
+    robot: RobotDescription,
+    machine: Machine | None,
+    references: Sequence[Reference],
+    preview: int,
+    action_scale: float,
+    n: int,
+    *,
+    feedback: bool,
+    **arguments: Any,
+) -> Any:
+    """Make the environment of a machine along any motions, for the rest as `environment_for`."""
+    return gym.make_vec(
+        find_spec("ffgym/FollowPath-v0"),
+        num_envs=n,
+        autoreset_mode=AutoresetMode.DISABLED,
+        robot=robot,
+        plant=machine,
+        path=list(references),
+        preview=preview,
+        action_scale=action_scale,
+        track="feedback" if feedback else "feed-forward",
+        sensing="resolver",
+        **arguments,
     )
 
 

@@ -1,7 +1,7 @@
 """Jobs: runs of agents on plants that any process can do, scored by circles and collected as outcomes."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import groupby
 
 import numpy as np
@@ -10,11 +10,12 @@ from ffgym.core.provenance import versions
 from ffgym.leaderboard.entrants import ReadyAgent, Registry, find_entrant
 from ffgym.leaderboard.evaluation.closed_loop import inference_time, run_rollouts
 from ffgym.leaderboard.evaluation.margins import measure_margins
+from ffgym.leaderboard.motions import CIRCLE, TILTED
 from ffgym.leaderboard.plants import DRAW, DRAWN_WORKCELL, TestPlant, drives_plant, find_plant
 from ffgym.leaderboard.results import CircleResult, Margins, Outcome, Trail
 from ffgym.leaderboard.tasks import Task, make_references, noise_seed
 from ffgym.recordings import Recording
-from ffgym.recordings.metrics import deviation_along
+from ffgym.recordings.metrics import contour_errors, deviation_along, motor_error_rms
 from ffgym.simulation import Run
 from ffgym.studies import circle_scores, in_mm
 
@@ -192,6 +193,17 @@ def score_circles(task: Task, recording: Recording) -> list[CircleResult]:
         )
         for score in circle_scores(recording, task.radii)
     ]
+
+
+def score_motion(task: Task, recording: Recording) -> list[CircleResult]:
+    """Score a task that ran to its end: its circles, or the whole of another motion by its contour error."""
+    if task.kind in (CIRCLE, TILTED):
+        return score_circles(task, recording)
+    whole = contour_errors(recording)[0]
+    rms, most = whole.rms * 1e3, whole.max * 1e3
+    [lost] = lost_cells(task)
+    motors = tuple(float(x) for x in motor_error_rms(recording))
+    return [replace(lost, rms_mm=rms, max_mm=most, rms_3d_mm=rms, max_3d_mm=most, motor_rms_rad=motors)]
 
 
 def lost_cells(task: Task) -> list[CircleResult]:

@@ -20,13 +20,14 @@ from ffgym.leaderboard.comparison.scores import Difference, Score, ScoredRow, co
 from ffgym.leaderboard.comparison.standings import rank_rows
 from ffgym.leaderboard.comparison.statistics import Interval
 from ffgym.leaderboard.evaluation.closed_loop import run_rollouts
-from ffgym.leaderboard.evaluation.jobs import lost_cells, score_circles
+from ffgym.leaderboard.evaluation.jobs import lost_cells, score_motion
+from ffgym.leaderboard.motions import CIRCLE
 from ffgym.leaderboard.plants import TestPlant, find_plant
 from ffgym.leaderboard.results import CircleResult, Outcome, Row
 from ffgym.leaderboard.submission.judge import ACTION_TOLERANCE, SCORE_TOLERANCE, Judge, check_physics, controller_of
 from ffgym.leaderboard.submission.manifest import Manifest, Refused, decode_submission, sha256_of
 from ffgym.leaderboard.submission.python_agent import View
-from ffgym.leaderboard.submission.rounds import Round
+from ffgym.leaderboard.submission.rounds import DRAWN, Round
 from ffgym.leaderboard.tasks import Task
 from ffgym.report.laws import UNCOMPENSATED
 from ffgym.robot import RobotDescription
@@ -52,6 +53,8 @@ class DrawnRow:
     """Score on drawn machines and motions."""
     public: float
     """Error left on the public circles, in that of zero action: geometric mean."""
+    by_kind: Mapping[str, float]
+    """Error left on the drawn motions of each kind, likewise."""
 
     @property
     def name(self) -> str:
@@ -164,6 +167,7 @@ def verify_drawn(
                 rank=ranks[each.row.name],
                 score=compute_score(each, grid, zero, None),
                 public=left[each.row.name],
+                by_kind=_errors_left(each.row, scored[UNCOMPENSATED].row, drawn.kinds),
             )
             for each in best_first
         ),
@@ -316,7 +320,7 @@ def _run(
     rows: dict[str, Cells] = {name: {} for name in policies}
     for name, rollouts in zip(policies, found, strict=True):
         for (plant, task), rollout in zip(pairs, rollouts, strict=True):
-            made = lost_cells(task) if rollout.recording is None else score_circles(task, rollout.recording)
+            made = lost_cells(task) if rollout.recording is None else score_motion(task, rollout.recording)
             rows[name].setdefault(plant, []).extend(made)
     return rows
 
@@ -364,6 +368,16 @@ def _score(rows: Sequence[Row]) -> tuple[dict[str, ScoredRow], Any, Grid]:
     if not np.all(np.isfinite(zero.rms)):
         raise FFGymError("The robot stopped with zero action, so that nothing can be compared with it; draw again.")
     return {row.name: ScoredRow.of(row, collect_sample(row, grid), zero) for row in rows}, zero, grid
+
+
+def _errors_left(row: Row, zero: Row, kinds: Sequence[str]) -> dict[str, float]:
+    """Compute the geometric mean of errors over those of zero action for each kind of motions that was drawn."""
+    logs: dict[str, list[float]] = {kind: [] for kind in kinds}
+    for own, other in zip(row.outcomes, zero.outcomes, strict=True):
+        for cell, reference in zip(own.cells, other.cells, strict=True):
+            kind = cell.split.removeprefix(DRAWN).strip() or CIRCLE
+            logs[kind].append(float(np.log((cell.rms_mm or np.inf) / (reference.rms_mm or np.inf))))
+    return {kind: float(np.exp(np.mean(each))) for kind, each in logs.items() if each}
 
 
 def list_public(plants: Iterable[str], series: str) -> list[str]:

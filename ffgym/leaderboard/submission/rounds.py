@@ -8,24 +8,27 @@ import hashlib
 import json
 import os
 import secrets
-from dataclasses import asdict, dataclass
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from ffgym.core.errors import FFGymError, check_number, check_whole
+from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
 from ffgym.core.files import read_text
 from ffgym.core.typed_json import from_json
 from ffgym.envs.machines import WORKCELL
+from ffgym.leaderboard.motions import CIRCLE, KINDS, TILTED
 from ffgym.leaderboard.plants import find_plant
 from ffgym.leaderboard.tasks import Task
 from ffgym.robot.parts import WorkArea
 
-FORMAT = 1
-"""Version of the files of rounds; see docs/leaderboard/submissions.md."""
+FORMATS = 1, 2
+"""Versions of the files of rounds; see docs/leaderboard/submissions.md. The first has circles alone and does not say
+so, and its hash does not cover the kinds of motions."""
 DRAWN = "drawn"
-"""Split of motions that are drawn."""
+"""Split of circles that are drawn; that of another kind of motion has its name behind it."""
 SERIES = WORKCELL
 """Series of the machines of a verification: prefix of their names, which a number follows."""
 MACHINES, MOTIONS = 10, 6
@@ -34,6 +37,11 @@ SEEDS = 10**6, 10**9
 """Range of the numbers of drawn machines; trainings and pages use smaller ones, and there are too many to learn all."""
 RADII = 0.001, 0.005
 """Range of radii [m], those of the thesis; uniform in the logarithm."""
+WIDER = 2.0
+"""Half a side of a square, and last radius of a spiral, in the radius that is drawn; chosen: such motions then last as
+long as a circle with its leads."""
+TILTS = np.deg2rad(10.0), np.deg2rad(45.0)
+"""Range of the tilt of a plane [rad], uniform, to any side; chosen: the built-in motion `tilted_circles` has 40 deg."""
 SPEEDS = 0.02, 0.1
 """Range of speeds [m/s], uniform in the logarithm. Chosen: from twice the slowest of the thesis, which takes long."""
 INSIDE = 0.05, 0.35
@@ -56,11 +64,18 @@ class Round:
     """Prefix of the names of the machines, which a number follows."""
     salt: str = ""
     """Random text that the hash covers; empty for a round that nobody committed to."""
+    kinds: tuple[str, ...] = KINDS
+    """Kinds of the motions, in turn, see `ffgym.leaderboard.motions`."""
 
     def __post_init__(self) -> None:
         check_whole("seed of a round", self.seed, low=0, high=2**53)
         check_whole("machines of a round", self.machines, low=1, high=100)
         check_whole("motions of a round", self.motions, low=1, high=100)
+        object.__setattr__(self, "kinds", tuple(self.kinds))
+        if not self.kinds:
+            raise FFGymError(f"kinds of a round are empty; name some of {', '.join(KINDS)}.")
+        for kind in self.kinds:
+            check_choice("kind of motion", kind, KINDS)
         find_plant(self.plants[0])  # which refuses a series that there is not
 
     @cached_property
@@ -75,8 +90,11 @@ class Round:
         return self.seed % 2**31
 
     def draw_motions(self, area: WorkArea) -> tuple[Task, ...]:
-        """Draw the motions: circles about centres within a work area, one each, near its positions in turn."""
-        rng = np.random.default_rng([_ROUNDS, self.seed, 1])
+        """Draw the motions: of all kinds in turn, about centres within a work area, near its positions in turn.
+
+        Centre, radius and speed of a motion are the same whatever its kind is.
+        """
+        rng, tilts = (np.random.default_rng([_ROUNDS, self.seed, stream]) for stream in (1, 2))
         names = list(area.positions)
         middle = np.mean([area.positions[name] for name in names], axis=0)
         order = rng.permutation(len(names))
@@ -87,28 +105,61 @@ class Round:
             radius, speed = (float(np.exp(rng.uniform(*np.log(ends)))) for ends in (RADII, SPEEDS))
             x, y, z = (area.positions[near] + shift).tolist()
             label = f"{near} {shift[0] * 1e3:+.1f} {shift[1] * 1e3:+.1f} mm"
-            tasks.append(Task(label, round(speed, 4), (round(radius, 5),), DRAWN, centre=(x, y, z)))
+            task = Task(label, round(speed, 4), (round(radius, 5),), DRAWN, centre=(x, y, z))
+            tasks.append(_as_kind(task, self.kinds[k % len(self.kinds)], tilts.uniform(*TILTS), tilts.uniform(-1, 1)))
         return tuple(tasks)
+
+    @property
+    def format(self) -> int:
+        """Version of the file: the first for circles alone, whose hash and draws are those of older rounds."""
+        return FORMATS[0] if self.kinds == (CIRCLE,) else FORMATS[1]
+
+    def _entries(self) -> dict[str, Any]:
+        """Return the entries that the hash covers."""
+        entries = asdict(self)
+        if self.format == FORMATS[0]:
+            del entries["kinds"]
+        return entries
 
     @property
     def commitment(self) -> str:
         """SHA-256 of the round in canonical JSON: sorted keys, no blanks."""
-        return hashlib.sha256(json.dumps(asdict(self), sort_keys=True, separators=(",", ":")).encode()).hexdigest()
+        text = json.dumps(self._entries(), sort_keys=True, separators=(",", ":"))
+        return hashlib.sha256(text.encode()).hexdigest()
 
     def list_published(self) -> dict[str, Any]:
         """Return the JSON that is published before a round: everything but seed and salt, and the hash of all."""
-        open_parts = {key: value for key, value in asdict(self).items() if key not in ("seed", "salt")}
-        return {"format": FORMAT, "commitment": self.commitment, **open_parts}
+        open_parts = {key: value for key, value in self._entries().items() if key not in ("seed", "salt")}
+        return {"format": self.format, "commitment": self.commitment, **open_parts}
 
     def list_revealed(self) -> dict[str, Any]:
         """Return the JSON that is published after a round: with seed and salt."""
-        return {"format": FORMAT, "commitment": self.commitment, **asdict(self)}
+        return {"format": self.format, "commitment": self.commitment, **self._entries()}
 
 
-def draw_round(*, machines: int = MACHINES, motions: int = MOTIONS, series: str = SERIES) -> Round:
+def _as_kind(task: Task, kind: str, tilt: float, side: float) -> Task:
+    """Make a motion of a kind of a drawn circle; a plane is tilted by `tilt` [rad] to `side`, in half turns."""
+    if kind == CIRCLE:
+        return task
+    split = f"{DRAWN} {kind}"
+    if kind != TILTED:
+        [radius] = task.radii
+        return replace(task, split=split, kind=kind, radii=(round(WIDER * radius, 5),))
+    x, y = np.sin(tilt) * np.cos(np.pi * side), np.sin(tilt) * np.sin(np.pi * side)
+    return replace(task, split=split, kind=kind, normal=(float(x), float(y), float(np.cos(tilt))))
+
+
+def draw_round(
+    *, machines: int = MACHINES, motions: int = MOTIONS, series: str = SERIES, kinds: Sequence[str] = KINDS
+) -> Round:
     """Draw a round with a fresh seed and salt from the randomness of the operating system."""
     return Round(
-        seed=secrets.randbits(53), salt=secrets.token_hex(32), machines=machines, motions=motions, series=series
+        seed=secrets.randbits(53),
+        salt=secrets.token_hex(32),
+        machines=machines,
+        motions=motions,
+        series=series,
+        kinds=tuple(kinds),
     )
 
 
@@ -126,10 +177,16 @@ def read_round(path: str | os.PathLike[str]) -> Round:
     tree = _read(path)
     if "seed" not in tree:
         raise FFGymError(f"{path}: holds the hash of a round alone; its seed is published after the round.")
-    said = tree.pop("commitment")
+    said, version = tree.pop("commitment"), tree.pop("format")
     try:
         check_number("seed", tree["seed"], low=0.0)
-        found: Round = from_json(Round, {key: value for key, value in tree.items() if key != "format"}, "round")
+        if version == FORMATS[0]:
+            if "kinds" in tree:
+                raise FFGymError(f"Files of format {version} have no kinds.")
+            tree["kinds"] = [CIRCLE]
+        found: Round = from_json(Round, tree, "round")
+        if found.format != version:
+            raise FFGymError(f"Its kinds are {list(found.kinds)}, which files of format {found.format} have.")
     except FFGymError as error:
         raise FFGymError(f"{path}: is no round: {error}") from error
     if found.commitment != said:
@@ -145,6 +202,7 @@ def _read(path: str | os.PathLike[str]) -> dict[str, Any]:
         tree = json.loads(read_text(path))
     except ValueError as error:
         raise FFGymError(f"{path}: is no JSON: {error}. Give a file of ffgym leaderboard round.") from error
-    if not isinstance(tree, dict) or tree.get("format") != FORMAT or not isinstance(tree.get("commitment"), str):
-        raise FFGymError(f"{path}: is no file of a round of format {FORMAT}. Give one of ffgym leaderboard round.")
+    if not isinstance(tree, dict) or tree.get("format") not in FORMATS or not isinstance(tree.get("commitment"), str):
+        versions = " or ".join(map(str, FORMATS))
+        raise FFGymError(f"{path}: is no file of a round of format {versions}. Give one of ffgym leaderboard round.")
     return tree
