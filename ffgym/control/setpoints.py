@@ -85,8 +85,13 @@ def interpolate_motion(position: Array, velocity: Array, dt: float, fractions: A
 
 def interpolate_torque(torque: Array, fractions: Array, out: Array) -> None:
     """Write the torque at `fractions` (S,) of each step between samples (B, T, N) into `out` (B, T - 1, S, N)."""
-    start, end = _ends(torque)
-    _horner(out, fractions, (end - start, start))
+    join_torques(*_ends(torque), fractions, out.swapaxes(-1, -2))
+
+
+def join_torques(start: Array, end: Array, fractions: Array, out: Array) -> None:
+    """Write torques at `fractions` (S,) of straight lines from `start` to `end` (..., N) into `out` (..., N, S)."""
+    rise = (end - start)[..., None] * fractions
+    np.add(rise, start[..., None], out=out)
 
 
 def torque_at_rows(torque: Array, rows_per_step: int) -> Array:

@@ -13,7 +13,7 @@ import numpy as np
 from gymnasium import spaces
 
 from ffgym.control.observation import BOUND, ObservationLayout, Scales
-from ffgym.control.setpoints import interpolate_motion, interpolate_torque, servo_torque
+from ffgym.control.setpoints import interpolate_motion, join_torques, servo_torque
 from ffgym.core.errors import FFGymError, check_whole
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.envs.bank import MotionBank, path_error
@@ -91,6 +91,8 @@ class TrackingCore:
         self._action_bounds = np.full((n, robot.n_joints), -1.0), np.full((n, robot.n_joints), 1.0)
         self._error_limits = np.full((n, robot.n_joints), settings.error_limit)
         self._controls_buffer = np.zeros((n, self.plant.n_substeps, self.plant.model.nu))
+        self._torques_buffer = self.plant.split_controls(self._controls_buffer)[2].swapaxes(1, 2)
+        """The torques among the controls, (B, N, S)."""
         # instants of physics steps within a control step
         self._fractions = np.arange(self.plant.n_substeps) / self.plant.n_substeps
         self.base = find_base(settings.base, robot)
@@ -340,17 +342,17 @@ class TrackingCore:
         if ids is not None:
             places, last, action, per_action = places[:, ids], last[ids], action[ids], per_action[ids]
         # feed-forward plus added torque at both ends of the step
-        torque = self._bank.torques(places[:WINDOW])
-        torque[0] += last * per_action
-        torque[1] += action * per_action
+        start, end = self._bank.torques(places[:WINDOW])
+        start += last * per_action
+        end += action * per_action
         # set-points, kept or interpolated
-        controls = self._controls_buffer[: len(last)]
+        controls, torques = self._controls_buffer[: len(last)], self._torques_buffer[: len(last)]
         if not self._bank.write_setpoints(places[0], controls):
             position, velocity, _ = self.plant.split_controls(controls[:, None])
             at, rows = self.columns, self._bank.rows(places[:WINDOW]).swapaxes(0, 1)
             samples = rows[:, :, at.position], rows[:, :, at.velocity]
             interpolate_motion(*samples, self.robot.servo.control_dt, self._fractions, (position, velocity))
-        interpolate_torque(torque.swapaxes(0, 1), self._fractions, self.plant.split_controls(controls[:, None])[2])
+        join_torques(start, end, self._fractions, torques)
         return controls
 
     def compute_added_torque(self, action: Array, ids: IntArray) -> Array:
