@@ -18,7 +18,7 @@ from ffgym.leaderboard.evaluation.margins import (
     measure_margins,
     search_margins,
 )
-from ffgym.leaderboard.plants import NOMINAL, ROBOT, TestPlant, drives_plant
+from ffgym.leaderboard.plants import NOMINAL, ROBOT, TestPlant, drives_plant, find_plant
 from ffgym.leaderboard.presentation.table import table_of
 from ffgym.leaderboard.presentation.words import margins_sentence
 from ffgym.leaderboard.results import Margins, encode_row
@@ -74,9 +74,8 @@ def is_stable(arm, q, gain, change):
     return np.abs(np.linalg.eigvals(loop)).max() < 1
 
 
-@pytest.mark.parametrize("gain", [0.7, 3.0])
-def test_margins_of_a_linear_loop_are_those_of_its_eigenvalues(gain):
-    arm = RigidArm(linear_robot())
+def test_margins_of_a_linear_loop_are_those_of_its_eigenvalues():
+    arm, gain = RigidArm(linear_robot()), 0.7
     [reference] = make_references(arm, SLOW)
     expected = search_margins(lambda changes: [is_stable(arm, reference.q[0], gain, each) for each in changes])
     assert 1 < expected.gain < 16
@@ -85,6 +84,39 @@ def test_margins_of_a_linear_loop_are_those_of_its_eigenvalues(gain):
         name="linear", rig=SimulatedRig(arm=arm), env_id="ffgym/CirclePath-v0", env_arguments={"robot": arm.robot}
     )
     assert measure_margins(plant, Proportional(gain), circles=SLOW, pulse=100.0, n_threads=1) == expected
+
+
+def radius_with_gains(arm, q, gains, bound, factor):
+    """Largest eigenvalue of the robot with servo gains a, b, c, whose errors are in tenths of f_s / K."""
+    response, n, dt = TorqueResponse.of(arm, q, "motor"), arm.robot.n_joints, arm.robot.servo.control_dt
+    servo, breakaway, (a, b, c) = arm.robot.servo, arm.robot.friction.static, gains
+    states = len(response.transition)
+    # state, angles before, torque at this sample, last residual
+    s, before, torque, last = np.split(np.arange(states + 3 * n), states + n * np.arange(3))
+    size = states + 3 * n
+    angle = np.zeros((n, size))
+    angle[:, s], angle[:, torque] = response.output, response.direct
+    change = (angle - np.eye(n, size, states)) / dt
+    in_tenths = 10 / breakaway[:, None]
+    residual = -in_tenths * (a * servo.position_gain[:, None] * angle + b * servo.velocity_gain[:, None] * change)
+    residual[:, last] += c * np.eye(n)
+    loop = np.zeros((size, size))
+    loop[np.ix_(s, s)], loop[np.ix_(s, torque)] = response.transition, response.entry
+    loop[before], loop[torque], loop[last] = angle, factor * bound * breakaway[:, None] * residual, residual
+    return np.abs(np.linalg.eigvals(loop)).max()
+
+
+@pytest.mark.parametrize("name", ["servo_gains", "servo_gains_drives"])
+def test_servo_gains_bear_on_the_nominal_robot_what_their_eigenvalues_say(name):
+    plant, factors = find_plant(NOMINAL), (2**-0.5, 1.0)  # margins of 0.84 between them
+    policy, base = (ENTRANTS[each].ready(plant, [0], ())[0] for each in (name, "elastic"))
+    gains, bound = policy.policy.actor.layers[0].weight[0, :3], policy.policy.bound
+    [reference] = make_references(plant.rig.arm, SLOW)
+    radii = [radius_with_gains(plant.rig.arm, reference.q[0], gains, bound, factor) for factor in factors]
+    assert radii[0] < 1 < radii[1]
+    changes = [Change(factor=factor) for factor in factors]
+    found = find_stable(plant, policy.policy, base.timed, changes, circles=SLOW, n_threads=1)
+    assert found.ravel().tolist() == [True, False]
 
 
 def test_torque_of_the_base_is_not_changed():
