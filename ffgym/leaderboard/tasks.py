@@ -1,9 +1,12 @@
 """Circles that every agent is scored on: those of the thesis, and circles held out from learning; in named splits."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass, field, fields, is_dataclass, replace
 from functools import lru_cache
+from typing import Any
 from zlib import crc32
+
+import numpy as np
 
 from ffgym.core.errors import check_choice
 from ffgym.leaderboard.motions import CIRCLE, SPIRAL, SQUARE, follow_shape
@@ -84,7 +87,42 @@ def _reference(arm: RigidArm, task: Task) -> Reference:
     if task.kind in (SQUARE, SPIRAL):
         assert task.centre is not None  # such motions are drawn about a point
         return follow_shape(arm, task.kind, task.centre, task.radii[0], task.speed, task.position)
-    return cartesian_reference(arm, _path(arm.robot, task))
+    found = _follow(_Mover.of(arm), task)
+    return found if found.robot is arm.robot else replace(found, robot=arm.robot)
+
+
+@lru_cache(maxsize=64)
+def _follow(mover: "_Mover", task: Task) -> Reference:
+    """Solve the inverse kinematics of circles once for arms that differ in friction, drives and masses alone."""
+    return cartesian_reference(mover.arm, _path(mover.arm.robot, task))
+
+
+@dataclass(frozen=True)
+class _Mover:
+    """An arm that follows paths; two are the same if they take the same joint angles along every path."""
+
+    key: Hashable
+    """All that decides on these angles: kinematics, limits, tool, work area, sample time."""
+    arm: RigidArm = field(compare=False)
+
+    @classmethod
+    def of(cls, arm: RigidArm) -> "_Mover":
+        """Collect what decides on the joint angles of an arm."""
+        robot = arm.robot
+        parts = (robot.kinematics, robot.tool, robot.work_area, robot.servo.control_dt)
+        return cls(tuple(_as_key(part) for part in parts), arm)
+
+
+def _as_key(value: Any) -> Hashable:
+    """Return the numbers of a part of a robot in a form that can be compared."""
+    if isinstance(value, np.ndarray):
+        return value.shape, value.tobytes()
+    if isinstance(value, Mapping):
+        return tuple((name, _as_key(each)) for name, each in value.items())
+    if is_dataclass(value):
+        return tuple(_as_key(getattr(value, f.name)) for f in fields(value))
+    known: Hashable = value
+    return known
 
 
 def _path(robot: RobotDescription, task: Task) -> CartesianPath:

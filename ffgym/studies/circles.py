@@ -3,13 +3,12 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
-import numpy as np
-
 from ffgym.control import DynamicLuGreExact, FeedForwardLaw, NoCompensation, StaticLuGre
 from ffgym.core.errors import FFGymError, check_shape
+from ffgym.core.measures import rms
 from ffgym.paths import RADII, SPEEDS, CartesianPath, Reference, cartesian_reference, circle_test
 from ffgym.recordings import Recording
-from ffgym.recordings.metrics import motor_error_rms, path_errors
+from ffgym.recordings.metrics import motor_error, path_errors
 from ffgym.robot import ModelOptions, RigidArm, RobotDescription
 from ffgym.simulation import Rig, SimulatedRig
 from ffgym.simulation.run import Progress
@@ -34,9 +33,10 @@ class CircleScore:
 def circle_scores(recording: Recording, radii: Sequence[float]) -> list[CircleScore]:
     """Score the circles of these radii [m], in the order in which they were run."""
     leads = zip(recording.phases_of("lead_in"), recording.phases_of("lead_out"), strict=True)
+    motors, moving, t = motor_error(recording), ~recording.mask(kind="standstill"), recording.t
     scores = []
     for error, radius, (lead_in, lead_out) in zip(path_errors(recording), radii, leads, strict=True):
-        stretch = recording.slice(lead_in.start, lead_out.end)
+        rows = moving & (t >= lead_in.start) & (t < lead_out.end)
         scores.append(
             CircleScore(
                 radius_mm=in_mm(radius),
@@ -44,7 +44,7 @@ def circle_scores(recording: Recording, radii: Sequence[float]) -> list[CircleSc
                 max_mm=error.max * 1e3,
                 rms_3d_mm=error.rms_3d * 1e3,
                 max_3d_mm=error.max_3d * 1e3,
-                motor_rms_rad=[float(x) for x in np.asarray(motor_error_rms(stretch))],
+                motor_rms_rad=rms(motors[rows], 0).tolist(),
             )
         )
     return scores

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -23,6 +25,7 @@ from ffgym.leaderboard.plants import find_plant
 from ffgym.leaderboard.results import CircleResult
 from ffgym.leaderboard.tasks import HELD_OUT, SPLITS, THESIS, Task, list_tasks, make_references, noise_seed
 from ffgym.paths import RADII, SPEEDS
+from ffgym.robot import RigidArm, load_robot
 from ffgym.simulation import Run
 
 POSITIONS = ["p1", "p2", "p3", "p4"]
@@ -197,3 +200,12 @@ def test_who_practises_each_motion_learns_through_sensors_and_is_scored_on_all_o
     [alone] = ENTRANTS[name].ready(plant, [1], tuple(tasks))
     [(_, again)] = run_agents(plant, [SeededAgent(name=name, seed=1, ready=alone)], tasks)
     assert again == second  # whoever learns beside it
+
+
+def test_arms_that_differ_in_friction_alone_share_their_joint_angles():
+    arms = [RigidArm(load_robot(name)) for name in ("irb4600_60_205", "irb4600_60_205_commissioned")]
+    one, other = (make_references(arm, [FAST])[0] for arm in arms)
+    assert one.q is other.q
+    assert [one.robot, other.robot] == [arm.robot for arm in arms]
+    longer = replace(arms[0].robot, tool=replace(arms[0].robot.tool, tcp=arms[0].robot.tool.tcp + 0.01))
+    assert not np.array_equal(make_references(RigidArm(longer), [FAST])[0].q, one.q)
