@@ -11,7 +11,6 @@ from ffgym.core.errors import FFGymError
 from ffgym.leaderboard.entrants import Entrant, ReadyAgent
 from ffgym.leaderboard.evaluation.closed_loop import run_references, run_rollouts
 from ffgym.leaderboard.evaluation.jobs import (
-    TOGETHER,
     Job,
     SeededAgent,
     compute_trails,
@@ -132,9 +131,9 @@ def test_an_unknown_plant_is_refused(name):
 def test_jobs_keep_plants_apart_and_begin_with_the_long_ones():
     wanted = [(name, 0, plant) for plant in ("nominal", "workcell:thesis") for name in "abcdefghij"]
     jobs = jobs_for("registry", wanted, ["train"])
-    assert [job.plant for job in jobs] == ["workcell:thesis"] * 2 + ["nominal"] * 2
+    assert [job.plant for job in jobs] == ["workcell:thesis"] * 2 + ["nominal"] * 3
     assert sorted(agent for job in jobs for agent in job.agents) == sorted((name, 0) for name in "abcdefghij" * 2)
-    assert max(len(job.agents) for job in jobs) <= TOGETHER
+    assert [len(job.agents) for job in jobs] == [5, 5, 4, 3, 3]
 
 
 def test_a_job_gives_outcomes_of_everybody_who_is_ready():
