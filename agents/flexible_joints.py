@@ -13,6 +13,7 @@ from typing import Self
 import numpy as np
 
 from ffgym.control import DynamicLuGreExact, Window
+from ffgym.control.lugre_laws import chain_sub_steps
 from ffgym.core.types import Array
 from ffgym.robot import RigidArm
 
@@ -165,16 +166,28 @@ def bristles_within(
         Deflection [rad] and motor speed [rad/s] in the middle of each sub-step, (S, ..., N), and the deflection at the
         end, (..., N).
     """
+    speeds, factors = _resolve(law, dq, next_dq, dt, added)
+    middles, z = _bend(z, *factors)
+    return middles, speeds, z
+
+
+def _resolve(
+    law: DynamicLuGreExact, dq: Array, next_dq: Array, dt: float, added: Array | None = None
+) -> tuple[Array, tuple[Array, Array]]:
+    """Compute motor speeds in the middle of sub-steps [rad/s], and factors of the bristles there, (S, ..., N) each."""
     speeds = np.stack([dq + (next_dq - dq) * share for share in law.shares])
     if added is not None:
         speeds = speeds + added
-    middles = np.empty_like(speeds)
-    for k, (keep, gain) in enumerate(
-        zip(*law.friction.exact_bristle_factors(speeds, dt / law.n_substeps), strict=True)
-    ):
+    return speeds, law.friction.exact_bristle_factors(speeds, dt / law.n_substeps)
+
+
+def _bend(z: Array, keeps: Array, gains: Array) -> tuple[Array, Array]:
+    """Bend bristles by factors of sub-steps (S, ..., N); return deflections in their middles, and at the end [rad]."""
+    middles = np.empty_like(keeps)
+    for k, (keep, gain) in enumerate(zip(keeps, gains, strict=True)):
         next_z = keep * z + gain
         middles[k], z = 0.5 * (z + next_z), next_z
-    return middles, speeds, z
+    return middles, z
 
 
 def bristles_along(
@@ -193,8 +206,7 @@ def bristles_along(
         Deflection [rad] and motor speed [rad/s] in the middle of each sub-step, (S, K, ..., N), and the deflection at
         the end of the last step, (..., N).
     """
-    speeds = np.stack([dq + (next_dq - dq) * share for share in law.shares])
-    factors = law.friction.exact_bristle_factors(speeds, dt / law.n_substeps)
+    speeds, factors = _resolve(law, dq, next_dq, dt)
     # deflections at the ends of sub-steps, in the order of time
     ends = np.empty((speeds.shape[0] * speeds.shape[1] + 1, *z.shape))
     ends[0] = z
@@ -221,14 +233,14 @@ def friction_along(law: DynamicLuGreExact, motor_dq: Array, dt: float, added: Ar
 
     The last sample has no step behind it, and is left out. `added` is as in `step_friction`, (S, T - 1, N).
     """
+    speeds, factors = _resolve(law, motor_dq[:-1], motor_dq[1:], dt, added)
     if added is None:
-        z = accumulate(*law.advance(motor_dq[:-1], motor_dq[1:], dt))
+        z = accumulate(*chain_sub_steps(*factors))
     else:  # the deflection after a step is linear in the one before it
-        none, one = np.zeros_like(motor_dq[:-1]), np.ones_like(motor_dq[:-1])
-        from_none, from_one = (bristles_within(law, z, motor_dq[:-1], motor_dq[1:], dt, added)[2] for z in (none, one))
+        from_none, from_one = (_bend(np.full_like(motor_dq[:-1], z), *factors)[1] for z in (0.0, 1.0))
         z = accumulate(from_one - from_none, from_none)
-    start, end, _ = step_friction(law, z, motor_dq[:-1], motor_dq[1:], dt, added)
-    return join_parts(start, end)
+    middles, _ = _bend(z, *factors)
+    return join_parts(*in_parts(law.friction.torque(middles, speeds)))
 
 
 def join_parts(start: Array, end: Array) -> Array:

@@ -130,7 +130,7 @@ class DynamicLuGreEuler(DynamicLuGre):
         h = dt / self.n_substeps
         speed = _interpolate(dq, next_dq, np.arange(self.n_substeps) / self.n_substeps)
         keep = 1 - h * self.friction.bristle_stiffness * np.abs(speed) / self.friction.stribeck_level(speed)
-        return _chain(keep, h * speed)
+        return chain_sub_steps(keep, h * speed)
 
 
 @final
@@ -153,7 +153,7 @@ class DynamicLuGreExact(DynamicLuGre):
     def advance(self, dq: Array, next_dq: Array, dt: float) -> tuple[Array, Array]:
         """Chain exact steps over all sub-steps."""
         speed = _interpolate(dq, next_dq, self.shares)
-        return _chain(*self.friction.exact_bristle_factors(speed, dt / self.n_substeps))
+        return chain_sub_steps(*self.friction.exact_bristle_factors(speed, dt / self.n_substeps))
 
 
 def _check_friction(friction: LuGreParameters) -> None:
@@ -166,7 +166,7 @@ def _interpolate(start: Array, end: Array, fractions: Array) -> Array:
     return start + (end - start) * fractions.reshape(-1, *[1] * start.ndim)
 
 
-def _chain(keep: Array, gain: Array) -> tuple[Array, Array]:
+def chain_sub_steps(keep: Array, gain: Array) -> tuple[Array, Array]:
     """Combine factors of sub-steps (S, ..., N) to one step (..., N), in a loop: no shape changes the rounding."""
     total_keep, total_gain = np.ones_like(keep[0]), np.zeros_like(gain[0])
     with np.errstate(over="ignore", invalid="ignore"):
