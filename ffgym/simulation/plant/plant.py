@@ -1,6 +1,7 @@
 """Many copies of one robot, stepped together by MuJoCo; motor quantities go in and come out in motor units."""
 
 from collections.abc import Sequence
+from functools import cached_property
 from typing import Any
 
 import mujoco
@@ -93,8 +94,14 @@ class Plant:
     def fingerprint(self, index: int = 0) -> str:
         """Fingerprint of the physics of one simulation."""
         machine = self.machines[index]
-        model = self.model if machine.is_as(self._first) else machine.spec(self._options).compile()
-        return machine.fingerprint(physics_fingerprint(model))
+        if machine.is_as(self._first):
+            return machine.fingerprint(self._first_fingerprint)
+        return machine.fingerprint(physics_fingerprint(machine.spec(self._options).compile()))
+
+    @cached_property
+    def _first_fingerprint(self) -> str:
+        """Fingerprint of the compiled model, which each recording of it names."""
+        return physics_fingerprint(self.model)
 
     def become(self, ids: Sequence[int] | IntArray, robots: Sequence[RobotDescription | Machine]) -> None:
         """Give simulations `ids` other physics: masses, stiffness, friction, ... of `robots`; then put them to `rest`.
