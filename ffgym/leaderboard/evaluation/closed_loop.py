@@ -19,8 +19,8 @@ from ffgym.envs import EpisodeRecorder
 from ffgym.envs.core import TrackingCore
 from ffgym.leaderboard.motions import CIRCLE
 from ffgym.leaderboard.plants import TestPlant
-from ffgym.leaderboard.tasks import Task, make_references, noise_seed
-from ffgym.paths import Reference
+from ffgym.leaderboard.tasks import TRAIN_POSITION, Task, make_references, noise_seed
+from ffgym.paths import RADII, SPEEDS, Reference
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
 from ffgym.simulation import RECORD_DT, Rig
@@ -255,8 +255,12 @@ def inference_time(plant: TestPlant, policy: Policy) -> float:
 def _waiting(
     plant: TestPlant, preview: int, action_scale: float, feedback: bool
 ) -> tuple[RobotDescription, ObservationLayout, Array]:
-    """Return robot, layout and observation of a plant when a motion begins, for agents with such arguments."""
-    env = environment_for(plant, preview, action_scale, 1, feedback=feedback, n_threads=1)
+    """Return robot, layout and observation of a plant when a motion begins, for agents with such arguments.
+
+    The motion is a short one, as its inverse kinematics take most of the time.
+    """
+    short: dict[str, Any] = {"positions": [TRAIN_POSITION], "speeds": [max(SPEEDS)], "radii": [min(RADII)]}
+    env = environment_for(plant, preview, action_scale, 1, feedback=feedback, n_threads=1, **short)
     observation, _ = env.reset(seed=0)
     core: TrackingCore = env.unwrapped.core
     env.close()
