@@ -1,6 +1,6 @@
 """Kinematics and rigid-body dynamics of the arm, link side, for whole trajectories at once."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import mujoco
@@ -18,26 +18,27 @@ class ChainLink:
     """A body between the world and the TCP, in the frame of the body before it."""
 
     position: Array
-    rotation: Array
+    rotation: Array | None
+    """Orientation of its frame, (3, 3); None is that of the body before it."""
     joint: int = 0
     cross: Array | None = None
     """points @ cross is axis x points, for the unit axis of its hinge in the body's frame; None if it has none."""
-    anchor: Array = field(default_factory=lambda: np.zeros(3))
-    """Point on the hinge axis in the body's frame [m]."""
+    anchor: Array | None = None
+    """Point on the hinge axis in the body's frame [m]; None is its origin."""
     slide: Array | None = None
     """Unit axis of its sliding joint in the body's frame, shape (3,); None if it has none."""
 
     def place(self, points: Array, q: Array) -> Array:
         """Points (T, 3) of this body in the frame of the body before it, at joint positions `q` (T, N)."""
         if self.cross is not None:  # Rodrigues' formula
-            arms, angle = points - self.anchor, q[:, [self.joint]]
-            turned = (
+            arms, angle = points if self.anchor is None else points - self.anchor, q[:, [self.joint]]
+            points = (
                 arms + np.sin(angle) * (arms @ self.cross) + (1 - np.cos(angle)) * (arms @ (self.cross @ self.cross))
             )
-            points = turned + self.anchor
+            points = points if self.anchor is None else points + self.anchor
         if self.slide is not None:
             points = points + q[:, [self.joint]] * self.slide
-        return points @ self.rotation.T + self.position
+        return (points if self.rotation is None else points @ self.rotation.T) + self.position
 
 
 def _chain_to_site(model: mujoco.MjModel, site: int) -> tuple[ChainLink, ...]:
@@ -49,17 +50,19 @@ def _chain_to_site(model: mujoco.MjModel, site: int) -> tuple[ChainLink, ...]:
         if joint >= 0 and model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_SLIDE:
             motion = {"slide": model.jnt_axis[joint].copy()}
         elif joint >= 0:
-            motion = {"cross": np.cross(model.jnt_axis[joint], np.eye(3)), "anchor": model.jnt_pos[joint].copy()}
+            anchor = model.jnt_pos[joint].copy() if model.jnt_pos[joint].any() else None
+            motion = {"cross": np.cross(model.jnt_axis[joint], np.eye(3)), "anchor": anchor}
         position, rotation = model.body_pos[body].copy(), _matrix(model.body_quat[body])
         chain.append(ChainLink(position=position, rotation=rotation, joint=joint, **motion))
         body = int(model.body_parentid[body])
     return tuple(chain)
 
 
-def _matrix(quaternion: Array) -> Array:
-    matrix = np.zeros(9)
-    mujoco.mju_quat2Mat(matrix, quaternion)
-    return matrix.reshape(3, 3)
+def _matrix(quaternion: Array) -> Array | None:
+    """Orientation (3, 3) of a unit quaternion; None for no turn."""
+    matrix = np.zeros((3, 3))
+    mujoco.mju_quat2Mat(matrix.reshape(-1), quaternion)
+    return None if np.array_equal(matrix, np.eye(3)) else matrix
 
 
 RIGID = ModelOptions(flexible=False, friction=False, servo=False, looks=False)
