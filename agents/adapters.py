@@ -147,6 +147,11 @@ ADAPTERS: tuple[Adapter, ...] = (
         "A network estimates the numbers of the machine from feedback torques of laps of one circle.",
     ),
     _declare_amortised(
+        "amortised_recurrent",
+        "recurrent estimator, motors",
+        "A recurrent network reads the same torques in their order, as the student of a law with the true numbers.",
+    ),
+    _declare_amortised(
         "amortised",
         "amortised estimator, motors and tracker",
         "The same with the way of the tool, as a laser tracker sees it on these laps.",

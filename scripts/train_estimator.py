@@ -5,8 +5,9 @@ seed decides which draws are left out for validation, first weights, noise and t
 of each: the share of variance that is explained on the draws left out, by group of numbers.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 from pathlib import Path
 
@@ -22,18 +23,25 @@ from ffgym.agents.amortised.estimator import (
     read_signals,
     select_channels,
 )
-from ffgym.agents.amortised.numbers import numbers_of, split
+from ffgym.agents.amortised.numbers import machine_with, numbers_of, split
 from ffgym.agents.artefacts import ANYWHERE, TRAINED, add_artefacts, describe_artefact
 from ffgym.agents.elastic import elastic_law
-from ffgym.agents.residual.actor import LinearLayer
+from ffgym.agents.residual.actor import LSTM, LinearLayer
+from ffgym.agents.torque_response import task_error
 from ffgym.core.files import decode_arrays, encode_arrays, made_folder, write_bytes
 from ffgym.core.types import Array, IntArray
-from ffgym.leaderboard.adaptation.protocol import lap
+from ffgym.leaderboard.adaptation.protocol import LAP, lap, practice_motion
+from ffgym.paths import SPEEDS
 from ffgym.robot import RigidArm, load_robot
 from ffgym.simulation import Rig, Run, simulate
 
 COMMAND = "python -m scripts.train_estimator"
-NAMES = {"tracker": "amortised", "motors": "amortised_motors"}
+_LEAST_MOVED = 1e-3
+"""Floor under the logarithm of the tool's mean square distance from that of the teacher, in parts of what the spread of
+machines does; chosen: 3 % of the way, below which other errors rule."""
+_LIKELIHOOD = 0.1
+"""Weight of the likelihood beside it, which keeps numbers that move no tool at their mean."""
+NAMES = {"tracker": "amortised", "motors": "amortised_motors", "recurrent": "amortised_recurrent"}
 """Names of the artefacts by variant."""
 
 
@@ -59,6 +67,8 @@ class Config:
     on workcells drives-1 to drives-6, which are no part of a round."""
     hidden: tuple[int, ...] = (128, 128)
     """Widths of the network."""
+    cells: int = 64
+    """Cells of the LSTM of the recurrent variant."""
     epochs: int = 60
     """Passes over the draws; the network of the least validation loss is kept."""
     threads: int = 0
@@ -79,7 +89,8 @@ def main(config: Config) -> None:
         with made_folder(config.out / name / ANYWHERE):
             pass
         for seed in config.seeds:
-            estimator, explained = train(config, select_channels(signals, variant), numbers, variant, seed)
+            metric = teacher_metric(arm, numbers.std(axis=0)) if variant == "recurrent" else None
+            estimator, explained = train(config, select_channels(signals, variant), numbers, variant, seed, metric)
             print(name, seed, *(f"{group} {share:.2f}" for group, share in explained.items()), flush=True)
             file = f"{ANYWHERE}/seed_{seed}.npz"
             meta = {"command": COMMAND, "seed": seed, "robot": config.robot, "explained": explained}
@@ -113,10 +124,44 @@ def simulate_draws(config: Config, arm: RigidArm) -> Iterator[tuple[Array, Array
         yield arrays["signals"].astype(np.float64), arrays["numbers"].astype(np.float64)
 
 
+@lru_cache(maxsize=2)
+def _tool_by_number(arm: RigidArm, steps: tuple[float, ...]) -> Array:
+    """Compute how far the tool moves if a number of the machine grows by a step, (M, K, T), on M laps of practice."""
+    machines = [machine_with(arm.robot, row) for row in (np.zeros(len(steps)), *np.diag(steps))]
+    found = []
+    for speed in SPEEDS:
+        motion = practice_motion(arm, LAP[0], speed)
+        runs = [Run(reference=motion, law=fix_torque(elastic_law(arm), motion))] * len(machines)
+        ways = [task_error(each, motion, "tcp").ravel() for each in simulate(runs, arm=arm, machine=machines)]
+        found.append(np.array(ways[1:]) - ways[0])
+    longest = max(each.shape[1] for each in found)
+    return np.stack([np.pad(each, ((0, 0), (0, longest - each.shape[1]))) for each in found])
+
+
+def teacher_metric(arm: RigidArm, spread: Array) -> Array:
+    """Compute the matrix M (K, K) by which wrong numbers move the tool, in units of their spread (K,).
+
+    The teacher is the law with the true numbers. A student whose numbers differ from them by d moves the tool by J d,
+    to first order; d' M d is the mean of its square over motions, each in parts of what the spread of all numbers does.
+    """
+    slopes = _tool_by_number(arm, tuple(np.where(spread > 0, spread, 0.0).tolist()))
+    squares = np.einsum("mkt,mlt->mkl", slopes, slopes)
+    return np.asarray((squares / np.trace(squares, axis1=1, axis2=2)[:, None, None]).mean(axis=0))
+
+
 def train(
-    config: Config, signals: Array, numbers: Array, variant: str, seed: int
+    config: Config, signals: Array, numbers: Array, variant: str, seed: int, metric: Array | None = None
 ) -> tuple[Estimator, dict[str, float]]:
-    """Train one estimator; return it, and the explained share of variance on the draws left out, by group."""
+    """Train one estimator; return it, and the explained share of variance on the draws left out, by group.
+
+    Args:
+        config: the options.
+        signals: differences to the nominal machine (B, T, C).
+        numbers: numbers of the machines (B, K).
+        variant: key of `VARIANTS`.
+        seed: of the draws left out, weights, noise and batches.
+        metric: that of `teacher_metric` for a recurrent estimator, which is trained by it.
+    """
     rng = np.random.default_rng(seed)
     order = rng.permutation(len(signals))
     held, rows = order[: len(order) // 10], order[len(order) // 10 :]
@@ -133,7 +178,13 @@ def train(
     # linear part: ridge regression under the noise that training adds
     damping = np.diag((config.noise / spread) ** 2) * len(rows)
     slope = np.linalg.solve(x[rows].T @ x[rows] + damping, x[rows].T @ y[rows]).T
-    network = _fit(config, x, y, slope, config.noise / spread, rows, held, seed)
+    lstm = None
+    if metric is None:
+        network = _fit(config, x, y, slope, config.noise / spread, rows, held, seed)
+    else:
+        lstm, network = _fit_recurrent(
+            config, signals, y, slope @ (components / spread[:, None]), metric, rows, held, seed
+        )
     # in the units of the numbers: the mean beside the linear part, the logarithm of the deviation
     last, k = network[-1], y.shape[1]
     weight, bias = last.weight.copy(), last.bias.copy()
@@ -145,6 +196,7 @@ def train(
         spread=spread,
         linear=LinearLayer(weight=slope * size[:, None], bias=middle),
         layers=(*network[:-1], LinearLayer(weight=weight, bias=bias)),
+        lstm=lstm,
     )
     return estimator, _explained(estimator, signals[held], numbers[held])
 
@@ -171,6 +223,18 @@ def _fit(
         error = targets[batch] - seen @ linear_part.T - mean
         return (0.5 * (error / log_deviation.exp()) ** 2 + log_deviation).mean()
 
+    _optimise(config, model, loss_of, train_rows, held_rows)
+    return [_layer(layer) for layer in model if isinstance(layer, torch.nn.Linear)]
+
+
+def _optimise(
+    config: Config,
+    model: torch.nn.Module,
+    loss_of: Callable[[torch.Tensor], torch.Tensor],
+    train_rows: torch.Tensor,
+    held_rows: torch.Tensor,
+) -> None:
+    """Minimise a loss over rows of the training by AdamW; keep the weights of the least loss on rows left out."""
     optimiser = torch.optim.AdamW(model.parameters(), lr=1e-3, weight_decay=1e-2)
     schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimiser, config.epochs)
     best, least = {name: value.clone() for name, value in model.state_dict().items()}, np.inf
@@ -186,18 +250,69 @@ def _fit(
         if now < least:
             best, least = {name: value.clone() for name, value in model.state_dict().items()}, now
     model.load_state_dict(best)
-    linear = [layer for layer in model if isinstance(layer, torch.nn.Linear)]
-    return [
-        LinearLayer(
-            weight=layer.weight.detach().numpy().astype(np.float64), bias=layer.bias.detach().numpy().astype(np.float64)
-        )
-        for layer in linear
-    ]
+
+
+def _layer(layer: torch.nn.Linear) -> LinearLayer:
+    """Return a layer of torch in numpy."""
+    weight, bias = (each.detach().numpy().astype(np.float64) for each in (layer.weight, layer.bias))
+    return LinearLayer(weight=weight, bias=bias)
+
+
+class _Student(torch.nn.Module):
+    """LSTM over the rows of a lap, and a linear layer on its last output that begins with zero."""
+
+    def __init__(self, channels: int, cells: int, outputs: int) -> None:
+        super().__init__()
+        self.lstm = torch.nn.LSTM(channels, cells, batch_first=True)
+        self.last = torch.nn.Linear(cells, outputs)
+        torch.nn.init.zeros_(self.last.weight)
+        torch.nn.init.zeros_(self.last.bias)
+
+    def forward(self, rows: torch.Tensor) -> torch.Tensor:
+        """Compute outputs (B, O) of rows (B, T, C)."""
+        out: torch.Tensor = self.last(self.lstm(rows)[0][:, -1])
+        return out
+
+
+def _fit_recurrent(
+    config: Config,
+    signals: Array,
+    y: Array,
+    slope: Array,
+    metric: Array,
+    rows: IntArray,
+    held: IntArray,
+    seed: int,
+) -> tuple[LSTM, list[LinearLayer]]:
+    """Fit an LSTM to y, beside the linear part of slope (K, T C), so that the tool goes as under the teacher's law."""
+    torch.manual_seed(seed)
+    unit = signals[rows].std(axis=(0, 1))
+    model = _Student(signals.shape[2], config.cells, 2 * y.shape[1])
+    seen, targets, linear_part, size, weight = (
+        torch.as_tensor(each, dtype=torch.float32) for each in (signals, y, slope, unit, metric)
+    )
+    train_rows, held_rows = torch.as_tensor(rows), torch.as_tensor(held)
+
+    def loss_of(batch: torch.Tensor) -> torch.Tensor:
+        noisy = seen[batch] + config.noise * torch.randn(seen[batch].shape)
+        mean, log_deviation = model(noisy / size).chunk(2, dim=1)
+        error = targets[batch] - noisy.flatten(1) @ linear_part.T - mean
+        moved = torch.einsum("bk,kl,bl->b", error, weight, error)
+        likelihood = 0.5 * (error / log_deviation.exp()) ** 2 + log_deviation
+        return 0.5 * (moved + _LEAST_MOVED).log().mean() + _LIKELIHOOD * likelihood.mean()
+
+    _optimise(config, model, loss_of, train_rows, held_rows)
+    weights = {name: value.detach().numpy().astype(np.float64) for name, value in model.lstm.named_parameters()}
+    lstm = LSTM(
+        inputs=LinearLayer(weight=weights["weight_ih_l0"] / unit, bias=weights["bias_ih_l0"]),
+        hidden=LinearLayer(weight=weights["weight_hh_l0"], bias=weights["bias_hh_l0"]),
+    )
+    return lstm, [_layer(model.last)]
 
 
 def _explained(estimator: Estimator, signals: Array, numbers: Array) -> dict[str, float]:
     """Compute the mean share of variance explained, by group of numbers; one that does not vary counts as 1."""
-    if estimator.variant == "motors":
+    if estimator.variant != "tracker":
         signals = np.concatenate([signals, np.zeros((*signals.shape[:2], 3))], axis=2)
     found = np.array([estimator.estimate(each).mean for each in signals])
     variance = numbers.var(axis=0)

@@ -11,6 +11,10 @@ of the differences in training, their spread s, and a network N with two outputs
 
 .. math:: x = V d / s, \quad \mu = A x + b + N_\mu(x), \quad \log \sigma = N_\sigma(x)
 
+The recurrent variant reads the rows of d in their order instead: N is a long short-term memory, whose output after the
+last row takes the place of x in N, and which is trained as the student of a teacher that knows the true numbers: to
+move the tool as the teacher's law does, to first order (`scripts.train_estimator`).
+
 The mean is corrected once by simulating the machine that it describes (`Estimator.correct`), and goes into
 `ffgym.agents.model.model_law`. Further laps run under the law so far, and correct the numbers in the same way. Where a
 lap does not tell a number, the mean of the Gaussian is that of the draws, which is the nominal number for all factors.
@@ -41,7 +45,7 @@ from ffgym.agents.amortised.numbers import machine_with
 from ffgym.agents.elastic import elastic_law
 from ffgym.agents.law_files import pack, unpack
 from ffgym.agents.model import model_law
-from ffgym.agents.residual.actor import ACTIVATIONS, LinearLayer
+from ffgym.agents.residual.actor import ACTIVATIONS, LSTM, LinearLayer
 from ffgym.agents.task_torques import MotionTorque, TaskTorques
 from ffgym.control import FeedForwardLaw
 from ffgym.core.errors import FFGymError, check_choice, check_shape
@@ -57,8 +61,8 @@ from ffgym.simulation import Run, simulate
 
 KIND = "amortised_estimator"
 """Kind of the files of estimators."""
-VARIANTS = ("tracker", "motors")
-"""Signals of an estimator: feedback torques and the tool's way, or feedback torques alone."""
+VARIANTS = ("tracker", "motors", "recurrent")
+"""Estimators: of feedback torques and the tool's way; of feedback torques alone; of these by a recurrent network."""
 ROWS = 16
 """Rows of a recording of 1 kHz in one row of the signals, which is their mean; chosen: 16 ms, a tenth of the shortest
 feature of friction on the lap."""
@@ -119,7 +123,9 @@ class Estimator:
     linear: LinearLayer
     """A and b, D inputs and K outputs."""
     layers: tuple[LinearLayer, ...]
-    """Layers of the network: D inputs, 2 K outputs; all but the last are followed by ReLU."""
+    """Layers of the network: D inputs, or the cells of the LSTM; 2 K outputs; all but the last are followed by ReLU."""
+    lstm: LSTM | None = None
+    """LSTM that reads the rows of the signals in front of the layers; only the variant 'recurrent' has one."""
 
     def __post_init__(self) -> None:
         check_choice("variant of an estimator", self.variant, list(VARIANTS))
@@ -128,12 +134,16 @@ class Estimator:
             raise FFGymError(f"spread = {self.spread} of an estimator must be > 0.")
         numbers, width = self.linear.weight.shape
         ends = [width, *(layer.weight.shape[1] for layer in self.layers[:1]), self.layers[-1].weight.shape[0] // 2]
-        if ends != [d, d, numbers]:
+        if ends != [d, d if self.lstm is None else self.lstm.cells, numbers]:
             raise FFGymError(f"Layers with {ends} inputs and outputs do not fit {d} components and {numbers} numbers.")
 
     def estimate(self, difference: Array) -> MachineEstimate:
         """Estimate the numbers of a machine from the difference of its signals to the nominal ones, (T, N + 3)."""
         h = x = self.features(difference)
+        if self.lstm is not None:
+            state = np.zeros((2, self.lstm.cells))
+            for row in select_channels(difference, self.variant):
+                h, state = self.lstm.step(row, state)
         for layer in self.layers[:-1]:
             h = ACTIVATIONS["relu"](layer(h))
         mean, log_deviation = np.split(self.layers[-1](h), 2)
@@ -169,6 +179,8 @@ class Estimator:
     def save(self, path: Path, meta: Mapping[str, Any]) -> None:
         """Write the estimator in float32, components in float16, with how it was trained."""
         named = {"linear": self.linear} | {f"layer_{k}": layer for k, layer in enumerate(self.layers)}
+        if self.lstm is not None:
+            named |= {"lstm_inputs": self.lstm.inputs, "lstm_hidden": self.lstm.hidden}
         arrays = {
             f"{name}_{part}": getattr(layer, part) for name, layer in named.items() for part in ("weight", "bias")
         }
@@ -189,14 +201,16 @@ class Estimator:
             raise FFGymError(f"{path}: is a file of kind {header.get('kind')!r}, an estimator's is {KIND!r}.")
         try:
             arrays = {name: values.astype(np.float64) for name, values in arrays.items()}
-            linear, *layers = (
-                LinearLayer(weight=arrays[f"{name}_weight"], bias=arrays[f"{name}_bias"])
-                for name in ("linear", *(f"layer_{k}" for k in range(header["layers"])))
-            )
+
+            def layer(name: str) -> LinearLayer:
+                return LinearLayer(weight=arrays[f"{name}_weight"], bias=arrays[f"{name}_bias"])
+
+            layers = tuple(layer(f"layer_{k}") for k in range(header["layers"]))
+            recurrent = "lstm_inputs_weight" in arrays
+            lstm = LSTM(inputs=layer("lstm_inputs"), hidden=layer("lstm_hidden")) if recurrent else None
             components, spread = arrays["components"], arrays["spread"]
-            return cls(
-                variant=header["variant"], components=components, spread=spread, linear=linear, layers=tuple(layers)
-            )
+            own = {"variant": header["variant"], "components": components, "spread": spread}
+            return cls(linear=layer("linear"), layers=layers, lstm=lstm, **own)
         except (KeyError, TypeError, ValueError, IndexError, FFGymError) as error:
             raise FFGymError(f"{path}: holds no complete estimator: {error}. Train it again.") from error
 

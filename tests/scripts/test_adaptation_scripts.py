@@ -44,12 +44,14 @@ def test_an_estimator_is_trained_and_laps_are_simulated_once(tmp_path, monkeypat
     pytest.importorskip("torch")
     from scripts import train_estimator
 
+    monkeypatch.setattr(train_estimator, "SPEEDS", (0.1,))  # the teacher on one short motion
     config = train_estimator.Config(
         draws=12,
         chunk=12,
-        variants=("motors",),
+        variants=("motors", "recurrent"),
         seeds=(3,),
         hidden=(4,),
+        cells=4,
         epochs=1,
         threads=1,
         work=tmp_path / "work",
@@ -62,10 +64,30 @@ def test_an_estimator_is_trained_and_laps_are_simulated_once(tmp_path, monkeypat
     first = Estimator.load(file)
     assert first.linear.weight.shape[0] == 79
     assert manifest.artefacts[0].robot_seconds == 0.0
-    monkeypatch.setattr(train_estimator, "simulate", None)  # laps are there
+    recurrent = tmp_path / "out" / "amortised_recurrent" / manifest.artefacts[0].file
+    assert Estimator.load(recurrent).lstm.cells == 4
+    monkeypatch.setattr(train_estimator, "simulate", None)  # laps are there, and so is what moves the tool
     train_estimator.main(config)
     again = Estimator.load(file)
     np.testing.assert_array_equal(again.linear.weight, first.linear.weight)
+
+
+def test_the_teacher_weighs_numbers_by_how_far_they_move_the_tool(monkeypatch):
+    pytest.importorskip("torch")
+    from scripts import train_estimator
+
+    monkeypatch.setattr(train_estimator, "SPEEDS", (0.1,))
+    arm = RigidArm(load_robot("irb4600_60_205_commissioned_arm_drives"))
+    spread = np.zeros(79)
+    spread[:6] = 0.3  # Coulomb friction of each motor
+    spread[78] = 5.0  # payload [kg]
+    metric = train_estimator.teacher_metric(arm, spread)
+    np.testing.assert_allclose(metric, metric.T, atol=1e-15)
+    assert np.trace(metric) == pytest.approx(1.0)
+    assert np.linalg.eigvalsh(metric).min() > -1e-12
+    weights = np.diag(metric)
+    assert np.all(weights[6:78] == 0.0)
+    assert weights[:6].sum() > weights[78] > 0.0
 
 
 def test_with_all_true_numbers_of_a_drawn_robot_little_error_is_left(monkeypatch, capsys):

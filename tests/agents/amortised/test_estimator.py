@@ -6,7 +6,7 @@ from ffgym.agents.amortised.draws import draw_machine
 from ffgym.agents.amortised.estimator import Estimator, adapt, is_silent
 from ffgym.agents.artefacts import TRAINED
 from ffgym.agents.elastic import elastic_law
-from ffgym.agents.residual.actor import LinearLayer
+from ffgym.agents.residual.actor import LSTM, LinearLayer
 from ffgym.agents.trials import RigTrial
 from ffgym.core.errors import FFGymError
 from ffgym.leaderboard.adaptation.protocol import AdaptationSetting, BudgetedTrial, lap, score, scored_motions
@@ -39,7 +39,7 @@ def test_one_lap_on_a_drawn_machine_brings_the_error_below_that_of_the_base(arm)
     assert adapted < 0.5 * base
 
 
-@pytest.mark.parametrize("variant", ["amortised", "amortised_motors"])
+@pytest.mark.parametrize("variant", ["amortised", "amortised_motors", "amortised_recurrent"])
 def test_on_the_nominal_robot_it_keeps_the_base_law(arm, variant):
     adapter = next(adapter for adapter in ADAPTERS if adapter.name == variant)
     law = adapter.adapt(setting_on(arm))
@@ -57,16 +57,17 @@ def test_differences_beyond_the_noise_are_no_silence():
     assert not is_silent(only_tool, "tracker")
 
 
-def make_estimator(rng):
+def make_estimator(rng, cells=None):
     def layer(outputs, inputs):
         return LinearLayer(weight=rng.standard_normal((outputs, inputs)), bias=rng.standard_normal(outputs))
 
     return Estimator(
-        variant="motors",
+        variant="motors" if cells is None else "recurrent",
         components=rng.standard_normal((4, 12)),
         spread=rng.uniform(1.0, 2.0, 4),
         linear=layer(3, 4),
-        layers=(layer(5, 4), layer(6, 5)),
+        layers=(layer(5, 4 if cells is None else cells), layer(6, 5)),
+        lstm=None if cells is None else LSTM(inputs=layer(4 * cells, 6), hidden=layer(4 * cells, cells)),
     )
 
 
@@ -87,8 +88,28 @@ def test_the_network_in_numpy_equals_the_one_in_torch():
     np.testing.assert_allclose(found.deviation, torch.exp(h[3:]).numpy(), rtol=1e-12)
 
 
-def test_a_file_gives_the_estimator_back_and_others_are_refused(tmp_path):
-    estimator = make_estimator(np.random.default_rng(4))
+def test_a_recurrent_estimator_reads_the_rows_of_a_lap_in_their_order():
+    torch = pytest.importorskip("torch")
+    rng = np.random.default_rng(8)
+    estimator = make_estimator(rng, cells=7)
+    difference = rng.standard_normal((2, 9))
+    lstm = torch.nn.LSTM(6, 7, batch_first=True).double()
+    with torch.no_grad():
+        for name, layer in (("ih", estimator.lstm.inputs), ("hh", estimator.lstm.hidden)):
+            getattr(lstm, f"weight_{name}_l0").copy_(torch.as_tensor(layer.weight))
+            getattr(lstm, f"bias_{name}_l0").copy_(torch.as_tensor(layer.bias))
+        last = lstm(torch.as_tensor(difference[None, :, :6]))[0][0, -1].numpy()
+    hidden, out = estimator.layers
+    wanted = estimator.linear(estimator.features(difference)) + out(np.maximum(hidden(last), 0.0))[:3]
+    np.testing.assert_allclose(estimator.estimate(difference).mean, wanted, rtol=1e-10)
+    assert not np.isclose(
+        estimator.estimate(difference[::-1]).deviation, np.exp(out(np.maximum(hidden(last), 0))[3:])
+    ).any()
+
+
+@pytest.mark.parametrize("cells", [None, 7])
+def test_a_file_gives_the_estimator_back_and_others_are_refused(tmp_path, cells):
+    estimator = make_estimator(np.random.default_rng(4), cells)
     estimator.save(tmp_path / "mine.npz", {"seed": 4})
     difference = np.random.default_rng(5).standard_normal((2, 9))
     again = Estimator.load(tmp_path / "mine.npz").estimate(difference)
