@@ -1,5 +1,7 @@
 """Training environment of residual policies: features in, residuals out, the law below in between."""
 
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -10,16 +12,50 @@ from ffgym.agents.amortised.draws import draw_machines
 from ffgym.agents.residual.bases import base_law
 from ffgym.agents.residual.composition import LIMIT, Composition, PolicyInput, take_where
 from ffgym.agents.residual.plan import ENCODER_BITS, ENVIRONMENT, MACHINES_SEED, POSITION, Training
-from ffgym.core.types import Array
+from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.envs import Sensing
 from ffgym.envs.sb3 import SB3VecEnv, make_sb3_env
 from ffgym.simulation.plant import PlantDistribution
 
 
+@dataclass(kw_only=True, eq=False)
+class LoopChanges:
+    """Changes of the residual on its way to the motors, drawn for each episode, which a loop must bear."""
+
+    gain: float
+    """Largest factor; factors are drawn evenly in their logarithm from 1 to it."""
+    delay: int
+    """Largest delay [samples]; delays are drawn evenly from 0 to it."""
+    rng: np.random.Generator = field(default_factory=lambda: np.random.default_rng(0))
+    factors: Array = field(init=False)
+    """Factor of each sub-environment, shape (B,)."""
+    delays: IntArray = field(init=False)
+    """Delay of each sub-environment [samples], shape (B,)."""
+    past: Array = field(init=False)
+    """Residuals, the newest first, shape (D + 1, B, N)."""
+
+    def begin(self, where: BoolArray, n_joints: int) -> None:
+        """Draw changes for the sub-environments where an episode begins, (B,); all of them at first."""
+        count = len(where)
+        factors = np.exp(self.rng.uniform(0.0, np.log(self.gain), count))
+        delays = self.rng.integers(0, self.delay + 1, count)
+        if not hasattr(self, "past"):
+            self.factors, self.delays = factors, delays
+            self.past = np.zeros((self.delay + 1, count, n_joints))
+        self.factors, self.delays = np.where(where, factors, self.factors), np.where(where, delays, self.delays)
+        self.past[:, where] = 0.0
+
+    def apply(self, residual: Array) -> Array:
+        """Return the residuals that act now, (B, N), after new ones were given."""
+        self.past = np.concatenate([residual[None], self.past[:-1]])
+        late = self.past[self.delays, np.arange(len(residual))]
+        return np.asarray(self.factors[:, None] * late)
+
+
 class ResidualVecEnv(VecEnvWrapper):
     """Observations are features of a `Composition`, float32 (B, N F); actions its residuals in [-1, 1], (B, N)."""
 
-    def __init__(self, venv: SB3VecEnv, composition: Composition) -> None:
+    def __init__(self, venv: SB3VecEnv, composition: Composition, changes: LoopChanges | None = None) -> None:
         size, n = composition.features.size, composition.features.layout.n_joints
         super().__init__(
             venv,
@@ -27,19 +63,29 @@ class ResidualVecEnv(VecEnvWrapper):
             action_space=spaces.Box(-1.0, 1.0, shape=(n,), dtype=np.float32),
         )
         self.composition = composition
+        self._changes = changes
         self._seen: PolicyInput | None = None
         self._residual = np.zeros((venv.num_envs, n))
 
     def reset(self) -> Array:
         """Begin episodes, and return their features."""
+        if self._changes is not None:
+            self._changes.begin(np.ones(self.num_envs, dtype=np.bool_), self._residual.shape[1])
         self._seen = self.composition.begin(self.venv.reset())  # type: ignore[arg-type]
         return self._seen.features.astype(np.float32)
+
+    def seed(self, seed: int | None = None) -> Sequence[int | None]:
+        """Seed sub-environments, and changes of their loops."""
+        if self._changes is not None:
+            self._changes.rng = np.random.default_rng(seed)
+        return self.venv.seed(seed)
 
     def step_async(self, actions: Array) -> None:
         """Send residuals on top of the law's actions."""
         assert self._seen is not None  # reset comes first
         self._residual = np.clip(np.asarray(actions, dtype=np.float64), -1.0, 1.0)
-        self.venv.step_async(self.composition.action(self._seen, self._residual))
+        acting = self._residual if self._changes is None else self._changes.apply(self._residual)
+        self.venv.step_async(self.composition.action(self._seen, acting))
 
     def step_wait(self) -> tuple[Array, Array, Array, list[dict[str, Any]]]:
         """Return features, rewards and ends; last observations of episodes are features too."""
@@ -58,6 +104,8 @@ class ResidualVecEnv(VecEnvWrapper):
             for i in np.flatnonzero(done):
                 infos[i]["terminal_observation"] = seen.features[i].astype(np.float32)
             seen = take_where(done, self.composition.begin(observation), seen)
+            if self._changes is not None:
+                self._changes.begin(done, self._residual.shape[1])
         self._seen = seen
         return seen.features.astype(np.float32), reward, done, infos
 
@@ -89,4 +137,7 @@ def make_environment(training: Training, n_envs: int | None = None, **changes: A
     law = base_law(training.base, training.machine, robot)
     layout = env.get_attr("observation_layout")[0]
     composition = Composition.over(law, robot, layout, memory=training.memory, bound=training.bound)
-    return ResidualVecEnv(env, composition)
+    loop = None
+    if training.gain_margin > 1 or training.delay_margin > 0:
+        loop = LoopChanges(gain=training.gain_margin, delay=training.delay_margin)
+    return ResidualVecEnv(env, composition, loop)

@@ -43,6 +43,11 @@ class Training:
     """Largest residual torque, in breakaway torques."""
     reward: str = "relative_path_error"
     """Name of a reward of the environment; privileged ones are for training alone, the policy does not see them."""
+    gain_margin: float = 1.0
+    """Factor that the loop must bear: in each episode the residual acts times a factor drawn from 1 to it."""
+    delay_margin: int = 0
+    """Delay that the loop must bear [samples of the controller]: in each episode the residual acts later by one drawn
+    from 0 to it. Rewards of the path alone pay for loops that chatter (docs/leaderboard/margins.md)."""
     randomization: bool = True
     """True: each episode has a robot drawn around the nominal one (`PlantDistribution()`). False: all the nominal."""
     machines: int = 0
@@ -60,6 +65,8 @@ class Training:
         check_choice("base", self.base, list(ACTION_SCALES))
         check_whole("memory", self.memory, unit="samples", low=1, high=1000)
         check_number("bound of the residual", self.bound, unit="breakaway torques", low=0.0, open_low=True)
+        check_number("gain_margin", self.gain_margin, low=1.0, high=100.0)
+        check_whole("delay_margin", self.delay_margin, unit="samples", low=0, high=100)
         check_whole("machines", self.machines, low=0, high=100_000)
         if self.machines and not self.randomization:
             raise FFGymError(

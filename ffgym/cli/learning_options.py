@@ -33,6 +33,10 @@ class PolicyOptions:
     """Largest residual torque, in breakaway torques of each joint."""
     reward: str = "relative_path_error"
     """Reward of the environment."""
+    gain_margin: float = 1.0
+    """Largest factor by which the residual acts in training, drawn for each episode: a loop that bears more gain."""
+    delay_margin: int = 0
+    """Largest delay by which it acts in training, in samples of the controller: a loop that bears more delay."""
     nominal: bool = False
     """Train on the nominal robot alone, with nothing drawn."""
     machines: int = 0
@@ -61,6 +65,8 @@ class PolicyOptions:
             memory=self.memory,
             bound=self.bound,
             reward=self.reward,
+            gain_margin=self.gain_margin,
+            delay_margin=self.delay_margin,
             randomization=not self.nominal,
             machines=self.machines,
             seed=seed,

@@ -27,9 +27,9 @@ def options_of(training: Training, base: str | None = None) -> list[str]:
     """
     words = ["--algorithm", training.algorithm, "--base", base or training.base, "--steps", str(training.total)]
     usual = PolicyOptions()
-    for name in ("robot", "memory", "bound", "reward", "machines"):
+    for name in ("robot", "memory", "bound", "reward", "gain_margin", "delay_margin", "machines"):
         value = getattr(training, name)
-        words += [f"--{name}", str(value)] if value != getattr(usual, name) else []
+        words += [f"--{name.replace('_', '-')}", str(value)] if value != getattr(usual, name) else []
     words += [] if training.factored or training.algorithm == "recurrent_ppo" else ["--joint"]
     words += [] if training.randomization else ["--nominal"]
     file = hyperparameters(training.algorithm)
