@@ -22,8 +22,9 @@ from ffgym.leaderboard.comparison.standings import SERVO_GAINS as _NAMES
 
 GAINS = _NAMES
 """Names of all rows of servo gains."""
-SERVO_GAINS, SERVO_GAINS_DRIVES = GAINS
-"""Names of the rows: tuned on robots with ideal drives, and on machines with real ones and other effects."""
+SERVO_GAINS, SERVO_GAINS_DRIVES, SERVO_GAINS_STABLE = GAINS
+"""Names of the rows: tuned on robots with ideal drives, on machines with real ones and other effects, and on these
+machines by gains that have stability margins."""
 
 
 def make_gains(
@@ -64,6 +65,11 @@ _TUNED_ON = {
     SERVO_GAINS_DRIVES: (
         "servo gains on elastic, drives",
         "machines with drives and effects drawn about the nominal one",
+    ),
+    SERVO_GAINS_STABLE: (
+        "servo gains on elastic, stable",
+        "machines with drives and effects drawn about the nominal one, among gains whose loop stays stable at twice "
+        "the gain and with a sample of delay",
     ),
 }
 """Titles, and plants that gains are tuned on."""

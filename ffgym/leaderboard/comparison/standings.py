@@ -19,9 +19,10 @@ from ffgym.leaderboard.results import Row
 from ffgym.leaderboard.tasks import HELD_OUT
 from ffgym.report.laws import ORACLE, UNCOMPENSATED
 
-SERVO_GAINS = ("servo_gains", "servo_gains_drives")
-"""Rows of a linear feedback of three numbers, tuned on robots with ideal drives and on machines with real ones: a
-learned feedback that does not beat the better of them has gained what a servo would."""
+SERVO_GAINS = ("servo_gains", "servo_gains_drives", "servo_gains_stable")
+"""Rows of a linear feedback of three numbers, tuned on robots with ideal drives, on machines with real ones, and on
+these under a stability requirement: a learned feedback that does not beat the best of them has gained what a servo
+would, whether the loops are stable or not; of that, margins tell."""
 _WORDS = {-1: "better than {}", 1: "worse than {}", 0: "not better: the interval includes zero"}
 
 

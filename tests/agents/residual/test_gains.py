@@ -8,7 +8,7 @@ import pytest
 import tyro
 
 from ffgym.agents.artefacts import locate_artefact, read_manifest
-from ffgym.agents.residual.gains import GAINS, SERVO_GAINS, SERVO_GAINS_DRIVES, make_gains
+from ffgym.agents.residual.gains import SERVO_GAINS, SERVO_GAINS_DRIVES, SERVO_GAINS_STABLE, make_gains
 from ffgym.agents.residual.policy import load_policy
 from ffgym.agents.residual.validation import validate
 from ffgym.core.errors import FFGymError
@@ -54,10 +54,14 @@ def test_the_command_of_gains_asks_for_the_same_search():
     config = Config(name=SERVO_GAINS_DRIVES, robot="irb4600_60_205_arm_drives", effects=True, evaluations=9)
     assert tyro.cli(Config, args=shlex.split(config.command)[3:]) == config
     assert read_manifest(SERVO_GAINS_DRIVES).command == replace(config, evaluations=60).command
+    margins = {"gain_margin": 2.0, "delay_margin": 1, "start": (0.0, 0.1, 0.5), "step": 0.3}
+    stable = replace(config, name=SERVO_GAINS_STABLE, evaluations=12, **margins)
+    assert tyro.cli(Config, args=shlex.split(stable.command)[3:]) == stable
+    assert read_manifest(SERVO_GAINS_STABLE).command == stable.command
 
 
 @pytest.mark.slow
 def test_gains_for_drives_are_better_on_machines_than_those_for_ideal_drives():
     machines = {"robot": "irb4600_60_205_arm_drives", "plants": 1, "seed": 7, "effects": True}
-    ideal, drives = (validate(published(name), **machines).log_ratio for name in GAINS)
+    ideal, drives = (validate(published(name), **machines).log_ratio for name in (SERVO_GAINS, SERVO_GAINS_DRIVES))
     assert drives < ideal < 0
