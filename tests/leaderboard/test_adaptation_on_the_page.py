@@ -1,13 +1,16 @@
 """The curve of adaptation on the page of the leaderboard."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
+from ffgym.agents.adapters import ADAPTERS
 from ffgym.cli.main import main
-from ffgym.leaderboard.adaptation.results import AdaptationResults, AdaptationRun
+from ffgym.leaderboard.adaptation.results import AdaptationResults, AdaptationRun, read_results
 from ffgym.leaderboard.presentation.adaptation import draw_adaptation
 
+ROOT = Path(__file__).parents[2]
 TITLES = {"none": "nothing", "law": "the law", "learner": "the learner"}
 MACHINES = ("workcell:1", "workcell:2")
 
@@ -49,6 +52,12 @@ def test_laws_are_level_and_learners_fall_with_a_line_for_each_machine(results):
     assert places[0][1] < places[1][1]  # lower on the picture
     assert len(learner.machines) == picture.machines == 2
     assert [point.budget_s for point in learner.points] == [2.0, 20.0]
+
+
+def test_families_of_the_committed_curve_can_be_told_apart():
+    titles = {adapter.name: adapter.title for adapter in ADAPTERS}
+    families = draw_adaptation(read_results(ROOT / "docs/leaderboard/adaptation.json"), titles).families
+    assert len({family.colour for family in families}) == len(families) == len(ADAPTERS) - 1
 
 
 def test_sentences_say_who_leaves_least_from_which_budget_on(results):
