@@ -42,7 +42,8 @@ CIRCLES = (
 """One circle at each speed of the thesis; chosen: as large as takes seconds, as an answer needs time to grow."""
 PULSE = 0.3
 """Torque of the pulse in breakaway torques, at one sample. Chosen: half the bound of the residuals on the leaderboard,
-so that they answer it in full; an answer is some steps of a resolver then. Half and twice of it find the same."""
+so that they answer it in full; an answer is some steps of a resolver then. What half and twice of it find of three
+rows, mostly the same, is in docs/leaderboard/margins.md."""
 WINDOW = 0.08
 """Window in which answers are compared [s]; chosen: a servo settles within it, and a lap has several."""
 FACTORS = tuple(2.0**k for k in range(-4, 5))
