@@ -1,4 +1,4 @@
-"""Motions that a verification draws beside circles: squares with rounded corners, and spirals, as motion files."""
+"""Motions that are scored beside circles: squares with rounded corners, and spirals, as motion files."""
 
 import math
 
@@ -31,19 +31,44 @@ def follow_shape(arm: RigidArm, kind: str, centre: _Point, size: float, speed: f
     Raises:
         FFGymError: if the robot cannot follow the motion.
     """
-    parts = _square(size, speed) if kind == SQUARE else _spiral(size, speed)
-    text = f"origin = {_write(centre)}\npart = [{parts}]\n"
-    return parse_motion(arm, text, where=f"the {kind} {name!r}", name=name).reference
+    if kind == SQUARE:
+        return follow_square(arm, centre, size, speed, name)
+    return _follow(arm, _write(centre), _spiral(size, speed), name)
 
 
-def _square(half: float, speed: float) -> str:
-    """Write lines from the middle of a side, where the motion begins, round the corners and back to it."""
-    corners = [(0, -1), (1, -1), (1, 1), (-1, 1), (-1, -1), (0, -1)]
+def follow_square(
+    arm: RigidArm,
+    centre: _Point | str,
+    half: float,
+    speed: float,
+    name: str,
+    *,
+    zone: float = ZONE,
+    from_corner: bool = False,
+) -> Reference:
+    """Make the reference of a square with rounded corners about a point [m], or a named point of the work area.
+
+    Args:
+        arm: nominal model of the robot.
+        centre: centre of the square.
+        half: half a side [m].
+        speed: programmed speed [m/s].
+        name: name of the motion.
+        zone: rounding of a corner, in half a side.
+        from_corner: whether the motion begins and ends at a corner, which is not rounded then, or in the middle of a
+            side.
+
+    Raises:
+        FFGymError: if the robot cannot follow the motion.
+    """
+    begin = (-1.0, -1.0) if from_corner else (0.0, -1.0)
+    corners = [begin, (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0)]
+    corners += [] if from_corner else [begin]
     lines = []
     for k, (x, y) in enumerate(corners):
-        zone = f", zone = {ZONE * half:.6f}" if 1 <= k <= 4 else ""
-        lines.append(f'{{ kind = "line", to = {_write((x * half, y * half, 0.0))}, speed = {speed:g}{zone} }}')
-    return ", ".join(lines)
+        rounded = f", zone = {zone * half:.6f}" if 0 < k < len(corners) - 1 else ""
+        lines.append(f'{{ kind = "line", to = {_write((x * half, y * half, 0.0))}, speed = {speed:g}{rounded} }}')
+    return _follow(arm, f'"{centre}"' if isinstance(centre, str) else _write(centre), ", ".join(lines), name)
 
 
 def _spiral(last: float, speed: float) -> str:
@@ -54,6 +79,12 @@ def _spiral(last: float, speed: float) -> str:
         radius, angle = last * k / count, 2 * math.pi * k / PER_TURN
         points.append(_write((radius * math.cos(angle), radius * math.sin(angle), 0.0)))
     return f'{{ kind = "spline", speed = {speed:g}, through = [{", ".join(points)}] }}'
+
+
+def _follow(arm: RigidArm, origin: str, parts: str, name: str) -> Reference:
+    """Make the reference of the parts of a motion file about its origin, both as TOML."""
+    text = f"origin = {origin}\npart = [{parts}]\n"
+    return parse_motion(arm, text, where=f"the motion {name!r}", name=name).reference
 
 
 def _write(point: _Point) -> str:

@@ -14,9 +14,9 @@ import numpy as np
 from ffgym.control import FeedForwardLaw
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
+from ffgym.leaderboard.motions import follow_square
 from ffgym.leaderboard.tasks import TRAIN_POSITION
 from ffgym.paths import RADII, SPEEDS, Reference
-from ffgym.paths.motions.load import parse_motion
 from ffgym.recordings import Recording
 from ffgym.recordings.metrics import contour_errors, path_errors
 from ffgym.robot import RigidArm
@@ -35,17 +35,9 @@ SCORED = (
 )
 """Position, radius [m] and speed [m/s] of circles that are scored; chosen: other positions than that of practice, all
 speeds and radii from those of the thesis to those between them."""
-SQUARE = """
-origin = "p4"
-part = [
-  { kind = "line", to = [-0.004, -0.004, 0.0], speed = 0.04 },
-  { kind = "line", to = [0.004, -0.004, 0.0], speed = 0.04, zone = 0.002 },
-  { kind = "line", to = [0.004, 0.004, 0.0], speed = 0.04, zone = 0.002 },
-  { kind = "line", to = [-0.004, 0.004, 0.0], speed = 0.04, zone = 0.002 },
-  { kind = "line", to = [-0.004, -0.004, 0.0], speed = 0.04 },
-]
-"""
-"""Motion file of a square of 8 mm with rounded corners at p4, which is scored too."""
+SQUARE = ("p4", 0.004, 0.040)
+"""Position, half a side [m] and speed [m/s] of a square that is scored too; it begins at a corner, and its other corners
+are rounded by half of half a side."""
 _SAME = 1e-6
 """Positions of two motions that differ by less everywhere [rad] are those of one motion."""
 
@@ -71,8 +63,8 @@ def practice_set(arm: RigidArm) -> list[Reference]:
 def scored_motions(arm: RigidArm) -> tuple[Reference, ...]:
     """Make the motions that are scored."""
     circles = [_circle(arm, *each) for each in SCORED]
-    square = parse_motion(arm, SQUARE, where="the square of the adaptation task", name="square 8 mm, 40 mm/s")
-    return *circles, square.reference
+    square = follow_square(arm, *SQUARE, "square 8 mm, 40 mm/s", zone=0.5, from_corner=True)
+    return *circles, square
 
 
 def _circle(arm: RigidArm, position: str, radius: float, speed: float) -> Reference:

@@ -51,6 +51,15 @@ def test_scored_motions_cannot_be_practised_and_others_at_the_position_of_practi
     trial([Run(reference=motion, law=NoCompensation()) for motion in practice_set(arm)], 0)
 
 
+def test_the_scored_square_begins_at_a_sharp_corner_and_its_others_are_rounded_from_half_of_half_a_side(arm):
+    away = arm.tcp_position(scored_motions(arm)[-1].q)[:, :2] - arm.robot.work_area.positions["p4"][:2]
+    np.testing.assert_allclose(away[[0, -1]], -0.004, atol=1e-7)
+    assert np.abs(away).max() < 0.004 + 1e-7
+    on_side = np.abs(away).max(axis=1) > 0.004 - 1e-7
+    before = np.abs(away[(away[:, 1] < 0) & (away[:, 0] > 0) & on_side]).min(axis=1).max()
+    assert before == pytest.approx(0.002, rel=0.05)
+
+
 def test_adapters_of_all_machines_run_side_by_side_as_each_would_alone(arm, monkeypatch):
     monkeypatch.setattr(evaluation, "scored_motions", lambda arm: scored_motions(arm)[:1])
 
