@@ -227,5 +227,5 @@ def _join(old: Outcome | None, new: Outcome, entrant: Entrant) -> Outcome:
 def sum_durations(plants: Sequence[str], splits: Sequence[str]) -> float:
     """Sum the durations of all motions of splits on these plants [s]."""
     return sum(
-        duration_of(find_plant(plant).rig.robot, task) for plant in plants for task in find_plant(plant).tasks(splits)
+        duration_of(find_plant(plant).rig.arm, task) for plant in plants for task in find_plant(plant).tasks(splits)
     )

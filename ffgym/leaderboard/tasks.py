@@ -77,9 +77,11 @@ def make_references(arm: RigidArm, tasks: Sequence[Task]) -> list[Reference]:
     return [_reference(arm, task) for task in tasks]
 
 
-def duration_of(robot: RobotDescription, task: Task) -> float:
-    """Return the duration of the motion of a task [s], without the joint angles that it takes."""
-    return float(_path(robot, task).t[-1])
+def duration_of(arm: RigidArm, task: Task) -> float:
+    """Return the duration of the motion of a task [s]; that of circles without solving for joint angles."""
+    if task.kind in (SQUARE, SPIRAL):
+        return _reference(arm, task).duration
+    return float(_path(arm.robot, task).t[-1])
 
 
 @lru_cache(maxsize=64)

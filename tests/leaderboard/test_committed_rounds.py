@@ -19,7 +19,7 @@ from ffgym.leaderboard.submission.rounds import (
     read_commitment,
     read_round,
 )
-from ffgym.leaderboard.tasks import Task, make_references
+from ffgym.leaderboard.tasks import Task, duration_of, make_references
 from ffgym.robot import RigidArm, load_robot
 
 ROBOT = load_robot("irb4600_60_205")
@@ -104,6 +104,13 @@ def test_kinds_of_motions_are_drawn_in_turn_at_the_same_places():
         Round(seed=5, kinds=("star",))
     with pytest.raises(FFGymError, match="kinds of a round are empty"):
         Round(seed=5, kinds=())
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_duration_of_a_drawn_motion_is_that_of_its_reference(kind):
+    arm, [task] = RigidArm(ROBOT), Round(seed=5, motions=1, kinds=(kind,)).draw_motions(AREA)
+    [reference] = make_references(arm, [task])
+    assert duration_of(arm, task) == reference.duration
 
 
 @pytest.mark.parametrize(("kind", "spread"), [(SQUARE, 2 * WIDER), (SPIRAL, 1.75 * WIDER), (TILTED, 2.0)])

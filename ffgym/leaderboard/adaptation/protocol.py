@@ -36,8 +36,8 @@ SCORED = (
 """Position, radius [m] and speed [m/s] of circles that are scored; chosen: other positions than that of practice, all
 speeds and radii from those of the thesis to those between them."""
 SQUARE = ("p4", 0.004, 0.040)
-"""Position, half a side [m] and speed [m/s] of a square that is scored too; it begins at a corner, and its other corners
-are rounded by half of half a side."""
+"""Position, half a side [m] and speed [m/s] of a square that is scored too; it begins at a corner, and the others are
+rounded by half of half a side."""
 _SAME = 1e-6
 """Positions of two motions that differ by less everywhere [rad] are those of one motion."""
 
