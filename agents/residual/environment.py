@@ -26,22 +26,26 @@ class LoopChanges:
     """Largest factor; factors are drawn evenly in their logarithm from 1 to it."""
     delay: int
     """Largest delay [samples]; delays are drawn evenly from 0 to it."""
+    n_envs: int
+    """Number of sub-environments B."""
+    n_joints: int
+    """Number of residuals N of each."""
     rng: np.random.Generator = field(default_factory=lambda: np.random.default_rng(0))
     factors: Array = field(init=False)
-    """Factor of each sub-environment, shape (B,)."""
+    """Factor of each sub-environment, shape (B,); 1 before its first episode."""
     delays: IntArray = field(init=False)
-    """Delay of each sub-environment [samples], shape (B,)."""
+    """Delay of each sub-environment [samples], shape (B,); 0 before its first episode."""
     past: Array = field(init=False)
     """Residuals, the newest first, shape (D + 1, B, N)."""
 
-    def begin(self, where: BoolArray, n_joints: int) -> None:
-        """Draw changes for the sub-environments where an episode begins, (B,); all of them at first."""
-        count = len(where)
-        factors = np.exp(self.rng.uniform(0.0, np.log(self.gain), count))
-        delays = self.rng.integers(0, self.delay + 1, count)
-        if not hasattr(self, "past"):
-            self.factors, self.delays = factors, delays
-            self.past = np.zeros((self.delay + 1, count, n_joints))
+    def __post_init__(self) -> None:
+        self.factors, self.delays = np.ones(self.n_envs), np.zeros(self.n_envs, dtype=np.int64)
+        self.past = np.zeros((self.delay + 1, self.n_envs, self.n_joints))
+
+    def begin(self, where: BoolArray) -> None:
+        """Draw changes for the sub-environments where an episode begins, (B,)."""
+        factors = np.exp(self.rng.uniform(0.0, np.log(self.gain), self.n_envs))
+        delays = self.rng.integers(0, self.delay + 1, self.n_envs)
         self.factors, self.delays = np.where(where, factors, self.factors), np.where(where, delays, self.delays)
         self.past[:, where] = 0.0
 
@@ -70,7 +74,7 @@ class ResidualVecEnv(VecEnvWrapper):
     def reset(self) -> Array:
         """Begin episodes, and return their features."""
         if self._changes is not None:
-            self._changes.begin(np.ones(self.num_envs, dtype=np.bool_), self._residual.shape[1])
+            self._changes.begin(np.ones(self.num_envs, dtype=np.bool_))
         self._seen = self.composition.begin(self.venv.reset())  # type: ignore[arg-type]
         return self._seen.features.astype(np.float32)
 
@@ -105,7 +109,7 @@ class ResidualVecEnv(VecEnvWrapper):
                 infos[i]["terminal_observation"] = seen.features[i].astype(np.float32)
             seen = take_where(done, self.composition.begin(observation), seen)
             if self._changes is not None:
-                self._changes.begin(done, self._residual.shape[1])
+                self._changes.begin(done)
         self._seen = seen
         return seen.features.astype(np.float32), reward, done, infos
 
@@ -139,5 +143,7 @@ def make_environment(training: Training, n_envs: int | None = None, **changes: A
     composition = Composition.over(law, robot, layout, memory=training.memory, bound=training.bound)
     loop = None
     if training.gain_margin > 1 or training.delay_margin > 0:
-        loop = LoopChanges(gain=training.gain_margin, delay=training.delay_margin)
+        loop = LoopChanges(
+            gain=training.gain_margin, delay=training.delay_margin, n_envs=env.num_envs, n_joints=layout.n_joints
+        )
     return ResidualVecEnv(env, composition, loop)

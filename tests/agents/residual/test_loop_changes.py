@@ -11,8 +11,8 @@ from tests.agents.residual.residual_samples import tiny
 
 
 def begun(gain, delay, count=200, seed=0):
-    changes = LoopChanges(gain=gain, delay=delay, rng=np.random.default_rng(seed))
-    changes.begin(np.ones(count, dtype=np.bool_), 3)
+    changes = LoopChanges(gain=gain, delay=delay, n_envs=count, n_joints=3, rng=np.random.default_rng(seed))
+    changes.begin(np.ones(count, dtype=np.bool_))
     return changes
 
 
@@ -40,7 +40,7 @@ def test_an_episode_that_begins_has_its_own_changes_and_no_past():
     changes.apply(np.ones((200, 3)))
     factors, delays = changes.factors.copy(), changes.delays.copy()
     where = np.arange(200) < 100
-    changes.begin(where, 3)
+    changes.begin(where)
     np.testing.assert_array_equal(changes.factors[~where], factors[~where])
     np.testing.assert_array_equal(changes.delays[~where], delays[~where])
     assert np.mean(changes.factors[where] == factors[where]) < 0.01
