@@ -27,7 +27,8 @@ class Demo:
 
     agents: tuple[str, ...] = ("none", "lugre_static", "lugre_dynamic")
     """Names of docs/agents, model:<machine file>, files of laws or policies, trained rows of the leaderboard (first
-    seed), or submissions (.zip). Laws that learn are trained first, on their standard motions."""
+    seed), families of the curve of adaptation (after one lap), or submissions (.zip). Laws that learn are trained
+    first, on their standard motions."""
     parameters: Path | None = None
     """Parameter file for the agents' model of the robot; the simulated machine keeps its own numbers."""
     robot: str = "irb4600_60_205"
@@ -55,7 +56,8 @@ class Simulate:
     entry: Procedure = None
     feedforward: tuple[str, ...] = ("none", "lugre_dynamic")
     """Names of docs/agents, model:<machine file>, files of laws or policies, trained rows of the leaderboard (first
-    seed), or submissions (.zip). Laws that learn are trained first, on their standard motions."""
+    seed), families of the curve of adaptation (after one lap), or submissions (.zip). Laws that learn are trained
+    first, on their standard motions."""
     parameters: Path | None = None
     """Parameter file for the laws' model of the robot; the simulated machine keeps its own numbers."""
     sensors: bool = False
@@ -79,8 +81,9 @@ class Play:
     """Film an episode with an agent, or with two side by side; errors are magnified, the picture says how much."""
 
     agents: tyro.conf.Positional[tuple[str, ...]] = ()
-    """One agent or two: names of docs/agents or of trained rows of the leaderboard (first seed), model:<machine file>,
-    files of laws or policies (.npz), submissions (.zip); none given is that of --law."""
+    """One agent or two: names of docs/agents, of trained rows of the leaderboard (first seed) or of families of the
+    curve of adaptation (after one lap), model:<machine file>, files of laws or policies (.npz), submissions (.zip);
+    none given is that of --law."""
     out: Path = Path("episode.mp4")
     """Video to write, .mp4 or .gif; or .png, one picture at the time of the largest error."""
     at: float | None = None

@@ -124,6 +124,14 @@ def test_a_submission_decides_on_the_robot_of_the_environment(needs_gl, tmp_path
     assert mine["rms_path_error_mm"] == pytest.approx(law["rms_path_error_mm"], rel=1e-5)
 
 
+@pytest.mark.parametrize("name", ["amortised", "amortised_recurrent"])
+def test_an_estimator_practises_a_lap_on_the_machine_first(name, needs_gl, tmp_path):
+    machine = ("--env", "ffgym/CirclePath-v1", "--robot", "workcell:drives-1")
+    _, numbers = play_still(tmp_path, "elastic", name, *machine, "--position", "p3", *CIRCLE[:4])
+    law, adapted = (agent["rms_path_error_mm"] for agent in numbers["agents"])
+    assert 2 * adapted < law
+
+
 def test_a_still_shows_the_time_that_is_asked_for(needs_gl, tmp_path):
     axis = ("none", "--env", "ffgym/OneAxis-v0", "--frequency-hz", "3")
     pictures = [play_still(tmp_path, *axis, *at)[0] for at in (("--at", "0.5"), ())]
@@ -139,6 +147,8 @@ def test_a_still_shows_the_time_that_is_asked_for(needs_gl, tmp_path):
         (["nobody.npz"], "nobody.npz: cannot be read"),
         (["nobody.zip"], "nobody.zip: "),
         (["model_fitted"], "Agent 'model_fitted' was trained on another machine"),
+        (["amortised", "--env", "ffgym/OneAxis-v0"], "amortised cannot practise on one_axis: Robot 'one_axis' has no "),
+        (["amortised:machine.toml"], "Unknown agent 'amortised:machine.toml'. Available: amortised, "),
         (["ppo_elastic", "--env", "ffgym/OneAxis-v0"], "ppo_elastic cannot run in ffgym/OneAxis-v0: A policy for 6"),
         (["--out", "a.mp4", "--at", "1"], "--at 1 is for a still, --out FILE.png"),
         (["--out", "a.png", "--at", "99", "--speed-mm-s", "100", "--radii-mm", "1"], "at = 99 s is after the end of"),

@@ -156,9 +156,16 @@ def test_a_trained_policy_runs_beside_a_law(here, capsys):
     assert len(one) == len(other)
 
 
+def test_an_estimator_practises_a_lap_on_a_workcell_before_the_motion(here):
+    assert run("workcell:drives-1", "rounded_square", "--feedforward", "elastic", "amortised", "--json", "a.json") == 0
+    law, adapted = (result["path"][0]["rms_mm"] for result in json.loads((here / "a.json").read_text())["results"])
+    assert 2 * adapted < law
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
+        (["irb4600_60_205", "sine", "--feedforward", "amortised", "--no-springs"], "--springs has no effect on amort"),
         (["one_axis", "sine", "--feedforward", "ppo_elastic"], "ppo_elastic cannot run on one_axis: A policy for 6"),
         (["one_axis", "sine", "--feedforward", "ppo_elastic", "--no-friction"], "--friction has no effect on ppo_ela"),
         (["nobody", "circles"], "Unknown robot 'nobody'"),

@@ -8,14 +8,7 @@ from itertools import islice
 from ffgym.control import FeedForwardLaw
 from ffgym.core.errors import FFGymError
 from ffgym.core.provenance import versions
-from ffgym.leaderboard.adaptation.protocol import (
-    AdaptationSetting,
-    Adapter,
-    BudgetedTrial,
-    lap,
-    score,
-    scored_motions,
-)
+from ffgym.leaderboard.adaptation.protocol import Adapter, BudgetedTrial, score, scored_motions
 from ffgym.leaderboard.adaptation.results import AdaptationRun
 from ffgym.robot import RigidArm
 from ffgym.simulation import Rig, Run, simulate
@@ -93,9 +86,8 @@ def run_entries(entries: Sequence[AdaptationEntry], n_threads: int = 0) -> list[
     trials: dict[int, BudgetedTrial] = {}
 
     def learn(i: int, entry: AdaptationEntry, trial: Trial) -> FeedForwardLaw:
-        budget = entry.laps * lap(rig.arm).duration
-        trials[i] = BudgetedTrial(trial=trial, budget=budget, scored=scored_motions(rig.arm))
-        return entry.adapter.adapt(AdaptationSetting(arm=rig.arm, trial=trials[i], seed=entry.seed))
+        law, trials[i] = entry.adapter.practise(rig.arm, trial, laps=entry.laps, seed=entry.seed)
+        return law
 
     learners: dict[int, tuple[int, Callable[[Trial], FeedForwardLaw]]] = {
         i: (entry.seed, partial(learn, i, entry)) for i, entry in enumerate(entries)

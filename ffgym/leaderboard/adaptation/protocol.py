@@ -150,3 +150,10 @@ class Adapter:
     """Seeds to run; one, unless a seed changes the adapter beyond the noise of sensors."""
     artefact: Callable[[int], str | None] = field(default=lambda seed: None, repr=False)
     """sha256 of the file that it is read from, by seed; None if there is none."""
+
+    def practise(
+        self, arm: RigidArm, trial: Trial, *, laps: int, seed: int = 0
+    ) -> tuple[FeedForwardLaw, BudgetedTrial]:
+        """Make the law for a machine within a budget in laps; return it, and the trials, which counted robot time."""
+        budgeted = BudgetedTrial(trial=trial, budget=laps * lap(arm).duration, scored=scored_motions(arm))
+        return self.adapt(AdaptationSetting(arm=arm, trial=budgeted, seed=seed)), budgeted
