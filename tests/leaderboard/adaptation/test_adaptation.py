@@ -63,14 +63,17 @@ def test_the_scored_square_begins_at_a_sharp_corner_and_its_others_are_rounded_f
 def test_adapters_of_all_machines_run_side_by_side_as_each_would_alone(arm, monkeypatch):
     monkeypatch.setattr(evaluation, "scored_motions", lambda arm: scored_motions(arm)[:1])
 
+    seeds = []
+
     def practise(setting):
+        seeds.append(setting.seed)
         for number in range(2):
             setting.trial([Run(reference=lap(arm), law=NoCompensation())], number)
         return NoCompensation()
 
     adapters = [
         Adapter(name="none", title="", about="", adapt=lambda setting: NoCompensation()),
-        Adapter(name="practises", title="", about="", adapt=practise, laps=(2,)),
+        Adapter(name="practises", title="", about="", adapt=practise, laps=(2,), seeds=(0, 7)),
     ]
     drawn = PlantDistribution().draw(arm.robot, np.random.default_rng(1))
     subjects = [
@@ -79,6 +82,7 @@ def test_adapters_of_all_machines_run_side_by_side_as_each_would_alone(arm, monk
     ]
     runs = {run.key: run for group in evaluate(list_entries(adapters, subjects), 1) for run in group}
     assert runs["practises", "drawn", 2, 0].robot_seconds == runs["practises", "drawn", 2, 0].budget_s == 3.344
+    assert sorted(seeds) == [0, 0, 7, 7]
     assert runs["none", "drawn", 0, 0].robot_seconds == 0
     alone = {run.key: run for group in evaluate(list_entries(adapters[:1], subjects[1:]), 1) for run in group}
     assert alone["none", "drawn", 0, 0] == runs["none", "drawn", 0, 0]
