@@ -216,6 +216,6 @@ def test_an_interrupt_leaves_no_half_file_and_the_old_one(suffix, needs_gl, monk
 def test_the_commands_of_the_documentation_parse():
     text = (Path(__file__).parents[2] / "docs" / "rendering.md").read_text(encoding="utf-8")
     commands = re.findall(r"^ffgym play (.*)$", text, flags=re.M)
-    assert len(commands) == 3
+    assert len(commands) == 4
     for command in commands:
         play.check(tyro.cli(Play, args=command.split()))
