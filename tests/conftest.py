@@ -2,7 +2,6 @@
 
 import gc
 import os
-from dataclasses import replace
 from importlib import resources
 
 import hypothesis
@@ -77,18 +76,6 @@ def one_axis() -> RobotDescription:
 def two_link() -> RobotDescription:
     """The built-in planar arm of two links."""
     return load_robot("two_link")
-
-
-@pytest.fixture(scope="session")
-def without_servo():
-    """Function that returns a copy of a robot whose servos do (almost) nothing but pass the feed-forward torque on."""
-
-    def weaken(robot: RobotDescription) -> RobotDescription:
-        nothing = np.zeros(robot.n_joints)
-        servo = replace(robot.servo, position_gain=nothing + 1e-12, velocity_gain=nothing, integral_gain=nothing)
-        return replace(robot, servo=servo)
-
-    return weaken
 
 
 @pytest.fixture(scope="session")

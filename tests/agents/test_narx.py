@@ -9,9 +9,10 @@ from ffgym.agents.narx import NARX, learn_narx, samples_of
 from ffgym.agents.supervised import MotorRecord
 from ffgym.control import Window
 from ffgym.core.errors import FFGymError
-from ffgym.diagnosis.identification.narx import Errors, NarxModel, Regressors, Structure
+from ffgym.diagnosis.identification.narx import Errors, Regressors, Structure
 from ffgym.simulation import Run
 from ffgym.studies import sine_references
+from tests.narx_samples import random_network
 
 FORMS = {
     "(6.19)": Regressors(speed_lags=(0, 1), output_lags=()),
@@ -21,19 +22,7 @@ FORMS = {
 
 
 def law_of(regressors, n=2):
-    rng = np.random.default_rng(0)
-    shape = (n, 3, regressors.count)
-    model = NarxModel(
-        input_weights=2 * rng.normal(size=shape),
-        biases=rng.normal(size=shape[:2]),
-        output_weights=rng.normal(size=shape[:2]),
-        offset=rng.normal(size=n),
-        speed_scale=np.full(n, 2.0),
-        torque_scale=np.full(n, 0.5),
-        regressors=regressors,
-        dt=0.004,
-    )
-    return NARX(model=model)
+    return NARX(model=random_network(regressors, n=n, n_neurons=3))
 
 
 def window_of(dq, dt=0.004):

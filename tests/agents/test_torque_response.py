@@ -20,6 +20,7 @@ from ffgym.recordings.metrics import motor_error, path_errors, standstill_offset
 from ffgym.robot import RigidArm
 from ffgym.simulation import LaserTracker, Run, simulate
 from ffgym.studies import circle_references
+from scripts.tables.physics import free_of_servo
 from tests.robot.robot_samples import unusual
 
 
@@ -159,11 +160,11 @@ def test_no_error_needs_no_correction(arm, corners):
     assert not step.correction(np.zeros((30, 3))).any()
 
 
-def test_a_tolerance_of_zero_and_a_servo_that_holds_nothing_are_refused(arm, irb4600, corners, without_servo):
+def test_a_tolerance_of_zero_and_a_servo_that_holds_nothing_are_refused(arm, irb4600, corners):
     response = TorqueResponse.of(arm, corners["p1"], "tcp")
     with pytest.raises(FFGymError, match=r"tolerance = 0\.0 rad or m is out of range"):
         NormOptimalStep.of(response, 0.0, irb4600.friction.coulomb)
-    loose = TorqueResponse.of(RigidArm(without_servo(irb4600)), corners["p1"], "tcp")
+    loose = TorqueResponse.of(RigidArm(free_of_servo(irb4600)), corners["p1"], "tcp")
     with pytest.raises(FFGymError, match="The servo must hold every motor"):
         NormOptimalStep.of(loose, 1e-5, irb4600.friction.coulomb)
 

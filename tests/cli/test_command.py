@@ -23,6 +23,7 @@ from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL
 from ffgym.leaderboard.tasks import THESIS
 from ffgym.robot import ModelOptions, compile_model, load_robot, physics_fingerprint
 from ffgym.simulation import RECORD_DT
+from tests.cli.errors import read_error
 from tests.diagnosis.result_samples import full_diagnosis
 
 ROW_KEYS = {
@@ -82,9 +83,7 @@ def test_the_numbers_have_rows_per_circle_and_law(demo, irb4600):
 def test_a_demo_that_cannot_run_is_one_line_and_exit_code_1(arguments, message, capsys, tmp_path):
     pytest.importorskip("ffgym.report")
     assert main(["demo", "--report", str(tmp_path / "r.html"), *arguments]) == 1
-    (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith("ffgym: error: ")
-    assert message in line
+    assert message in read_error(capsys)
     assert not list(tmp_path.iterdir())
 
 
@@ -97,8 +96,7 @@ def test_a_missing_extra_is_named(monkeypatch, capsys):
 def test_a_missing_tyro_is_named(monkeypatch, capsys):
     monkeypatch.setattr("ffgym.cli.main.is_installed", lambda name: name != "tyro")
     assert main(["export"]) == 1
-    (line,) = capsys.readouterr().err.splitlines()
-    assert line == "ffgym: error: The command line needs tyro; pip install 'ffgym[cli]'."
+    assert read_error(capsys) == "ffgym: error: The command line needs tyro; pip install 'ffgym[cli]'."
 
 
 def test_an_interrupt_is_exit_code_130(monkeypatch, capsys):
@@ -154,8 +152,7 @@ def test_version_is_the_package_s(capsys):
 @pytest.mark.parametrize("old", sorted(_MOVED))
 def test_an_old_name_answers_with_the_new_one(old, capsys):
     assert main([old]) == 1
-    (line,) = capsys.readouterr().err.splitlines()
-    assert _MOVED[old] in line
+    assert _MOVED[old] in read_error(capsys)
 
 
 def test_a_process_returns_the_exit_code(tmp_path):
@@ -292,8 +289,7 @@ def test_agents_and_parameters_that_are_not_there_are_one_line(arguments, messag
     pytest.importorskip("ffgym.report")
     monkeypatch.chdir(tmp_path)
     assert main(["demo", "--positions", "p1", "--speeds-mm-s", "100", *arguments]) == 1
-    (line,) = capsys.readouterr().err.splitlines()
-    assert message in line
+    assert message in read_error(capsys)
 
 
 def test_every_subcommand_has_options_and_a_function_that_takes_them():

@@ -3,6 +3,7 @@
 import pytest
 
 from ffgym.cli.main import main
+from tests.cli.errors import read_error
 
 MACHINE = '[machine]\ntitle = "a machine"\nrobot = "one_axis"\n'
 
@@ -27,7 +28,5 @@ def test_a_machine_in_place_of_a_description_is_refused(command, robot, message,
     (tmp_path / "machine.toml").write_text(MACHINE)
     (tmp_path / "log.csv").write_text("")
     assert main([*command, robot]) == 1
-    (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith("ffgym: error: ")
-    assert message in line
+    assert message in read_error(capsys)
     assert {path.name for path in tmp_path.iterdir()} == {"machine.toml", "log.csv"}

@@ -23,6 +23,7 @@ from ffgym.recordings import Recording, read_recording, write_recording
 from ffgym.report.diagnosis import simulation_note
 from ffgym.robot import load_robot
 from ffgym.simulation.plant import Machine, load_machine, save_machine
+from tests.cli.errors import read_error
 
 DATA = Path(__file__).parents[2] / "ffgym" / "robot" / "data"
 
@@ -70,8 +71,7 @@ def test_what_cannot_be_diagnosed_is_refused_in_one_line(arguments, says, tmp_pa
     monkeypatch.chdir(tmp_path)
     (tmp_path / "file").write_text("", encoding="utf-8")
     assert main(["diagnose", *arguments]) == 1
-    (line,) = capsys.readouterr().err.splitlines()
-    assert says in line
+    assert says in read_error(capsys)
     assert [path.name for path in tmp_path.iterdir()] == ["file"]
 
 
@@ -89,8 +89,7 @@ def test_a_log_that_cannot_be_used_is_one_line_and_leaves_no_folder(logs, tmp_pa
     write_recording(change(read_recording(next(logs.glob("*.npz")))), tmp_path / "log.npz")
     arguments = ["diagnose", str(tmp_path / "log.npz"), "--robot", "one_axis", "--out", str(tmp_path / "new" / "out")]
     assert main(arguments) == 1
-    (line,) = capsys.readouterr().err.splitlines()
-    assert says in line
+    assert says in read_error(capsys)
     assert [path.name for path in tmp_path.iterdir()] == ["log.npz"]
 
 
@@ -120,8 +119,7 @@ def test_logs_to_validate_with_are_looked_at_before_long_work(logs, tmp_path, ca
     columns = {name: values for name, values in whole.columns.items() if not name.startswith("motor.effort")}
     write_recording(Recording(columns, whole.header), tmp_path / "other.npz")
     assert main(["diagnose", str(logs), "--robot", "one_axis", "--validate", str(tmp_path / "other.npz")]) == 1
-    (line,) = capsys.readouterr().err.splitlines()  # no preview before it
-    assert "motor.effort" in line
+    assert "motor.effort" in read_error(capsys)  # no preview before it
 
 
 def test_the_model_that_is_read_is_not_written_over(logs, tmp_path, capsys):

@@ -13,6 +13,7 @@ from ffgym.simulation import Machine, Resolver, SimulatedRig
 from ffgym.simulation.protocols import plan_session, record
 from ffgym.simulation.protocols.one_by_one import SpeedLadder, Table61
 from ffgym.simulation.sensors import sensors_of
+from tests.cli.errors import read_error
 
 
 @pytest.fixture(scope="module")
@@ -141,8 +142,7 @@ def test_logs_of_other_tools_need_a_column_map_and_no_other_step(logs, foreign, 
         (["ladder.csv", "--out", "x.toml"], "column map"),
     ]:
         assert main(["identify", *arguments, *quick]) == 1
-        (line,) = capsys.readouterr().err.splitlines()
-        assert message in line
+        assert message in read_error(capsys)
 
 
 @pytest.mark.parametrize(

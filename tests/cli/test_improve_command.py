@@ -7,6 +7,7 @@ import pytest
 from ffgym.cli.main import main
 from ffgym.effects import EFFECTS
 from ffgym.simulation.plant import Machine, load_machine, save_machine
+from tests.cli.errors import read_error
 
 
 @pytest.mark.parametrize(
@@ -26,8 +27,7 @@ def test_what_cannot_be_run_is_refused_before_anything_is_recorded(arguments, sa
     monkeypatch.chdir(tmp_path)
     (tmp_path / "cell.toml").write_text("", encoding="utf-8")
     assert main(["improve", *arguments]) == 1
-    (line,) = capsys.readouterr().err.splitlines()
-    assert says in line
+    assert says in read_error(capsys)
     assert [path.name for path in tmp_path.iterdir()] == ["cell.toml"]
 
 

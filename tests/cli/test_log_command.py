@@ -7,6 +7,7 @@ import pytest
 
 from ffgym.cli.main import main
 from ffgym.recordings import read_recording
+from tests.cli.errors import read_error
 
 T = 0.004 * np.arange(50)
 ROWS = np.column_stack([1000 * T, np.degrees(np.sin(T)), 2 * np.cos(T)])
@@ -42,9 +43,7 @@ def folder(tmp_path, monkeypatch):
 def refusal(capsys, *arguments):
     """The one line with which a command ends that cannot be run."""
     assert main(["log", *arguments]) == 1
-    (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith("ffgym: error: ")
-    return line
+    return read_error(capsys)
 
 
 def test_from_an_unknown_file_to_a_recording(folder, capsys):

@@ -14,6 +14,7 @@ from ffgym.cli.motion_options import Play
 from ffgym.envs.machines import make_rig
 from ffgym.leaderboard.submission.manifest import AgentSource
 from ffgym.robot import ModelOptions, compile_model, physics_fingerprint
+from tests.cli.errors import read_error
 from tests.leaderboard.submission_samples import packed
 
 iio = pytest.importorskip("imageio.v3")
@@ -177,9 +178,7 @@ def test_a_video_that_cannot_be_made_is_one_line_and_exit_code_1(arguments, mess
     if not {"--out", "--window"} & set(arguments):
         arguments = ["--out", str(tmp_path / "b.mp4"), *arguments]
     assert main(["play", *SMALL, *arguments]) == 1
-    (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith("ffgym: error: ")
-    assert message in line
+    assert message in read_error(capsys)
     assert not list(tmp_path.iterdir())
 
 

@@ -12,6 +12,7 @@ from ffgym.effects import EFFECTS
 from ffgym.recordings import read_folder, read_recording
 from ffgym.simulation.plant import Machine, save_machine
 from ffgym.simulation.protocols import PROTOCOLS
+from tests.cli.errors import read_error
 
 STEPS = """
 [[step]]
@@ -40,12 +41,6 @@ def run(*arguments):
 
 def record(*options):
     return run("one_axis", "day.toml", "--out", "day", *options)
-
-
-def only_error(capsys):
-    (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith("ffgym: error: ")
-    return line
 
 
 def contents(folder):
@@ -111,7 +106,7 @@ def test_a_folder_of_another_session_is_refused_unless_it_may_be_written_over(he
     before = contents(here / "day")
     for options in (["--seed", "1"], ["--record-dt-ms", "4"], ["--feedforward", "lugre_static"], ["--exact"]):
         assert record(*options) == 1
-        assert "day: holds a session of other motions, options or versions" in only_error(capsys)
+        assert "day: holds a session of other motions, options or versions" in read_error(capsys)
     assert contents(here / "day") == before
     assert record("--seed", "1", "--force") == 0
     assert read_folder("day")[0].header.provenance["seed"] == 1
@@ -137,7 +132,7 @@ def test_a_damaged_index_is_refused_unless_the_folder_may_be_written_over(here, 
     (here / "day" / "protocol.json").write_bytes(b"\xff")
     capsys.readouterr()
     assert record() == 1
-    assert "day: its protocol.json is damaged" in only_error(capsys)
+    assert "day: its protocol.json is damaged" in read_error(capsys)
     assert record("--force") == 0
     assert len(read_folder("day")) == 3
 
@@ -145,7 +140,7 @@ def test_a_damaged_index_is_refused_unless_the_folder_may_be_written_over(here, 
 def test_a_place_that_cannot_be_written_over_is_named(here, capsys):
     (here / "day" / "motion.sine.npz").mkdir(parents=True)
     assert record("--force") == 1
-    assert "motion.sine.npz: cannot be removed: " in only_error(capsys)
+    assert "motion.sine.npz: cannot be removed: " in read_error(capsys)
 
 
 def test_the_index_is_no_place_for_the_numbers(here, capsys):
@@ -162,14 +157,14 @@ def test_a_law_whose_numbers_have_changed_makes_another_session(here, capsys):
     assert record(*law) == 0
     (here / "small.toml").write_text(COULOMB.format(0.2))
     assert record(*law) == 1
-    assert "holds a session of other motions" in only_error(capsys)
+    assert "holds a session of other motions" in read_error(capsys)
 
 
 def test_a_folder_with_recordings_of_ones_own_is_left_alone(here, capsys):
     (here / "day").mkdir()
     (here / "day" / "mine.csv").write_text("precious")
     assert record() == 1
-    assert "holds recordings, but no protocol.json" in only_error(capsys)
+    assert "holds recordings, but no protocol.json" in read_error(capsys)
     assert contents(here / "day") == {"mine.csv": b"precious"}
 
 
@@ -179,7 +174,7 @@ def test_a_recording_of_another_session_under_one_of_the_names_is_not_written_ov
     capsys.readouterr()
     (here / "other" / "motion.sine.npz").replace(here / "day" / "motion.sine.npz")
     assert record() == 1
-    assert "motion.sine.npz: is not of this session" in only_error(capsys)
+    assert "motion.sine.npz: is not of this session" in read_error(capsys)
 
 
 def test_exact_recordings_hold_the_truth_and_csv_is_a_choice(here):
@@ -255,7 +250,7 @@ def test_the_list_tells_every_protocol_how_long_it_takes_and_why_one_cannot_be_r
 )
 def test_a_request_that_cannot_be_met_is_one_line(here, capsys, arguments, message):
     assert run(*arguments) == 1
-    assert message in only_error(capsys)
+    assert message in read_error(capsys)
     assert not list(here.glob("**/*.npz"))
 
 
@@ -281,4 +276,4 @@ def test_a_workcell_is_recorded_by_its_own_sensors_and_gives_no_truth_away(here,
     assert first.header.robot == "irb4600_60_205"
     capsys.readouterr()
     assert run(*cell, "--exact", "--out", "x") == 1
-    assert "--exact is not for workcell:cold" in only_error(capsys)
+    assert "--exact is not for workcell:cold" in read_error(capsys)

@@ -6,6 +6,7 @@ import pytest
 
 from ffgym.cli.main import main
 from ffgym.robot import ModelOptions, compile_model, load_robot, physics_fingerprint
+from tests.cli.errors import read_error
 from tests.robot.template.arm_xml import ARM, NUMBERS
 
 
@@ -20,9 +21,7 @@ def folder(tmp_path, monkeypatch):
 def refusal(capsys, *arguments):
     """The one line with which a command ends that cannot be run."""
     assert main(["robot", *arguments]) == 1
-    (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith("ffgym: error: ")
-    return line
+    return read_error(capsys)
 
 
 def test_from_an_arm_file_to_a_whole_robot(folder, capsys):

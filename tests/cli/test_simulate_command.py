@@ -13,6 +13,7 @@ from ffgym.core.errors import FFGymError
 from ffgym.recordings import read_recording
 from ffgym.robot import ModelOptions, compile_model, load_robot, physics_fingerprint
 from ffgym.simulation import Run, simulate
+from tests.cli.errors import read_error
 
 MOTION_OF_ONE_AXIS = "sine"
 ROOT = Path(__file__).parents[2]
@@ -37,12 +38,6 @@ def here(tmp_path, monkeypatch):
 
 def run(*arguments):
     return main(["simulate", *arguments])
-
-
-def only_error(capsys):
-    (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith("ffgym: error: ")
-    return line
 
 
 def test_a_program_on_the_built_in_robot_gives_recordings_numbers_page_and_tables(here, capsys):
@@ -193,7 +188,7 @@ def test_an_estimator_practises_a_lap_on_a_workcell_before_the_motion(here):
 )
 def test_what_cannot_run_is_one_line_and_writes_nothing(arguments, message, capsys, here):
     assert run(*arguments) == 1
-    assert message in only_error(capsys)
+    assert message in read_error(capsys)
     assert not list(here.iterdir())
 
 
@@ -204,19 +199,19 @@ def test_another_procedure_of_a_program_can_be_run(here, capsys):
         assert run("irb4600_60_205", "two.mod", *entry, "--feedforward", "none", "--json", "two.json") == 0
         assert json.loads((here / "two.json").read_text())["results"][0]["path"][-1]["label"] == label
     assert run("irb4600_60_205", "circles", "--entry", "short") == 1
-    assert "entry = 'short' is a procedure of a program" in only_error(capsys)
+    assert "entry = 'short' is a procedure of a program" in read_error(capsys)
 
 
 def test_a_wrong_program_is_named_with_its_place(here, capsys):
     (here / "bad.mod").write_text("MODULE bad\n  PROC main()\n    MoveX p1;\n  ENDPROC\nENDMODULE\n", encoding="utf-8")
     assert run("irb4600_60_205", "bad.mod") == 1
-    assert "bad.mod:3:" in only_error(capsys)
+    assert "bad.mod:3:" in read_error(capsys)
 
 
 def test_a_missing_extra_is_named_only_where_a_page_is_wanted(here, monkeypatch, capsys):
     monkeypatch.setattr("ffgym.cli.outputs.is_installed", lambda name: name != "jinja2")
     assert run("irb4600_60_205", "circles", "--report", "r.html") == 1
-    assert "The report needs jinja2" in only_error(capsys)
+    assert "The report needs jinja2" in read_error(capsys)
 
 
 def test_recordings_of_laws_with_odd_names_get_plain_file_names():

@@ -12,6 +12,7 @@ from ffgym.cli.main import main
 from ffgym.leaderboard.submission import judge
 from ffgym.leaderboard.submission.rounds import Round
 from ffgym.robot import load_robot
+from tests.cli.errors import read_error
 from tests.leaderboard.submission_samples import PLAN, ROBOT, agent_file, changed
 
 WHO = ["--name", "mine", "--author", "somebody", "--track", "causal, nominal parameters"]
@@ -127,8 +128,7 @@ def test_a_round_that_cannot_be_run_is_told_in_one_line_before_anything_runs(sma
         assert main(["leaderboard", "round", "--out", out, "--secret", secret, "--machines", "1"]) == 0
     capsys.readouterr()
     assert main(["leaderboard", "verify", "none.zip", *options]) == 1
-    (line,) = capsys.readouterr().err.splitlines()
-    assert message in line
+    assert message in read_error(capsys)
 
 
 @pytest.mark.parametrize(
@@ -148,8 +148,7 @@ def test_a_round_that_cannot_be_run_is_told_in_one_line_before_anything_runs(sma
 )
 def test_what_cannot_be_submitted_is_refused_before_anything_runs(small, capsys, arguments, message):
     assert main(["leaderboard", "submit", *arguments]) == 1
-    (line,) = capsys.readouterr().err.splitlines()
-    assert message in line
+    assert message in read_error(capsys)
     assert [path.name for path in small.iterdir()] == ["mine.py"]
 
 
@@ -165,14 +164,12 @@ def test_what_cannot_be_submitted_is_refused_before_anything_runs(small, capsys,
 )
 def test_what_is_no_submission_is_refused_in_one_line(small, capsys, file, message):
     assert main(["leaderboard", "verify", file]) == 1
-    (line,) = capsys.readouterr().err.splitlines()
-    assert message in line
+    assert message in read_error(capsys)
 
 
 def test_a_verdict_that_cannot_be_written_is_told_in_one_line(small, capsys):
     assert main(["leaderboard", "verify", "mine.py", "--json", "x" * 300 + ".json"]) == 1
-    (line,) = capsys.readouterr().err.splitlines()
-    assert "cannot be written" in line
+    assert "cannot be written" in read_error(capsys)
 
 
 def test_the_oracle_has_no_track_for_submissions(small):

@@ -11,6 +11,7 @@ from ffgym.agents.tensor_bspline import TensorBSN
 from ffgym.agents.trials import thesis_motions
 from ffgym.cli.main import main
 from ffgym.robot import ModelOptions, RigidArm, compile_model, physics_fingerprint
+from tests.cli.errors import read_error
 
 FEW = ["--robot", "one_axis", "--iterations", "2"]
 
@@ -108,8 +109,7 @@ def test_an_interrupted_training_goes_on_with_resume_and_only_with_it(tmp_path, 
 def test_a_training_that_cannot_run_is_one_line_and_exit_code_1(arguments, message, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert main(["train", "bspline", "--out", "law.npz", *arguments]) == 1
-    (line,) = capsys.readouterr().err.splitlines()
-    assert message in line
+    assert message in read_error(capsys)
     assert not list(tmp_path.iterdir())
 
 
@@ -127,6 +127,5 @@ def test_a_training_that_cannot_run_is_one_line_and_exit_code_1(arguments, messa
 def test_an_option_without_effect_is_refused(arguments, message, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert main(arguments) == 1
-    (line,) = capsys.readouterr().err.splitlines()
-    assert message in line
+    assert message in read_error(capsys)
     assert not list(tmp_path.iterdir())

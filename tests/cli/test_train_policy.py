@@ -7,6 +7,7 @@ import pytest
 from ffgym.agents.residual.policy import load_policy
 from ffgym.cli.learning_options import PolicyTraining
 from ffgym.cli.main import main
+from tests.cli.errors import read_error
 
 FEW = ["--set", "n_envs=2", "n_steps=8", "batch_size=8", "segment_steps=16", "n_epochs=2"]
 
@@ -73,8 +74,7 @@ def test_what_cannot_be_trained_is_refused_and_nothing_is_left(options, message,
     monkeypatch.chdir(tmp_path)
     (tmp_path / "file").write_text("")
     assert main(["train", "policy", *options]) == 1
-    (line,) = capsys.readouterr().err.splitlines()
-    assert message in line
+    assert message in read_error(capsys)
     assert {path.name for path in tmp_path.iterdir()} == {"file"}
 
 

@@ -1,5 +1,8 @@
-"""A diagnosis with something in every field."""
+"""A diagnosis with something in every field, and a hypothesis without size."""
 
+import numpy as np
+
+from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.result import (
     Cause,
     Diagnosis,
@@ -13,6 +16,13 @@ from ffgym.diagnosis.result import (
     Size,
     UnjudgedEffect,
 )
+from ffgym.effects import EFFECTS
+
+
+def neutral_hypothesis(name, joint="j2") -> Hypothesis:
+    """An effect at numbers that change nothing, or at its defaults."""
+    values = {n: np.array(p.neutral if p.default is None else p.default) for n, p in EFFECTS[name].parameters().items()}
+    return Hypothesis(kind=EFFECTS[name], joint=joint, source=None, values=values)
 
 
 def left(measured, noise_floor, before, after):

@@ -6,24 +6,18 @@ import numpy as np
 import pytest
 
 from ffgym.diagnosis import separation as module
-from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.nuisance import ParameterPrior
 from ffgym.diagnosis.search.rounds import SearchRound
 from ffgym.diagnosis.separation import propose_next_motion
-from ffgym.effects import EFFECTS
 from ffgym.robot import load_robot
 from ffgym.simulation.plant import Machine
+from tests.diagnosis.result_samples import neutral_hypothesis
 
 ROBOT = load_robot("two_link")
 
 
-def hypothesis(name, joint):
-    values = {n: np.array(p.neutral if p.default is None else p.default) for n, p in EFFECTS[name].parameters().items()}
-    return Hypothesis(kind=EFFECTS[name], joint=joint, source=None, values=values)
-
-
-SURE = hypothesis("coulomb_level", ROBOT.joints[0])
-BEST, SAME, WORSE = (hypothesis(name, ROBOT.joints[1]) for name in ("cogging", "torque_ripple", "asymmetry"))
+SURE = neutral_hypothesis("coulomb_level", ROBOT.joints[0])
+BEST, SAME, WORSE = (neutral_hypothesis(name, ROBOT.joints[1]) for name in ("cogging", "torque_ripple", "asymmetry"))
 
 
 def found(*, tied=(), unsure=()):

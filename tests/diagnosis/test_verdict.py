@@ -22,7 +22,7 @@ from ffgym.diagnosis.verdict import (
     write_sentence,
 )
 from ffgym.effects import EFFECTS
-from tests.diagnosis.result_samples import full_diagnosis
+from tests.diagnosis.result_samples import full_diagnosis, neutral_hypothesis
 
 KEY = ("torque", 0)
 
@@ -215,26 +215,23 @@ NO_TEMPERATURE = UnjudgedEffect(effect="temperature_friction", joint="", reason=
 NO_TOOL = UnjudgedEffect(effect="joint_zeros", joint="", reason="the log has no tracked tool position")
 
 
-def cause(name, joint="j2"):
-    values = {n: np.array(p.neutral if p.default is None else p.default) for n, p in EFFECTS[name].parameters().items()}
-    return Hypothesis(kind=EFFECTS[name], joint=joint, source=None, values=values)
-
-
 @pytest.mark.parametrize("name", ["viscous_drift", "coulomb_drift"])
 def test_a_drift_may_be_one_of_temperature_where_nobody_measured_it(name):
-    (rival,) = list_blind_rivals([cause(name), cause("coulomb_level")], [NO_TOOL, NO_TEMPERATURE])
+    (rival,) = list_blind_rivals(
+        [neutral_hypothesis(name), neutral_hypothesis("coulomb_level")], [NO_TOOL, NO_TEMPERATURE]
+    )
     assert (rival.effect, rival.joint, rival.tied) == ("temperature_friction", "j2", True)
-    assert rival.against == cause(name).label
+    assert rival.against == neutral_hypothesis(name).label
     assert "no temperature" in rival.reason
 
 
 def test_where_all_is_measured_or_nothing_drifts_there_is_no_such_rival():
-    assert not list_blind_rivals([cause("viscous_drift")], [NO_TOOL])
-    assert not list_blind_rivals([cause("coulomb_level")], [NO_TEMPERATURE])
+    assert not list_blind_rivals([neutral_hypothesis("viscous_drift")], [NO_TOOL])
+    assert not list_blind_rivals([neutral_hypothesis("coulomb_level")], [NO_TEMPERATURE])
 
 
 def test_friction_behind_the_elasticity_has_a_rival_where_nothing_sees_the_arm():
-    causes = [cause("arm_friction"), cause("coulomb_level")]
+    causes = [neutral_hypothesis("arm_friction"), neutral_hypothesis("coulomb_level")]
     (rival,) = list_blind_rivals(causes, [NO_TOOL], sees_arm=False)
     assert (rival.effect, rival.against) == ("presliding", causes[0].label)
     assert "neither a tracked tool position nor encoders" in rival.reason
@@ -247,7 +244,7 @@ def test_friction_behind_the_elasticity_has_a_rival_where_nothing_sees_the_arm()
 )
 def test_nothing_that_may_be_temperature_is_named_without_reserve(verdict, drifts, becomes):
     judged = ReasonedVerdict(verdict=verdict, gains=(1.0,), explained=1.0, shapes_at_limit=())
-    rivals = list_blind_rivals([cause("viscous_drift")], [NO_TEMPERATURE] if drifts else [])
+    rivals = list_blind_rivals([neutral_hypothesis("viscous_drift")], [NO_TEMPERATURE] if drifts else [])
     assert weaken_for_blind_rivals(judged, rivals).verdict == becomes
 
 
@@ -256,5 +253,5 @@ def test_nothing_that_may_be_temperature_is_named_without_reserve(verdict, drift
 )
 def test_such_rivals_are_told_beside_causes_and_nowhere_else(verdict, is_told):
     judged = ReasonedVerdict(verdict=verdict, gains=(1.0,), explained=1.0, shapes_at_limit=())
-    rivals = list_blind_rivals([cause("viscous_drift")], [NO_TEMPERATURE])
+    rivals = list_blind_rivals([neutral_hypothesis("viscous_drift")], [NO_TEMPERATURE])
     assert bool(select_reported(judged, rivals)) == is_told

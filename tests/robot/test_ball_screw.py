@@ -9,6 +9,7 @@ from ffgym.paths import joint_reference, joint_sine
 from ffgym.recordings.metrics import motor_error
 from ffgym.robot import RigidArm, compile_model, load_robot, motor_torque
 from ffgym.simulation import Run, simulate
+from scripts.tables.physics import free_of_servo
 
 MASS, VISCOUS, COULOMB = 95.1089, 203.5034, 20.3935
 """[kg], [N s/m], [N]: Janot, Gautier, Brunot (2019), reference model with symmetric friction."""
@@ -40,8 +41,8 @@ def test_servo_pulls_with_the_gains_of_the_machine(ball_screw):
     np.testing.assert_allclose(ball_screw.servo.velocity_gain * turns**2, drive_gain * kv, rtol=1e-5)
 
 
-def test_a_constant_push_speeds_the_carriage_up_as_the_published_model_says(ball_screw, without_servo):
-    model = compile_model(without_servo(ball_screw))
+def test_a_constant_push_speeds_the_carriage_up_as_the_published_model_says(ball_screw):
+    model = compile_model(free_of_servo(ball_screw))
     data, push, duration = mujoco.MjData(model), 40.0, 1.5
     data.xfrc_applied[model.body("carriage").id, 0] = push
     while data.time < duration:
@@ -54,8 +55,8 @@ def test_a_constant_push_speeds_the_carriage_up_as_the_published_model_says(ball
     )  # bristles bend first
 
 
-def test_a_push_below_coulomb_friction_moves_the_carriage_by_micrometres(ball_screw, without_servo):
-    model = compile_model(without_servo(ball_screw))
+def test_a_push_below_coulomb_friction_moves_the_carriage_by_micrometres(ball_screw):
+    model = compile_model(free_of_servo(ball_screw))
     data = mujoco.MjData(model)
     data.xfrc_applied[model.body("carriage").id, 0] = 0.5 * COULOMB
     mujoco.mj_step(model, data, 4000)

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ffgym.core.errors import FFGymError
 from ffgym.paths import Reference, cartesian_reference, circle_test, constant_velocity, joint_reference, joint_sine
 from ffgym.robot import RigidArm, solve_path
+from tests.robot.inverse_kinematics.refusals import refused
 
 
 def leaning(degrees):
@@ -15,12 +15,6 @@ def leaning(degrees):
     dip = np.radians(degrees)
     z, y = np.array([np.cos(dip), 0, -np.sin(dip)]), np.array([0.0, 1, 0])
     return np.stack([np.cross(y, z), y, z], axis=1)
-
-
-def refused(message, make):
-    with pytest.raises(FFGymError, match=message) as caught:
-        make()
-    assert "\n" not in str(caught.value)
 
 
 def circle(arm, centre, speed=0.1, radius=0.2, rotation=None, **changes):

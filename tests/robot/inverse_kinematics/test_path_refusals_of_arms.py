@@ -6,20 +6,14 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from ffgym.core.errors import FFGymError
 from ffgym.paths import cartesian_reference, circle_test
 from ffgym.robot import RigidArm, pose_solutions, solve_path, solve_pose
 from tests.robot.arm_samples import ARMS, make_arm
+from tests.robot.inverse_kinematics.refusals import refused
 from tests.robot.tool_motions import joint_motion, tool_path
 
 X, Y, Z = np.eye(3)
 TILT = Rotation.from_euler("x", 10, degrees=True).as_matrix()
-
-
-def refused(message, make):
-    with pytest.raises(FFGymError, match=message) as caught:
-        make()
-    assert "\n" not in str(caught.value)
 
 
 @pytest.fixture

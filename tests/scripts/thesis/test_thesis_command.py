@@ -6,6 +6,7 @@ import pytest
 
 from ffgym.core.version import __version__
 from scripts.thesis.__main__ import Reproduce, main
+from tests.cli.errors import read_error
 
 
 @pytest.fixture(scope="module")
@@ -56,9 +57,7 @@ def test_what_cannot_be_done_is_one_line_and_nothing_is_simulated(arguments, mes
     (tmp_path / "file").touch()
     monkeypatch.setattr("scripts.thesis.reproduce", lambda *_: pytest.fail("simulated in vain"))
     assert main([*arguments]) == 1
-    (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith("ffgym: error: ")
-    assert message in line
+    assert message in read_error(capsys)
     assert [p.name for p in tmp_path.iterdir()] == ["file"]
 
 

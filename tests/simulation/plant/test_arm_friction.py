@@ -14,6 +14,7 @@ from ffgym.robot.reading.load import with_numbers
 from ffgym.simulation import Run, simulate
 from ffgym.simulation.plant import Plant, PlantDistribution, Uniform
 from ffgym.studies import circle_references
+from scripts.tables.physics import free_of_servo
 from tests.robot.independent_arm import IndependentArm
 from tests.simulation.plant.driving import controls
 
@@ -148,9 +149,9 @@ def test_a_rigid_joint_has_all_friction_on_its_one_side(one_axis):
     )
 
 
-def test_energy_of_six_axes_falls_by_the_work_of_friction_on_both_sides(irb4600, without_servo, corners):
+def test_energy_of_six_axes_falls_by_the_work_of_friction_on_both_sides(irb4600, corners):
     """Mechanical energy plus the work of recorded friction stays, of an arm that is let go with bent springs."""
-    loose = replace(without_servo(irb4600), drive=replace(irb4600.drive, joint_damping=np.zeros(6)))
+    loose = replace(free_of_servo(irb4600), drive=replace(irb4600.drive, joint_damping=np.zeros(6)))
     robot = loose.with_arm_share(0.6)
     dt, n = 1.25e-5, 16000
     plant = Plant(robot, 1, options=ModelOptions(physics_dt=dt, looks=False))

@@ -7,6 +7,7 @@ import pytest
 
 from ffgym.robot import ModelOptions, RigidArm
 from ffgym.simulation.plant import Plant
+from scripts.tables.physics import free_of_servo
 from tests.simulation.plant.driving import controls
 
 DURATION = 0.3
@@ -36,8 +37,8 @@ def stiffened(robot, factor):
 
 
 @pytest.mark.parametrize("friction", [False, True])
-def test_difference_to_the_rigid_arm_falls_as_one_over_stiffness(irb4600, without_servo, corners, friction):
-    robot = without_servo(irb4600)
+def test_difference_to_the_rigid_arm_falls_as_one_over_stiffness(irb4600, corners, friction):
+    robot = free_of_servo(irb4600)
     rigid = pushed(stiffened(robot, np.inf), corners["p2"], friction)
     np.testing.assert_allclose(rigid[0], rigid[1], atol=1e-15)
     differences = []

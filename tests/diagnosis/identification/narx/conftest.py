@@ -3,29 +3,14 @@
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.identification.narx import NarxModel, Regressors, Samples, Structure
+from ffgym.diagnosis.identification.narx import Samples
+from tests.narx_samples import random_network
 
 
 @pytest.fixture
 def network():
     """Function that makes a network of two motors with random weights."""
-
-    def make(regressors=None, seed=0, n=2, size=2.0):
-        rng = np.random.default_rng(seed)
-        regressors = regressors or Regressors()
-        shape = (n, Structure().n_neurons, regressors.count)
-        return NarxModel(
-            input_weights=size * rng.normal(size=shape),
-            biases=rng.normal(size=shape[:2]),
-            output_weights=rng.normal(size=shape[:2]),
-            offset=rng.normal(size=n),
-            speed_scale=np.full(n, 2.0),
-            torque_scale=np.full(n, 0.5),
-            regressors=regressors,
-            dt=0.004,
-        )
-
-    return make
+    return random_network
 
 
 @pytest.fixture
