@@ -13,6 +13,8 @@ from ffgym.agents.amortised.estimator import Estimator, adapt
 from ffgym.agents.artefacts import ANYWHERE, TRAINED, locate_artefact, read_manifest
 from ffgym.agents.bspline import ExtendedBSN
 from ffgym.agents.elastic import elastic_law
+from ffgym.agents.fitted import NAME as FITTED
+from ffgym.agents.fitted import fit_model
 from ffgym.agents.iterative import TRIALS
 from ffgym.agents.iterative_basis import learn_basis_weights
 from ffgym.agents.lffc import thesis_training
@@ -22,11 +24,15 @@ from ffgym.control import FeedForwardLaw, NoCompensation
 from ffgym.core.errors import FFGymError
 from ffgym.leaderboard.adaptation.protocol import LAP, AdaptationSetting, Adapter, lap, practice_motion, practice_set
 from ffgym.paths import SPEEDS, Reference
+from ffgym.simulation.protocols import load_protocols, plan_session
 
 LAPS = (1, 3, 10, 36, 180, 538)
 """Budgets of learners in laps: one, three, then a quarter of a minute, one, five and fifteen minutes."""
 BROAD, BROADEST = 10, 36
 """Laps from which practice is at all speeds of the thesis, and with all its radii."""
+FIT_LAPS = (1, 3, 10, 53)
+"""Budgets of the fitted model in laps. The last one, 88.6 s, is as long as the protocol `diagnosis`, which it records
+then in place of circles: the motions from which `ffgym improve --fit` fits a model. A fit to more takes minutes."""
 GP_TRIALS = 3
 """Largest number of trials of the residual torque model, which more do not change."""
 
@@ -64,6 +70,15 @@ def _learn_basis(setting: AdaptationSetting) -> FeedForwardLaw:
     return learn_basis_weights(
         setting.arm, elastic_law(setting.arm), references, setting.trial, trials=min(trials, TRIALS)
     )
+
+
+def _fit_model(setting: AdaptationSetting) -> FeedForwardLaw:
+    """Fit the nominal model to circles, or to the motions of the protocol `diagnosis` where the budget allows them."""
+    references, trials = practice_for(setting)
+    everything = [each.reference for each in plan_session(setting.arm, load_protocols("diagnosis"))]
+    if setting.trial.left >= sum(each.duration for each in everything):
+        references, trials = everything, 1
+    return fit_model(setting.arm, references, setting.trial, trials)
 
 
 def _adapt_amortised(name: str, setting: AdaptationSetting) -> FeedForwardLaw:
@@ -140,6 +155,13 @@ ADAPTERS: tuple[Adapter, ...] = (
         about="Weights of torques of the nominal model, on elastic feed-forward, learned from the errors of the tool.",
         adapt=_learn_basis,
         laps=LAPS[:-1],
+    ),
+    Adapter(
+        name=FITTED,
+        title="model fitted to recordings",
+        about="Elastic feed-forward with all numbers of the model fitted to torques of the motors and the way of the tool.",
+        adapt=_fit_model,
+        laps=FIT_LAPS,
     ),
     _declare_amortised(
         "amortised_motors",

@@ -19,7 +19,7 @@ from typing import ClassVar, final
 
 import numpy as np
 
-from ffgym.core.types import Array
+from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.fit.descent import Slope, Steps, descend
 from ffgym.diagnosis.fit.fit import Fit, Trial, add_tangents, evaluate, replay_hypotheses
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, move_hypotheses
@@ -73,11 +73,36 @@ class Breakaway(NativeEffect):
         return replace(robot, friction=replace(friction, static=static, stribeck_velocity=velocity))
 
 
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ShareOnArm(NativeEffect):
+    r"""Another share of the friction behind the elasticity; a number to be fitted, no effect to be named.
+
+    .. math:: \ln\frac{s}{1 - s} \to \ln\frac{s}{1 - s} + a
+
+    As an effect to be named more friction can only move onto the arm; here it may move back, and some of it stays on
+    both sides. A joint whose friction is described on one side alone keeps it there.
+    """
+
+    name: ClassVar[str] = "share_on_arm"
+    side: ClassVar[Side] = "link"
+    needs_elasticity: ClassVar[bool] = True
+    needs_friction: ClassVar[bool] = True
+
+    shift: Array = parameter("a", unit="1", low=-1.0, high=1.0, source="chosen: a half becomes a quarter to three")
+
+    def in_description(self, robot: RobotDescription) -> RobotDescription:
+        """Return the robot with another part of its friction on the arm."""
+        share, factor = robot.arm_share, np.exp(self.shift)
+        return robot.with_arm_share(share * factor / (1 - share + share * factor))
+
+
 NUMBERS: tuple[type[Effect], ...] = (
     CoulombLevel,
     ViscousLevel,
     Breakaway,
     PreslidingStiffness,
+    ShareOnArm,
     RotorInertia,
     LinkMass,
     JointStiffness,
@@ -130,15 +155,21 @@ def tune(machine: Machine, recordings: Sequence[Recording]) -> Machine:
     numbers: tuple[Hypothesis, ...] = ()
     for kind in NUMBERS:
         neutral = {name: np.array(p.neutral) for name, p in kind.parameters().items()}
-        for joint, is_rigid in zip(robot.joints, robot.drive.is_rigid, strict=True):
-            if not (kind.needs_elasticity and is_rigid):
-                numbers += (Hypothesis(kind=kind, joint=joint, source=None, values=neutral),)
+        for j in np.flatnonzero(_which_joints_have(kind, robot)):
+            numbers += (Hypothesis(kind=kind, joint=robot.joints[j], source=None, values=neutral),)
     for cutoff in CUTOFFS:
         sampling = replace(log.sampling, cutoff=min(cutoff, log.sampling.cutoff))
         problem = _pose_problem(replace(log, sampling=sampling), machine)
         for _ in range(settings().estimator.passes):
             numbers = _fit_numbers(_weigh(problem, numbers), numbers)
     return replace(machine, robot=_with_numbers(machine.robot, numbers))
+
+
+def _which_joints_have(kind: type[Effect], robot: RobotDescription) -> BoolArray:
+    """Tell which joints of a robot have a number, shape (N,)."""
+    if kind is ShareOnArm:
+        return (robot.arm_share > 0) & (robot.arm_share < 1)
+    return ~robot.drive.is_rigid if kind.needs_elasticity else np.ones(robot.n_joints, dtype=np.bool_)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
