@@ -159,7 +159,7 @@ ADAPTERS: tuple[Adapter, ...] = (
     Adapter(
         name=FITTED,
         title="model fitted to recordings",
-        about="Elastic feed-forward with all numbers of the model fitted to torques of the motors and the way of the tool.",
+        about="Elastic feed-forward with all numbers of the model fitted to torques of motors and the way of the tool.",
         adapt=_fit_model,
         laps=FIT_LAPS,
     ),

@@ -61,6 +61,17 @@ def test_effects_stay_as_they_are_and_numbers_are_those_beside_them(one_axis, de
     assert ratios(found.robot, one_axis)[:4] == pytest.approx(np.ones(4), abs=0.05)
 
 
+def test_friction_is_found_on_both_sides_of_a_spring_and_stays_on_one(two_link):
+    described, true = two_link.with_arm_share([0.6, 0.0]), two_link.with_arm_share([0.35, 0.0])
+    rig = SimulatedRig(arm=RigidArm(described), machine=Machine(robot=true), sensors=sensors_of(true))
+    (recording,) = record(plan_session(rig.arm, load_protocols("diagnosis"))[1:2], rig, n_threads=1)
+    found = tune(Machine(robot=described), [recording.slice(0, 4000)])
+    shared, kept = found.robot.arm_share
+    assert shared == pytest.approx(0.35, abs=0.05)
+    assert kept == 0
+    assert found.robot.friction.coulomb == pytest.approx(true.friction.coulomb, rel=0.05)
+
+
 def test_breakaway_torque_never_falls_below_the_coulomb_torque(one_axis):
     lowest = Breakaway(level=np.array([-0.95]), velocity=np.array([0.0])).in_description(one_axis)
     assert np.all(lowest.friction.static >= lowest.friction.coulomb)
