@@ -15,7 +15,7 @@ LEAST = 0.1
 """Lower end of the axis of errors left, or the least error of a machine below it."""
 SHARES = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
 """Grid lines of the error left."""
-COLOURS = ("#4c5a67", "#0b6fb8", "#2a8a4a", "#b3401f", "#7a4fb0", "#8a6a1f", "#c02f7a", "#0e8f9c")
+COLOURS = ("#4c5a67", "#0b6fb8", "#2a8a4a", "#b3401f", "#7a4fb0", "#8a6a1f", "#c02f7a", "#0e8f9c", "#1a1a1a")
 """Colours of families in their order."""
 
 
