@@ -8,7 +8,8 @@ from ffgym.agents.torque_response import TorqueResponse
 from ffgym.core.executors import Executor
 from ffgym.leaderboard.board import Board
 from ffgym.leaderboard.comparison.standings import standings
-from ffgym.leaderboard.evaluation import jobs
+from ffgym.leaderboard.evaluation import jobs, margins
+from ffgym.leaderboard.evaluation.closed_loop import environment_for
 from ffgym.leaderboard.evaluation.margins import (
     CIRCLES,
     Change,
@@ -48,6 +49,7 @@ class Proportional:
     action_scale: float = 1e5
 
     def agent(self, robot, layout):
+        assert layout.preview >= self.preview
         gain = self.gain * robot.servo.position_gain / layout["added_torque"].scale
 
         class Feedback:
@@ -55,6 +57,33 @@ class Proportional:
                 return gain * layout.read(observation, "error"), None
 
         return Feedback()
+
+
+@dataclass(frozen=True)
+class Push:
+    """Policy and agent that push all motors from a sample on, until the robot stops."""
+
+    begin: int
+    preview: int = 1
+    action_scale: float = 1e5
+
+    def agent(self, robot, layout):
+        begin = self.begin
+
+        class Pushing:
+            def predict(self, observation, state=0, episode_start=None, deterministic=False):
+                state = state or 0
+                return np.full((len(observation), robot.n_joints), float(state >= begin)), state + 1
+
+        return Pushing()
+
+
+@pytest.fixture(scope="module")
+def linear_plant():
+    arm = RigidArm(linear_robot())
+    return TestPlant(
+        name="linear", rig=SimulatedRig(arm=arm), env_id="ffgym/CirclePath-v0", env_arguments={"robot": arm.robot}
+    )
 
 
 def is_stable(arm, q, gain, change):
@@ -74,16 +103,13 @@ def is_stable(arm, q, gain, change):
     return np.abs(np.linalg.eigvals(loop)).max() < 1
 
 
-def test_margins_of_a_linear_loop_are_those_of_its_eigenvalues():
-    arm, gain = RigidArm(linear_robot()), 0.7
+def test_margins_of_a_linear_loop_are_those_of_its_eigenvalues(linear_plant):
+    arm, gain = linear_plant.rig.arm, 0.7
     [reference] = make_references(arm, SLOW)
     expected = search_margins(lambda changes: [is_stable(arm, reference.q[0], gain, each) for each in changes])
     assert 1 < expected.gain < 16
     assert 0 < expected.delay < 16
-    plant = TestPlant(
-        name="linear", rig=SimulatedRig(arm=arm), env_id="ffgym/CirclePath-v0", env_arguments={"robot": arm.robot}
-    )
-    assert measure_margins(plant, Proportional(gain), circles=SLOW, pulse=100.0, n_threads=1) == expected
+    assert measure_margins(linear_plant, Proportional(gain), circles=SLOW, pulse=100.0, n_threads=1) == expected
 
 
 def radius_with_gains(arm, q, gains, bound, factor):
@@ -119,16 +145,51 @@ def test_servo_gains_bear_on_the_nominal_robot_what_their_eigenvalues_say(name):
     assert found.ravel().tolist() == [True, False]
 
 
-def test_torque_of_the_base_is_not_changed():
-    arm = RigidArm(linear_robot())
-    plant = TestPlant(
-        name="linear", rig=SimulatedRig(arm=arm), env_id="ffgym/CirclePath-v0", env_arguments={"robot": arm.robot}
-    )
-    policy, changes = Proportional(3.0), [Change(factor=1.0), Change(factor=2.0)]
-    stable = find_stable(plant, policy, None, changes, circles=SLOW, pulse=100.0, n_threads=1)
-    same = find_stable(plant, policy, policy, changes, circles=SLOW, pulse=100.0, n_threads=1)
-    assert stable.ravel().tolist() == [True, False]
-    assert same.ravel().tolist() == [True, True]
+def test_torque_of_the_base_is_not_changed(linear_plant):
+    def found(policy, base):
+        changes = [Change(factor=1.0), Change(factor=2.0)]
+        stable = find_stable(linear_plant, policy, base, changes, circles=SLOW, pulse=100.0, n_threads=1)
+        return stable.ravel().tolist()
+
+    assert found(Proportional(3.0), None) == [True, False]
+    assert found(Proportional(3.0), Proportional(3.0)) == [True, True]
+    assert found(Proportional(6.0), Proportional(6.0, preview=2)) == [False, False]
+
+
+def test_a_pulse_is_a_torque_of_one_sample_up_and_down_in_breakaway_torques(linear_plant, monkeypatch):
+    torques = []
+
+    def watched(*args, **options):
+        env = environment_for(*args, **options)
+        step, scale = env.step, env.unwrapped.core.action_torque
+        monkeypatch.setattr(env, "step", lambda actions: torques.append(actions * scale) or step(actions))
+        return env
+
+    monkeypatch.setattr(margins, "environment_for", watched)
+    find_stable(linear_plant, Proportional(0.0), None, [Change()], circles=SLOW, pulse=100.0, n_threads=1)
+    [reference] = make_references(linear_plant.rig.arm, SLOW)
+    [start] = [phase.start for phase in reference.phases if phase.kind == "circle"]
+    assert np.flatnonzero(np.any(torques, axis=(1, 2))) == [round(start / 0.004)]
+    push = 100.0 * linear_plant.rig.robot.friction.static
+    np.testing.assert_allclose(np.sum(torques, axis=0), [push, -push])
+
+
+def test_circles_and_changes_side_by_side_are_told_apart(linear_plant):
+    changes, circles = [Change(factor=1.0), Change(factor=3.0)], (*SLOW, replace(CIRCLES[2], radii=(0.003,)))
+    stable = find_stable(linear_plant, Proportional(3.0), None, changes, circles=circles, pulse=100.0, n_threads=1)
+    assert stable.tolist() == [[True, True], [False, False]]
+
+
+def test_a_loop_that_is_stable_on_some_circles_is_not_stable(linear_plant, monkeypatch):
+    monkeypatch.setattr(margins, "find_stable", lambda plant, policy, base, changes, **_: [np.array([True, False])] * 9)
+    assert measure_margins(linear_plant, Proportional(1.0)) == LoopMargins(gain=0.0, delay=None)
+
+
+@pytest.mark.parametrize("others", [[], [Change(factor=0.0)]])
+def test_a_loop_that_stops_the_robot_is_unstable_though_its_answer_dies_out_before(linear_plant, others):
+    changes, begin = [Change(), *others], 310  # a while behind the pulse
+    stable = find_stable(linear_plant, Push(begin), None, changes, circles=SLOW, pulse=100.0, n_threads=1)
+    assert stable.ravel().tolist() == [False, *(True for _ in others)]
 
 
 def test_an_answer_must_be_smaller_in_the_second_half_than_at_first_on_every_motor():
@@ -136,6 +197,8 @@ def test_an_answer_must_be_smaller_in_the_second_half_than_at_first_on_every_mot
     assert dies_out(np.hstack([0.99**t, 0.9**t]), 10)
     assert not dies_out(np.hstack([1.001**t, 0.9**t]), 10)
     assert not dies_out(np.ones((100, 1)), 10)
+    # an answer of less than two windows
+    assert dies_out(0.8 ** t[:15], 10)
     # a large answer that comes late, and dies out
     assert dies_out(np.exp(-(((t - 20) / 10) ** 2)) + 1e-3 * (t < 10), 10)
 
@@ -149,6 +212,11 @@ def test_a_search_ends_at_the_first_change_that_is_not_borne():
     assert search(0.01, 5) == LoopMargins(gain=0.0, delay=None)
     assert search(1.0, 0) == LoopMargins(gain=1.0, delay=0)
     assert search(99, 99) == LoopMargins(gain=16.0, delay=16)
+    assert search(0.07, 5) == LoopMargins(gain=2**-4, delay=None)
+    assert search(1.0, 7) == LoopMargins(gain=1.0, delay=7)
+    # borne again behind the first that is not
+    found = search_margins(lambda changes: [each.factor != 2 and each.delay not in (4, 6) for each in changes])
+    assert found == LoopMargins(gain=pytest.approx(2**0.75), delay=3)
 
 
 def test_feedback_is_what_a_policy_adds_to_its_base_on_the_machine_with_drives(monkeypatch):

@@ -205,7 +205,8 @@ def _run_pulses(
     """Run motions with a pulse up (the first half) and down at `starts`, up to `ends`.
 
     Returns:
-        Motor errors from the first sample on [rad], shape (T, 2 n, N), and where the robot stopped, shape (2 n,).
+        Motor errors from the first sample on [rad], shape (T, 2 n, N), of fewer samples if all robots stop, and where
+        the robot stopped, shape (2 n,).
     """
     core: TrackingCore = env.unwrapped.core
     robot, layout, rows = core.robot, core.observation_layout, np.arange(len(observation))
@@ -220,7 +221,8 @@ def _run_pulses(
     # agent's own torque, the newest first, none before the motion
     past = np.zeros((delays.max() + 1, len(rows), robot.n_joints))
     state = below_state = None
-    first, stopped = np.ones(len(rows), dtype=np.bool_), np.zeros(len(rows), dtype=np.bool_)
+    first = np.ones(len(rows), dtype=np.bool_)
+    stopped, ended = np.zeros_like(first), np.zeros_like(first)
     errors = [core.signals.error]
     for k in range(int(ends.max())):
         action, state = agent.predict(observation, state, first, True)
@@ -229,8 +231,11 @@ def _run_pulses(
             lower, below_state = below.predict(observation, below_state, first, True)
         past = np.concatenate([(action - lower)[None], past[:-1]])
         own = factors[:, None] * past[delays, rows]
-        observation, _, terminated, _, _ = env.step(lower + own + np.where(at == k, signs, 0.0)[:, None] * push)
+        observation, _, terminated, truncated, _ = env.step(lower + own + np.where(at == k, signs, 0.0)[:, None] * push)
         errors.append(core.signals.error)
         stopped |= terminated
+        ended |= terminated | truncated
+        if ended.all():
+            break
         first[:] = False
     return np.stack(errors), stopped

@@ -9,6 +9,7 @@ from ffgym.agents.residual.policy import load_policy
 from ffgym.agents.residual.required_margins import QUICK_CIRCLES, has_margins, plants_around
 from ffgym.agents.residual.validation import PolicyValidation
 from ffgym.core.errors import FFGymError
+from ffgym.leaderboard.evaluation.closed_loop import environment_for
 from ffgym.leaderboard.evaluation.margins import Change, LoopMargins
 from ffgym.leaderboard.plants import DRIVES_ROBOT, drives_plant
 from scripts import tune_gains
@@ -31,11 +32,12 @@ def test_all_changes_up_to_the_margins_are_asked_of_every_machine_until_one_is_u
     asked = []
 
     def find_stable(plant, policy, base, changes, circles, n_threads):
+        assert (base.base, base.actor.layers[0].weight.any()) == ("lugre_dynamic", False)
         asked.append((plant, changes))
         return np.full((len(changes), len(circles)), plant != "swings")
 
     monkeypatch.setattr("ffgym.agents.residual.required_margins.find_stable", find_stable)
-    policy = make_gains([0.1, 0.1, 0.5], n_motors=6)
+    policy = make_gains([0.1, 0.1, 0.5], n_motors=6, base="lugre_dynamic")
     assert has_margins(policy, LoopMargins(gain=1.0, delay=None), ["still"])
     assert not has_margins(policy, LoopMargins(gain=2.0, delay=2), ["still", "swings", "never"])
     assert asked[0] == ("still", [Change()])
@@ -43,6 +45,8 @@ def test_all_changes_up_to_the_margins_are_asked_of_every_machine_until_one_is_u
     assert asked[1:] == [(plant, [*factors, Change(delay=1), Change(delay=2)]) for plant in ("still", "swings")]
     with pytest.raises(FFGymError, match="required gain margin"):
         has_margins(policy, LoopMargins(gain=0.5, delay=None), [])
+    with pytest.raises(FFGymError, match="required delay margin"):
+        has_margins(policy, LoopMargins(gain=1.0, delay=-1), [])
 
 
 def test_machines_are_the_nominal_one_of_the_leaderboard_and_draws_under_its_controller():
@@ -50,6 +54,11 @@ def test_machines_are_the_nominal_one_of_the_leaderboard_and_draws_under_its_con
     assert nominal.fingerprint == drives_plant().fingerprint
     assert len({plant.fingerprint for plant in (nominal, first, second)}) == 3
     assert first.rig.arm.robot == nominal.rig.arm.robot
+    for plant in (nominal, first):
+        env = environment_for(plant, 1, 1.0, 1, speeds=[0.1], radii=[0.001])
+        env.reset(seed=0)
+        assert env.unwrapped.core.plant.fingerprint() == plant.fingerprint
+        env.close()
 
 
 def test_the_error_of_gains_counts_once_they_have_the_margins(tmp_path, monkeypatch):
