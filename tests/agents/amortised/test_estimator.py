@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -119,6 +121,12 @@ def test_a_file_gives_the_estimator_back_and_others_are_refused(tmp_path, cells)
         Estimator.load(tmp_path / "cut.npz")
     with pytest.raises(FFGymError, match="an estimator's is 'amortised_estimator'"):
         Estimator.load(TRAINED / "narx" / "nominal" / "seed_0.npz")
+
+
+def test_layers_that_do_not_follow_the_cells_are_refused():
+    seven, six = (make_estimator(np.random.default_rng(6), cells) for cells in (7, 6))
+    with pytest.raises(FFGymError, match=r"Layers with \[4, 7, 3\] inputs"):
+        replace(seven, lstm=six.lstm)
 
 
 def test_a_lap_of_another_motion_is_refused():

@@ -50,8 +50,9 @@ def test_an_episode_that_begins_has_its_own_changes_and_no_past():
     assert np.all(acting[~where & (delays == 1)] > 0.0)
 
 
-def test_the_policy_sees_its_own_residual_and_the_motors_what_acts():
-    plain, margins = (make_environment(tiny(randomization=False, **own)) for own in ({}, {"gain_margin": 3.0}))
+@pytest.mark.parametrize("changed", [{"gain_margin": 3.0}, {"delay_margin": 9}])
+def test_the_policy_sees_its_own_residual_and_the_motors_what_acts(changed):
+    plain, margins = (make_environment(tiny(randomization=False, **own)) for own in ({}, changed))
     actions = np.full((2, 6), 0.2, dtype=np.float32)
     errors = []
     for env in (plain, margins):
@@ -63,6 +64,20 @@ def test_the_policy_sees_its_own_residual_and_the_motors_what_acts():
         errors.append(seen[..., 0])
         env.close()
     assert not np.isclose(*errors).any()
+
+
+def test_changes_are_drawn_anew_where_an_episode_ends():
+    env = make_environment(tiny(gain_margin=3.0), speeds=[0.1], radii=[0.001])
+    env.seed(0)
+    env.reset()
+    actions, seen = np.zeros((2, 6), dtype=np.float32), []
+    for _ in range(400):
+        before = env._changes.factors
+        if (done := env.step(actions)[2]).any():
+            seen.append(env._changes.factors == before)
+            np.testing.assert_array_equal(seen[-1], ~done)
+    env.close()
+    assert seen
 
 
 def test_a_training_with_margins_can_be_asked_for_and_ends_alike_if_it_was_stopped(tmp_path):

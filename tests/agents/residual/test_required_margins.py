@@ -54,6 +54,7 @@ def test_machines_are_the_nominal_one_of_the_leaderboard_and_draws_under_its_con
     assert nominal.fingerprint == drives_plant().fingerprint
     assert len({plant.fingerprint for plant in (nominal, first, second)}) == 3
     assert first.rig.arm.robot == nominal.rig.arm.robot
+    assert plants_around(DRIVES_ROBOT, 1, seed=1)[1].fingerprint != first.fingerprint
     for plant in (nominal, first):
         env = environment_for(plant, 1, 1.0, 1, speeds=[0.1], radii=[0.001])
         env.reset(seed=0)
