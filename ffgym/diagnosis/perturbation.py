@@ -11,16 +11,16 @@ which changes the load of the motors and the place of the tool.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 
 import numpy as np
 
-from ffgym.core.types import Array
+from ffgym.core.types import Array, IntArray
 from ffgym.diagnosis.replay import Replay, predict, replay
 from ffgym.diagnosis.replay.channels import delay
 from ffgym.diagnosis.replay.rows import have_same_links, have_same_numbers
 from ffgym.diagnosis.replay.springs import Deflection
-from ffgym.diagnosis.replay.states import along_links, friction_on_motors
+from ffgym.diagnosis.replay.states import along_speed
 from ffgym.diagnosis.residual import Channel
 from ffgym.effects import Effect, NativeEffect, TorqueEffect
 from ffgym.effects.along import torques_along
@@ -109,19 +109,32 @@ def _change_friction(run: Replay, robot: RobotDescription, faster: Array | None 
     (T, M, N) each.
     """
     log, own, behind = run.log, run.robot.arm_share, robot.arm_share
-    # friction of all joints as if it were at the motors, and at the links; of another share alone it is the same
+    # friction of all joints as if it were at the motors, and at the links; it is another one where numbers differ
     motor, links = run.bristles.whole, run.friction_along_links if np.any(own) or np.any(behind) else None
     whole, along = motor, links
-    if faster is not None or not have_same_numbers(replace(robot.friction, arm_share=own), run.robot.friction):
-        more = 0.0 if faster is None else faster
-        slip = log.slip_dq + np.where(log.slip_dq != 0, more, 0.0)
-        whole = friction_on_motors(robot, slip, log.dq + more, log.dt).whole
+    joints = _joints_of_other_friction(run.robot, robot) if faster is None else np.arange(run.robot.n_joints)
+    if len(joints):
+        friction, turn = robot.friction.select(joints), robot.drive.motor_angle
+        slip, speed = log.slip_dq, log.dq
+        if faster is not None:
+            slip, speed = slip + np.where(slip != 0, faster, 0.0), speed + faster
+        whole = motor.copy()
+        whole[..., joints] = along_speed(friction, turn(slip)[..., joints], turn(speed)[..., joints], log.dt).whole
         if links is not None:
-            along = along_links(robot, log.dq + run.deflection.rate + more, log.dt).whole
+            speed = robot.drive.gear_ratio[joints] * (speed[..., joints] + run.deflection.rate[..., joints])
+            along = links.copy()
+            along[..., joints] = along_speed(friction, speed, speed, log.dt).whole
     pushed = (1 - behind) * whole - run.bristles.torque
     if links is None or along is None:
         return pushed, None
     return pushed, run.robot.drive.gear_ratio * (behind * along - own * links)
+
+
+def _joints_of_other_friction(one: RobotDescription, other: RobotDescription) -> IntArray:
+    """Find the joints whose friction is another one on both sides of their springs together; indices, (J,)."""
+    names = [field.name for field in fields(one.friction) if field.name != "arm_share"]
+    differ = [getattr(one.friction, name) != getattr(other.friction, name) for name in names]
+    return np.flatnonzero(np.any(differ, axis=0))
 
 
 def perturb_motion(run: Replay, further: Array) -> Perturbation:

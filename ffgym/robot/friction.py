@@ -7,7 +7,7 @@ from typing import Self
 import numpy as np
 
 from ffgym.core.errors import FFGymError, check_shape
-from ffgym.core.types import Array
+from ffgym.core.types import Array, IntArray
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -76,6 +76,10 @@ class LuGreParameters:
         if factors:
             raise FFGymError(f"Unknown friction parameters {sorted(factors)}. Available: {sorted(values)}.")
         return type(self)(**values, arm_share=self.arm_share)
+
+    def select(self, joints: IntArray) -> Self:
+        """Return the friction of some joints, by their indices."""
+        return type(self)(**{f.name: getattr(self, f.name)[joints] for f in fields(self) if f.name != "arm_share"})
 
     def stribeck_level(self, dq: Array) -> Array:
         """Steady-state friction level g(v) [N m] without viscous part, >= coulomb; same shape as `dq` [rad/s]."""
