@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ffgym.diagnosis.log import assemble_log
-from ffgym.diagnosis.perturbation import perturb, propagate
+from ffgym.diagnosis.perturbation import perturb, perturb_numbers, propagate
 from ffgym.diagnosis.replay import predict, replay
 from ffgym.diagnosis.replay.rows import bend_with_shares, lends_deflection
 from ffgym.diagnosis.replay.springs import Springs
@@ -61,6 +61,20 @@ def test_a_little_more_of_it_changes_a_replay_as_its_slope_says(recording):
     for k in (0, 2):
         change = (after["tool"] - before["tool"])[..., k][inside]
         assert np.sqrt(np.mean((change - parts["tool", k][inside]) ** 2)) < 0.15 * np.sqrt(np.mean(change**2))
+
+
+@pytest.mark.parametrize("joint", [0, 1])
+def test_more_friction_of_one_joint_on_both_sides_changes_a_replay_as_its_slope_says(recording, behind, joint):
+    log, friction = assemble_log(nominal().robot, [recording]), behind.physical.friction
+    run = replay(log, nominal().with_robot(behind.physical))
+    more = np.where(np.arange(friction.n_joints) == joint, 1.02, 1.0)
+    other = replace(run.robot, friction=friction.scale(coulomb=more, static=more, viscous=more))
+    parts = propagate(run, [perturb_numbers(run, other)])[0]
+    before, after = predict(run), predict(replay(log, nominal().with_robot(other)))
+    inside = find_valid_rows(log)
+    for channel, k in (("torque", joint), ("link", joint)):
+        change = (after[channel] - before[channel])[..., k][inside]
+        assert np.sqrt(np.mean((change - parts[channel, k][inside]) ** 2)) < 0.25 * np.sqrt(np.mean(change**2))
 
 
 def test_machines_with_several_shares_bend_side_by_side_as_each_would_by_itself(recording, behind):
