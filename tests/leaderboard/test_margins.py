@@ -26,7 +26,7 @@ from ffgym.leaderboard.results import Margins, encode_row
 from ffgym.leaderboard.tasks import make_references
 from ffgym.robot import RigidArm, load_robot
 from ffgym.simulation import SimulatedRig
-from tests.leaderboard.synthetic_rows import row
+from tests.leaderboard.synthetic_rows import outcome, row
 
 SLOW = (replace(CIRCLES[0], radii=(0.002,)),)
 MARGINS = Margins(seed=0, fingerprint=drives_plant().fingerprint, artefact=None, gain=0.5, delay_ms=8.0)
@@ -243,16 +243,19 @@ def test_margins_are_kept_with_the_row_and_measured_once(tmp_path, monkeypatch):
         return replace(MARGINS, seed=job.seed, artefact=ENTRANTS[job.name].artefact("drives", job.seed))
 
     monkeypatch.setattr(jobs, "run_margins_job", run_margins_job)
-    for name in ("servo_gains", "elastic"):
+    for name in ("servo_gains", "elastic", "ppo_elastic"):
         (tmp_path / f"{name}.json").write_text(encode_row(ENTRANTS[name].row()))
-    entrants = [ENTRANTS[name] for name in ("servo_gains", "elastic", "sac_elastic")]
+    entrants = [ENTRANTS[name] for name in ("servo_gains", "elastic", "ppo_elastic", "sac_elastic")]
     for _ in range(2):
         board = Board(registry=REGISTRY, folder=tmp_path)
-        board.measure_margins(entrants, 1, Executor(jobs=1))
-    assert measured == [("servo_gains", 0)]  # the second has no feedback, and the third no row
+        board.measure_margins(entrants, 2, Executor(jobs=1))
+    # elastic has no feedback, and sac_elastic no row
+    assert measured == [("servo_gains", 0), ("ppo_elastic", 0), ("ppo_elastic", 1)]
+    board.keep([("servo_gains", outcome("none", 0, NOMINAL))])
     rows = {row.name: row for row in Board(registry=REGISTRY, folder=tmp_path).current()[0]}
     [found] = rows["servo_gains"].margins
     assert (found.gain, found.delay_ms) == (0.5, 8.0)
+    assert [each.seed for each in rows["ppo_elastic"].margins] == [0, 1]
     assert '"margins"' not in (tmp_path / "elastic.json").read_text()
 
 
@@ -279,6 +282,7 @@ def test_tables_have_the_smallest_margins_of_the_seeds():
     cells, told = shown((2.0, 12.0), (1.5, 8.0))
     assert cells == ["1.50", "8"]
     assert told.startswith("Of 1 agent with feedback, 1 is stable on a robot with drives")
+    assert shown((1.0, 0.0))[1].startswith("Of 1 agent with feedback, 1 is stable")
     cells, told = shown((2.0, 12.0), (0.5, None))
     assert cells == ["0.50", "none"]
     assert told.startswith("Of 1 agent with feedback, 0 are stable")

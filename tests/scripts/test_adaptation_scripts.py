@@ -72,6 +72,28 @@ def test_an_estimator_is_trained_and_laps_are_simulated_once(tmp_path, monkeypat
     np.testing.assert_array_equal(again.linear.weight, first.linear.weight)
 
 
+def test_a_recurrent_estimator_reads_what_the_linear_part_does_not_see(monkeypatch):
+    pytest.importorskip("torch")
+    from scripts import train_estimator
+
+    rng = np.random.default_rng(0)
+
+    def draw(count):
+        """Signals of three rows, of which the linear part sees the largest, and a number of the first and the last."""
+        signals = rng.standard_normal((count, 3, 2)) * [8.0, 4.0]
+        signals[:, 0, 0] *= 3.0
+        return signals, signals[:, 2, 1:] / 4.0 + signals[:, :1, 0] / 24.0
+
+    monkeypatch.setattr(train_estimator, "_explained", lambda *_: {})
+    config = train_estimator.Config(noise=0.1, cells=16, components=1)
+    estimator, _ = train_estimator.train(config, *draw(640), "recurrent", 0, np.eye(1))
+    signals, numbers = draw(200)
+    seen = np.pad(signals, ((0, 0), (0, 0), (0, 3)))  # the tool, which it does not see
+    found = np.array([estimator.estimate(each).mean for each in seen])
+    linear = np.array([estimator.linear(estimator.features(each)) for each in seen])
+    assert np.var(found - numbers) < 0.05 * np.var(numbers) < 0.3 * np.var(numbers) < np.var(linear - numbers)
+
+
 def test_the_teacher_weighs_numbers_by_how_far_they_move_the_tool(monkeypatch):
     pytest.importorskip("torch")
     from scripts import train_estimator

@@ -96,6 +96,22 @@ def test_the_error_of_gains_counts_once_they_have_the_margins(tmp_path, monkeypa
     policy = load_policy(tmp_path / SERVO_GAINS_STABLE / "any" / "seed_0.npz")
     assert policy.meta["margins"] == {"gain": 2.0, "delay": 1}
     assert min(value for _, value in policy.meta["search"]) == policy.meta["log_ratio"]
-    monkeypatch.setattr(tune_gains, "has_margins", lambda *_, **__: False)
+    first = [each for each, _ in policy.meta["search"][:3]]
+    np.testing.assert_allclose(first, [[0.0, 0.1, 0.5], [0.06, 0.1, 0.5], [0.0, 0.13, 0.5]])
+
+
+@pytest.mark.parametrize(
+    ("own", "machines"), [({"effects": True, "gain_margin": 2.0}, 3), ({"gain_margin": None, "delay_margin": 1}, 1)]
+)
+def test_a_search_in_which_no_gains_have_the_margins_ends_with_an_error(tmp_path, monkeypatch, own, machines):
+    asked = []
+
+    def margins(policy, required, plants, circles=None):
+        asked.append(len(plants))
+        return circles is not None  # those that a search has refused are not verified
+
+    monkeypatch.setattr(tune_gains, "has_margins", margins)
+    config = tune_gains.Config(name=SERVO_GAINS_STABLE, robot=DRIVES_ROBOT, evaluations=4, out=tmp_path, **own)
     with pytest.raises(FFGymError, match="None of the gains"):
         tune_gains.main(config)
+    assert asked == [machines] * 4
