@@ -85,25 +85,21 @@ def solve_bounded(gram: Array, moment: Array, precision: Array, low: Array, high
     return np.asarray(x)
 
 
-def compute_block_rss(
-    equations: NormalEquations, folds: Sequence[Fold], columns: IntArray, priors: Priors, residual: int = 0
-) -> Array:
+def compute_block_rss(equations: NormalEquations, folds: Sequence[Fold], columns: IntArray, priors: Priors) -> Array:
     """Energy left in each block by a fit of `columns` to the blocks that are not left out with it, shape (B,)."""
     left = np.zeros(len(equations.blocks))
     for fold in folds:
-        x = solve(equations, columns, priors, fold.train, residual)
+        x = solve(equations, columns, priors, fold.train)
         for b in np.flatnonzero(fold.test):
             inner = equations.gram[b][np.ix_(columns, columns)]
-            left[b] = equations.energy[b, residual] - 2 * x @ equations.moment[b, columns, residual] + x @ inner @ x
+            left[b] = equations.energy[b, 0] - 2 * x @ equations.moment[b, columns, 0] + x @ inner @ x
     return left
 
 
-def solve(
-    equations: NormalEquations, columns: IntArray, priors: Priors, blocks: BoolArray | None = None, residual: int = 0
-) -> Array:
-    """Parameters of `columns` fitted to some blocks, or to all, shape (len(columns),)."""
+def solve(equations: NormalEquations, columns: IntArray, priors: Priors, blocks: BoolArray | None = None) -> Array:
+    """Parameters of `columns` fitted to the log in some blocks, or to all, shape (len(columns),)."""
     chosen = slice(None) if blocks is None else blocks
-    gram, pull = equations.gram[chosen].sum(axis=0), equations.moment[chosen].sum(axis=0)[:, residual]
+    gram, pull = equations.gram[chosen].sum(axis=0), equations.moment[chosen].sum(axis=0)[:, 0]
     known = (of[columns] for of in (priors.precision, priors.low, priors.high))
     return solve_bounded(gram[np.ix_(columns, columns)], pull[columns], *known)
 

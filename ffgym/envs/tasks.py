@@ -158,11 +158,6 @@ class Sensing:
         object.__setattr__(self, "noise", check_number("angle noise", self.noise, unit="rad", low=0.0))
 
     @property
-    def is_exact(self) -> bool:
-        """True if angle and speed are the true ones."""
-        return self.encoder_bits is None and self.noise == 0.0
-
-    @property
     def step(self) -> float:
         """Resolution of the angle [rad], 0 without encoder."""
         return 0.0 if self.encoder_bits is None else 2 * np.pi / 2**self.encoder_bits

@@ -147,16 +147,16 @@ def legend_above(figure: "Figure", handles: Sequence[Any], labels: Sequence[str]
     figure.legend(handles, labels, loc="outside upper center", ncols=ceil(len(labels) / rows))
 
 
-def keep_peaks(values: Array, points: int = POINTS) -> IntArray:
-    """Select rows of `values` (T,) to draw, ascending: smallest and largest of each of points / 2 stretches.
+def keep_peaks(values: Array) -> IntArray:
+    """Select rows of `values` (T,) to draw, ascending: smallest and largest of each of POINTS / 2 stretches.
 
-    All rows if there are no more than `points`; NaN stands for a gap and is never chosen where there is a number.
+    All rows if there are no more than POINTS; NaN stands for a gap and is never chosen where there is a number.
     """
-    if len(values) <= points:
+    if len(values) <= POINTS:
         return np.arange(len(values))
     kept = [np.array([0, len(values) - 1])]
     # the first stretches have a row more if they cannot all have the same length
-    length, longer = divmod(len(values), points // 2)
+    length, longer = divmod(len(values), POINTS // 2)
     cut = longer * (length + 1)
     for first, last, width in ((0, cut, length + 1), (cut, len(values), length)):
         stretches, starts = values[first:last].reshape(-1, width), np.arange(first, last, width)

@@ -90,10 +90,10 @@ def rectangle(place: tuple[float, float, float, float], width: int, height: int)
     return mujoco.MjrRect(left, bottom, right - left, top - bottom)
 
 
-def add_ball(scene: mujoco.MjvScene, centre: Array, radius: float = 0.03) -> None:
-    """Append a red ball to a scene, where there is room."""
+def add_ball(scene: mujoco.MjvScene, centre: Array) -> None:
+    """Append a red ball of 3 cm to a scene, where there is room."""
     if scene.ngeom < scene.maxgeom:
-        sphere, size = mujoco.mjtGeom.mjGEOM_SPHERE, np.full(3, radius)
+        sphere, size = mujoco.mjtGeom.mjGEOM_SPHERE, np.full(3, 0.03)
         mujoco.mjv_initGeom(scene.geoms[scene.ngeom], sphere, size, centre, np.eye(3).ravel(), np.array([*RED, 0.7]))
         scene.ngeom += 1
 

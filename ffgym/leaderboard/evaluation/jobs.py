@@ -50,7 +50,7 @@ class Job:
     """Threads of the engine."""
 
 
-def jobs_for(registry: Registry, wanted: Sequence[Wanted], splits: Sequence[str], threads: int = 1) -> list[Job]:
+def jobs_for(registry: Registry, wanted: Sequence[Wanted], splits: Sequence[str]) -> list[Job]:
     """Divide agents, seeds and plants into jobs, by plant, the longest work first."""
     jobs = []
     order = sorted(wanted, key=lambda each: (not is_workcell(each[2]), each[2]))
@@ -60,7 +60,7 @@ def jobs_for(registry: Registry, wanted: Sequence[Wanted], splits: Sequence[str]
         parts: list[list[tuple[str, int]]] = [[] for _ in range(n_jobs)]
         for _, row in groupby(agents, key=lambda agent: agent[0]):  # seeds of a row stay together
             min(parts, key=len).extend(row)
-        jobs += [Job(registry, plant, tuple(part), tuple(splits), threads) for part in parts if part]
+        jobs += [Job(registry, plant, tuple(part), tuple(splits)) for part in parts if part]
     return jobs
 
 
@@ -93,8 +93,6 @@ class MarginsJob:
     registry: Registry
     name: str
     seed: int
-    threads: int = 1
-    """Threads of the engine."""
 
 
 def run_margins_job(job: MarginsJob) -> Margins | None:
@@ -107,7 +105,7 @@ def run_margins_job(job: MarginsJob) -> Margins | None:
     if entrant.base is not None:
         [below] = find_entrant(job.registry, entrant.base).ready(plant, [0], ())
         base = None if below is None else below.timed
-    found = measure_margins(plant, ready.policy, base, n_threads=job.threads)
+    found = measure_margins(plant, ready.policy, base, n_threads=1)
     dt = plant.rig.arm.robot.servo.control_dt
     return Margins(
         seed=job.seed,

@@ -122,19 +122,19 @@ def number(value: float) -> str:
     return "0" if digits == "-0" else digits
 
 
-def compute_traces(rows: Sequence[Row], plant: str = THESIS_WORKCELL) -> dict[str, dict[float, ToolTrace]]:
-    """Compute traces from the trails on a plant, of each row's first seed; rows without trails are left out."""
+def compute_traces(rows: Sequence[Row]) -> dict[str, dict[float, ToolTrace]]:
+    """Compute traces from the trails on the public workcell, of each row's first seed; rows may have none."""
     circle = unit_vectors(np.linspace(0, 2 * np.pi, 721))
     found: dict[str, dict[float, ToolTrace]] = {}
     for row in rows:
-        known = [outcome for outcome in row.outcomes if outcome.plant == plant and outcome.trails]
+        known = [outcome for outcome in row.outcomes if outcome.plant == THESIS_WORKCELL and outcome.trails]
         for trail in min(known, key=lambda outcome: outcome.seed).trails if known else ():
             deviation = np.asarray(trail.deviation_um) * 1e-3
             outwards = unit_vectors(np.linspace(0, 2 * np.pi, len(deviation), endpoint=False))
             found.setdefault(row.name, {})[trail.speed_mm_s] = ToolTrace(
                 reference=trail.radius_mm * circle,
                 tool=(trail.radius_mm + deviation)[:, None] * outwards,
-                where=f"{trail.position}, r = {trail.radius_mm:g} mm, {plant}",
+                where=f"{trail.position}, r = {trail.radius_mm:g} mm, {THESIS_WORKCELL}",
             )
     return found
 
