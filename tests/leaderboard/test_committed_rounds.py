@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ffgym.core.errors import FFGymError
-from ffgym.leaderboard.motions import CIRCLE, KINDS, SPIRAL, SQUARE, TILTED
+from ffgym.leaderboard.motions import CIRCLE, KINDS, SPIRAL, SQUARE, TILTED, ZONE
 from ffgym.leaderboard.submission.rounds import (
     RADII,
     SEEDS,
@@ -123,6 +123,16 @@ def test_a_drawn_motion_has_its_size_about_its_centre(kind, spread):
     assert np.ptp(away[:, 0]) == pytest.approx(spread * circle.radii[0], rel=0.02)
     assert np.abs(away @ (task.normal or (0, 0, 1))).max() < 1e-6
     assert np.ptp(away[:, 2]) > 1e-4 if kind == TILTED else np.ptp(away[:, 2]) < 1e-6
+    speed = np.linalg.norm(np.diff(away, axis=0), axis=1).max() / ROBOT.servo.control_dt
+    assert speed == pytest.approx(task.speed, rel=0.01)
+
+
+def test_corners_of_a_drawn_square_are_rounded_by_a_part_of_half_a_side():
+    arm, [task] = RigidArm(ROBOT), Round(seed=5, motions=1, kinds=(SQUARE,)).draw_motions(AREA)
+    [reference] = make_references(arm, [task])
+    away, [half] = np.abs(arm.tcp_position(reference.q) - task.centre)[:, :2], task.radii
+    on_side = np.isclose(away.max(axis=1), half, rtol=0.0, atol=1e-7)
+    assert away.min(axis=1)[on_side].max() == pytest.approx((1 - ZONE) * half, rel=0.05)
 
 
 def test_a_revealed_round_fits_the_hash_that_was_published_before_it(tmp_path):

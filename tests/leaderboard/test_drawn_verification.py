@@ -16,8 +16,8 @@ from ffgym.core.errors import FFGymError
 from ffgym.leaderboard.comparison.scores import Difference
 from ffgym.leaderboard.comparison.statistics import Interval
 from ffgym.leaderboard.evaluation.closed_loop import run_rollouts
-from ffgym.leaderboard.evaluation.jobs import lost_cells, score_motion
-from ffgym.leaderboard.motions import KINDS
+from ffgym.leaderboard.evaluation.jobs import lost_cells, score_circles, score_motion
+from ffgym.leaderboard.motions import CIRCLE, KINDS, TILTED
 from ffgym.leaderboard.plants import find_plant
 from ffgym.leaderboard.submission.drawn import BASE, SpotCheck, ZeroAction, list_public, verify_drawn
 from ffgym.leaderboard.submission.judge import SCORE_TOLERANCE, STANDARD
@@ -25,6 +25,7 @@ from ffgym.leaderboard.submission.manifest import Refused, sha256_of
 from ffgym.leaderboard.submission.python_agent import View
 from ffgym.leaderboard.submission.rounds import Round
 from ffgym.leaderboard.tasks import Task, make_references
+from ffgym.recordings.metrics import contour_errors
 from ffgym.robot import load_robot
 from ffgym.simulation.sensors import sensors_of
 from tests.leaderboard.submission_samples import ABOUT, PYTHON, ROBOT, agent_file, changed, judge, manifest_of
@@ -108,6 +109,8 @@ def test_stored_torques_of_public_circles_score_as_their_base_on_what_is_drawn(v
         assert list(row.by_kind) == list(KINDS)
         left = {"mine": elastic_left, "elastic": elastic_left, "none": dict.fromkeys(KINDS, 1.0)}.get(row.name)
         assert left is None or row.by_kind == pytest.approx(left, rel=SCORE_TOLERANCE)
+        of_all = np.exp(np.mean(np.log(list(row.by_kind.values()))))  # as many motions of each kind
+        assert row.score.left == pytest.approx(of_all)
     assert max(elastic_left.values()) < 0.5
     assert (verdict.robot_seconds, verdict.manifest.robot_seconds > 2) == (0.0, True)
 
@@ -141,6 +144,13 @@ def test_every_kind_of_motion_is_scored_on_its_path():
         [cell] = score_motion(task, one.recording)
         assert [cell] == score_motion(task, other.recording)
         assert cell.key == lost_cells(task)[0].key
+        # circles of any plane by the circle, other motions by the whole path
+        if task.kind in (CIRCLE, TILTED):
+            assert [cell] == score_circles(task, one.recording)
+        else:
+            whole = contour_errors(one.recording)[0]
+            assert cell.rms_mm == cell.rms_3d_mm == pytest.approx(1e3 * whole.rms)
+            assert cell.max_mm == cell.max_3d_mm == pytest.approx(1e3 * whole.max)
         assert 1e-3 < cell.rms_mm < cell.max_mm < 5  # of motions of some millimetres
         assert all(error > 0 for error in cell.motor_rms_rad)
 
