@@ -7,14 +7,11 @@ import pytest
 
 from ffgym.agents import fitted
 from ffgym.agents.adapters import ADAPTERS
-from ffgym.agents.amortised.draws import draw_machine
-from ffgym.agents.elastic import elastic_law
 from ffgym.agents.model import model_law
-from ffgym.agents.trials import RigTrial
 from ffgym.core.errors import FFGymError
-from ffgym.leaderboard.adaptation.protocol import lap, practice_motion, score, scored_motions
+from ffgym.leaderboard.adaptation.protocol import lap, practice_motion
 from ffgym.robot import RigidArm, load_robot
-from ffgym.simulation import Machine, Run, SimulatedRig, load_protocols, plan_session, sensors_of, simulate
+from ffgym.simulation import Machine, load_protocols, plan_session
 
 ADAPTER = next(adapter for adapter in ADAPTERS if adapter.name == fitted.NAME)
 
@@ -22,17 +19,6 @@ ADAPTER = next(adapter for adapter in ADAPTERS if adapter.name == fitted.NAME)
 @pytest.fixture(scope="module")
 def arm():
     return RigidArm(load_robot("irb4600_60_205_arm_drives"))
-
-
-def test_one_lap_on_a_drawn_machine_halves_the_error_of_elastic_feed_forward(arm):
-    machine = draw_machine(arm.robot, np.random.default_rng(777))
-    rig = SimulatedRig(arm=arm, machine=machine, sensors=sensors_of(arm.robot))
-    law, trial = ADAPTER.practise(arm, RigTrial(rig=rig, n_threads=1), laps=1)
-    assert trial.robot_seconds == lap(arm).duration
-    motion = scored_motions(arm)[0]
-    runs = [Run(reference=motion, law=each) for each in (elastic_law(arm), law)]
-    base, adapted = (score(each) for each in simulate(runs, arm=arm, machine=machine, n_threads=1))
-    assert adapted < 0.5 * base
 
 
 @pytest.fixture

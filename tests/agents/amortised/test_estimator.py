@@ -4,18 +4,15 @@ import numpy as np
 import pytest
 
 from ffgym.agents.adapters import ADAPTERS
-from ffgym.agents.amortised.draws import draw_machine
-from ffgym.agents.amortised.estimator import Estimator, adapt, is_silent
+from ffgym.agents.amortised.estimator import Estimator, is_silent
 from ffgym.agents.artefacts import TRAINED
 from ffgym.agents.elastic import elastic_law
 from ffgym.agents.residual.actor import LSTM, LinearLayer
 from ffgym.agents.trials import RigTrial
 from ffgym.core.errors import FFGymError
-from ffgym.leaderboard.adaptation.protocol import AdaptationSetting, BudgetedTrial, lap, score, scored_motions
+from ffgym.leaderboard.adaptation.protocol import scored_motions
 from ffgym.robot import RigidArm, load_robot
-from ffgym.simulation import Run, SimulatedRig, sensors_of, simulate
-
-FILE = TRAINED / "amortised" / "any" / "seed_0.npz"
+from ffgym.simulation import SimulatedRig, sensors_of
 
 
 @pytest.fixture(scope="module")
@@ -23,28 +20,11 @@ def arm():
     return RigidArm(load_robot("irb4600_60_205_arm_drives"))
 
 
-def setting_on(arm, machine=None, laps=1):
-    rig = SimulatedRig(arm=arm, machine=machine, sensors=sensors_of(arm.robot))
-    budget = laps * lap(arm).duration
-    trial = BudgetedTrial(trial=RigTrial(rig=rig, n_threads=1), budget=budget, scored=scored_motions(arm))
-    return AdaptationSetting(arm=arm, trial=trial)
-
-
-def test_one_lap_on_a_drawn_machine_brings_the_error_below_that_of_the_base(arm):
-    machine = draw_machine(arm.robot, np.random.default_rng(777))
-    setting = setting_on(arm, machine)
-    law = adapt(Estimator.load(FILE), setting, "amortised")
-    assert setting.trial.robot_seconds == lap(arm).duration
-    motion = scored_motions(arm)[0]
-    runs = [Run(reference=motion, law=each) for each in (elastic_law(arm), law)]
-    base, adapted = (score(each) for each in simulate(runs, arm=arm, machine=machine, n_threads=1))
-    assert adapted < 0.5 * base
-
-
 @pytest.mark.parametrize("variant", ["amortised", "amortised_motors", "amortised_recurrent"])
 def test_on_the_nominal_robot_it_keeps_the_base_law(arm, variant):
     adapter = next(adapter for adapter in ADAPTERS if adapter.name == variant)
-    law = adapter.adapt(setting_on(arm))
+    rig = SimulatedRig(arm=arm, sensors=sensors_of(arm.robot))
+    law, _ = adapter.practise(arm, RigTrial(rig=rig, n_threads=1), laps=1)
     motion = scored_motions(arm)[0]
     assert law.torque(motion).tobytes() == elastic_law(arm).torque(motion).tobytes()
 
