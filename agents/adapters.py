@@ -3,6 +3,8 @@
 Laws with nominal numbers move nothing. Learners spend the budget on laps of one circle, from `BROAD` laps on laps of
 one radius at three speeds, since a network over speed knows nothing of speeds that it never met, and from `BROADEST` on
 laps of three radii. Those that have learned all they can before the budget ends leave the rest.
+
+Families that stand nowhere else are agents, too: commands and the leaderboard make them on a machine, after one lap.
 """
 
 from collections.abc import Callable
@@ -12,6 +14,7 @@ from functools import partial
 from ffgym.agents.amortised.estimator import Estimator, adapt
 from ffgym.agents.artefacts import ANYWHERE, TRAINED, locate_artefact, read_manifest
 from ffgym.agents.bspline import ExtendedBSN
+from ffgym.agents.declaration import AgentEntry, AgentSetting, declare
 from ffgym.agents.elastic import elastic_law
 from ffgym.agents.fitted import NAME as FITTED
 from ffgym.agents.fitted import fit_model
@@ -20,7 +23,7 @@ from ffgym.agents.iterative_basis import learn_basis_weights
 from ffgym.agents.lffc import thesis_training
 from ffgym.agents.lugre import dynamic_lugre
 from ffgym.agents.residual_torque import learn_residual_torque
-from ffgym.control import FeedForwardLaw, NoCompensation
+from ffgym.control import FeedForwardLaw, LawStyle, NoCompensation
 from ffgym.core.errors import FFGymError
 from ffgym.leaderboard.adaptation.protocol import LAP, AdaptationSetting, Adapter, lap, practice_motion, practice_set
 from ffgym.paths import SPEEDS, Reference
@@ -171,12 +174,53 @@ ADAPTERS: tuple[Adapter, ...] = (
     _declare_amortised(
         "amortised_recurrent",
         "recurrent estimator, motors",
-        "A recurrent network reads the same torques in their order, as the student of a law with the true numbers.",
+        "A recurrent network reads these torques in their order, as the student of a law with the true numbers.",
     ),
     _declare_amortised(
         "amortised",
         "amortised estimator, motors and tracker",
-        "The same with the way of the tool, as a laser tracker sees it on these laps.",
+        "A network estimates the numbers of the machine from torques and the tool's way of laps of one circle.",
     ),
 )
 """All families, in the order of tables."""
+
+
+def _practise_lap(adapter: Adapter, setting: AgentSetting) -> FeedForwardLaw:
+    """Adapt to the machine of a setting within one lap.
+
+    Raises:
+        FFGymError: if the robot cannot follow the circle of practice, or the estimator is for another robot.
+    """
+    try:
+        return adapter.practise(setting.arm, setting.trial, laps=1, seed=setting.seed)[0]
+    except FFGymError as error:
+        raise FFGymError(f"{adapter.name} cannot practise on {setting.robot.name}: {error}") from error
+
+
+def _agent(name: str, page: str, order: float, colour: str, marker: str, on_leaderboard: bool = True) -> AgentEntry:
+    """Make the agent of a family that adapts within one lap."""
+    adapter = next(each for each in ADAPTERS if each.name == name)
+    return AgentEntry(
+        name=name,
+        title=adapter.title,
+        about=f"{adapter.about} After one lap of one circle on the machine.",
+        track="causal, nominal parameters",
+        order=order,
+        page=page,
+        style=LawStyle(label=adapter.title, colour=colour, marker=marker),
+        make=partial(_practise_lap, adapter),
+        base="elastic",
+        load=None,
+        needs_arm=True,
+        on_leaderboard=on_leaderboard,
+    )
+
+
+# Two stand on the curve alone: a law that needs the whole motion beforehand, and what equals amortised_motors there.
+declare(
+    _agent("ilc_basis", "iterative.md", 14.2, "#A6611A", "X", on_leaderboard=False),
+    _agent(FITTED, "fitted.md", 14.3, "#35978F", "D"),
+    _agent("amortised_motors", "amortised.md", 14.4, "#8073AC", "<"),
+    _agent("amortised_recurrent", "amortised.md", 14.5, "#542788", ">", on_leaderboard=False),
+    _agent("amortised", "amortised.md", 14.6, "#B2ABD2", "*"),
+)

@@ -69,10 +69,11 @@ class AgentEntry:
     """Function that makes the law; learning families run their trials in it. None: it exists as artefacts only."""
     make_from: Callable[[Machine, AgentSetting, str], FeedForwardLaw] | None = field(default=None, repr=False)
     """Function that makes a law, with a name, from a machine file (name:FILE); None: the agent takes no file."""
-    load: Callable[[Path, RigidArm], FeedForwardLaw | Policy] = field(
+    load: Callable[[Path, RigidArm], FeedForwardLaw | Policy] | None = field(
         default=lambda path, arm: load_law(path), repr=False
     )
-    """Function that reads an artefact of agents/trained, for a nominal model of the robot."""
+    """Function that reads an artefact of agents/trained, for a nominal model of the robot; None: `make` reads it, and
+    adapts it to the machine by trials."""
     feedback: bool = False
     """True if it observes present errors of the motors: track with feedback. A feed-forward policy runs in an
     environment that shows none."""

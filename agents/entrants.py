@@ -46,7 +46,7 @@ def _entrant(entry: AgentEntry) -> Entrant | None:
     if practises:
         ready = partial(_practise, entry)
     else:
-        ready = one_by_one(partial(_make, entry) if manifest is None else partial(_read, entry, manifest))
+        ready = one_by_one(partial(_make if manifest is None or entry.load is None else _read, entry, manifest))
 
     def sha256_of(plant: str, seed: int) -> str | None:
         artefact = _artefact(manifest, plant, seed)
@@ -70,14 +70,23 @@ def _entrant(entry: AgentEntry) -> Entrant | None:
     )
 
 
-def _make(entry: AgentEntry, plant: TestPlant, seed: int, tasks: tuple[Task, ...]) -> ReadyAgent | None:
+def _make(
+    entry: AgentEntry, manifest: ArtefactManifest | None, plant: TestPlant, seed: int, tasks: tuple[Task, ...]
+) -> ReadyAgent | None:
     """Make a law from the description, from trials, or from the truth; None where that is shut away."""
     if entry.track == "oracle" and plant.truth is None:
         return None
     assert entry.make is not None  # see _entrant
     trial = CountedTrial(RigTrial(rig=add_sensors(plant.rig), seed=seed))
     law = entry.make(AgentSetting(arm=plant.rig.arm, trial=trial, truth=plant.truth, seed=seed))
-    return ReadyAgent(law=law, timed=_run_in_steps(law), robot_seconds=trial.robot_seconds)
+    artefact = _artefact(manifest, plant.name, seed)
+    return ReadyAgent(
+        law=law,
+        timed=_run_in_steps(law),
+        artefact=None if artefact is None else artefact.sha256,
+        robot_seconds=trial.robot_seconds,
+        env_steps=0 if artefact is None else artefact.env_steps,
+    )
 
 
 def _practise(
@@ -97,13 +106,14 @@ def _practise(
 
 
 def _read(
-    entry: AgentEntry, manifest: ArtefactManifest, plant: TestPlant, seed: int, tasks: tuple[Task, ...]
+    entry: AgentEntry, manifest: ArtefactManifest | None, plant: TestPlant, seed: int, tasks: tuple[Task, ...]
 ) -> ReadyAgent | None:
     """Read a trained agent, on drawn plants the one of the nominal plant; None if it was not trained for a plant."""
     artefact = _artefact(manifest, plant.name, seed)
     if artefact is None:
         return None
-    loaded = entry.load(locate_artefact(manifest.name, artefact), plant.rig.arm)
+    assert entry.load is not None  # see _entrant
+    loaded = entry.load(locate_artefact(entry.name, artefact), plant.rig.arm)
     law, policy = (loaded, None) if isinstance(loaded, FeedForwardLaw) else (None, loaded)
     if (policy is not None and sees_errors(policy)) != entry.feedback:
         raise FFGymError(

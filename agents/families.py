@@ -1,6 +1,7 @@
 """Modules of this package that declare agents. A new family takes its file, and its name here."""
 
 from ffgym.agents import (
+    adapters,
     baselines,
     bspline,
     elastic,
@@ -26,6 +27,7 @@ MODULES = (
     iterative,
     elastic,
     model,
+    adapters,
     gains,
     policy,
     oracle,

@@ -2,23 +2,20 @@
 
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ffgym.agents.adapters import ADAPTERS
 from ffgym.agents.artefacts import ANYWHERE, locate_artefact, read_manifest
 from ffgym.agents.catalogue import CATALOGUE, find_law_name, list_entries, make_law
 from ffgym.agents.declaration import AgentSetting
 from ffgym.agents.law_files import load_law, unpack
 from ffgym.agents.residual.policy import KIND, load_policy
 from ffgym.agents.submission import LOADERS
-from ffgym.agents.trials import RigTrial, add_sensors
+from ffgym.agents.trials import RigTrial
 from ffgym.cli.progress import progress_bar
 from ffgym.control import FeedForwardLaw, Policy
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.envs.settings import ERROR_LIMIT
-from ffgym.leaderboard.adaptation.protocol import Adapter
 from ffgym.leaderboard.evaluation.closed_loop import run_references
 from ffgym.leaderboard.submission.entrant import load_submission
 from ffgym.leaderboard.submission.process import isolation_note
@@ -80,30 +77,10 @@ def make_laws(names: Sequence[str], setting: AgentSetting) -> list[FeedForwardLa
 
 
 def is_trained(name: str) -> bool:
-    """Check if only `make_agent` makes an agent: a policy, a submission, an adapter, a row that was trained before."""
+    """Check if only `make_agent` makes an agent: a policy, a submission, or a row that was trained before."""
     if name.endswith(".npz"):
         return unpack(name)[0].get("kind") == KIND
-    return name.endswith(".zip") or name in _adapters() or (name not in CATALOGUE and read_manifest(name) is not None)
-
-
-def _adapters() -> dict[str, Adapter]:
-    """List adapters that are no agents of the catalogue, by name."""
-    return {adapter.name: adapter for adapter in ADAPTERS if adapter.name not in CATALOGUE}
-
-
-def _practise(adapter: Adapter, setting: AgentSetting) -> FeedForwardLaw:
-    """Let an adapter practise on the machine with the smallest of its budgets, through the sensors of the robot.
-
-    Raises:
-        FFGymError: if the robot cannot follow the motions of practice, or the adapter is for another robot.
-    """
-    trial = setting.trial
-    assert isinstance(trial, RigTrial)  # see setting_for
-    try:
-        trial = replace(trial, rig=add_sensors(trial.rig))
-        return adapter.practise(setting.arm, trial, laps=adapter.laps[0])[0]
-    except FFGymError as error:
-        raise FFGymError(f"{adapter.name} cannot practise on {setting.robot.name}: {error}") from error
+    return name.endswith(".zip") or (name not in CATALOGUE and read_manifest(name) is not None)
 
 
 def _find_name(name: str) -> str:
@@ -137,16 +114,13 @@ def make_agent(
         return load_submission(Path(name), controller, LOADERS)
     if name.endswith(".npz"):
         return Path(name).stem, load_policy(name) if unpack(name)[0].get("kind") == KIND else load_law(name)
-    adapters = _adapters()
-    if name in adapters:
-        return adapters[name].title, _practise(adapters[name], setting)
     # rows of the leaderboard
     kind = name.partition(":")[0]
     entries = {entry.name: entry for entry in list_entries() if entry.name in CATALOGUE or read_manifest(entry.name)}
-    check_choice("agent", name if kind in adapters else kind, [*entries, *adapters])
-    entry, manifest = entries[kind], read_manifest(kind)
-    for artefact in () if manifest is None or kind != name else manifest.artefacts:
+    entry, manifest = entries[check_choice("agent", kind, list(entries))], read_manifest(kind)
+    for artefact in () if manifest is None or kind != name or entry.load is None else manifest.artefacts:
         if artefact.plant == ANYWHERE or artefact.fingerprint == fingerprint:
+            assert entry.load is not None  # as it has artefacts here
             return entry.title, entry.load(locate_artefact(kind, artefact), setting.arm)
     if entry.name not in CATALOGUE:
         raise FFGymError(f"Agent {name!r} was trained on another machine, and cannot be trained here.")

@@ -149,7 +149,7 @@ def test_a_still_shows_the_time_that_is_asked_for(needs_gl, tmp_path):
         (["nobody.zip"], "nobody.zip: "),
         (["model_fitted"], "Agent 'model_fitted' was trained on another machine"),
         (["amortised", "--env", "ffgym/OneAxis-v0"], "amortised cannot practise on one_axis: Robot 'one_axis' has no "),
-        (["amortised:machine.toml"], "Unknown agent 'amortised:machine.toml'. Available: amortised, "),
+        (["amortised:machine.toml"], "Agent 'amortised' takes no file, got 'amortised:machine.toml'"),
         (["ppo_elastic", "--env", "ffgym/OneAxis-v0"], "ppo_elastic cannot run in ffgym/OneAxis-v0: A policy for 6"),
         (["--out", "a.mp4", "--at", "1"], "--at 1 is for a still, --out FILE.png"),
         (["--out", "a.png", "--at", "99", "--speed-mm-s", "100", "--radii-mm", "1"], "at = 99 s is after the end of"),

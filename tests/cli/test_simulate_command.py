@@ -160,7 +160,6 @@ def test_an_estimator_practises_a_lap_on_a_workcell_before_the_motion(here):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["irb4600_60_205", "sine", "--feedforward", "ilc_basis", "--no-springs"], "--springs has no effect on ilc_b"),
         (["one_axis", "sine", "--feedforward", "ppo_elastic"], "ppo_elastic cannot run on one_axis: A policy for 6"),
         (["one_axis", "sine", "--feedforward", "ppo_elastic", "--no-friction"], "--friction has no effect on ppo_ela"),
         (["nobody", "circles"], "Unknown robot 'nobody'"),

@@ -26,6 +26,8 @@ ON_ONE_AXIS = [name for name, entry in CATALOGUE.items() if not entry.needs_arm]
 CAUSAL = [name for name in ON_ONE_AXIS if name != "none"]
 LEARNS_AT_LENGTH = {name for name, entry in CATALOGUE.items() if entry.track == "causal" or entry.package}
 """On six axes these learn from motions that take minutes of robot time."""
+WHOLE_MOTION = {"ilc_basis"}
+"""Need the whole motion beforehand."""
 ON_SIX_AXES = [
     pytest.param(name, marks=[pytest.mark.slow] * (name in LEARNS_AT_LENGTH)) for name in CATALOGUE if name != "none"
 ]
@@ -84,8 +86,9 @@ def test_on_six_axes_too_samples_and_batches_are_the_same_law(arm, name):
     )
     check_side_by_side(law, [*shorter, circle])
     assert law.torque(circle).any(axis=0).all()
-    check_samples(law, circle)
-    check_batch(law, circle)
+    if name not in WHOLE_MOTION:
+        check_samples(law, circle)
+        check_batch(law, circle)
 
 
 def check_side_by_side(law, references):

@@ -8,6 +8,7 @@ from ffgym.agents.declaration import AgentSetting
 from ffgym.agents.entrants import ENTRANTS, REGISTRY
 from ffgym.agents.law_agent import LawPolicy
 from ffgym.core.errors import FFGymError
+from ffgym.leaderboard.adaptation.protocol import lap
 from ffgym.leaderboard.entrants import Entrant, ReadyAgent
 from ffgym.leaderboard.evaluation.closed_loop import run_references, run_rollouts
 from ffgym.leaderboard.evaluation.jobs import (
@@ -199,6 +200,31 @@ def test_who_practises_each_motion_learns_through_sensors_and_is_scored_on_all_o
     [alone] = ENTRANTS[name].ready(plant, [1], tuple(tasks))
     [(_, again)] = run_agents(plant, [SeededAgent(name=name, seed=1, ready=alone)], tasks)
     assert again == second  # whoever learns beside it
+
+
+def test_an_estimator_moves_each_machine_for_one_lap_and_leaves_less_than_its_base():
+    plant, tasks = find_plant("workcell:drives-1"), [Task("p3", 0.1, (0.003,), "positions")]
+    ready = ENTRANTS["amortised_motors"].ready(plant, [0, 1], tuple(tasks))
+    [below] = ENTRANTS["elastic"].ready(plant, [0], ())
+    seeded = [SeededAgent(name=f"seed {seed}", seed=seed, ready=each) for seed, each in enumerate(ready)]
+    (_, first), (_, second), (_, base) = run_agents(
+        plant, [*seeded, SeededAgent(name="base", seed=0, ready=below)], tasks
+    )
+    one_lap = lap(plant.rig.arm).duration
+    for seed, outcome in enumerate((first, second)):
+        assert outcome.cells[0].rms_mm < 0.7 * base.cells[0].rms_mm
+        assert outcome.robot_seconds == pytest.approx(one_lap)
+        assert outcome.artefact == ENTRANTS["amortised_motors"].artefact(plant.name, seed)
+        assert outcome.env_steps > 1_000_000
+    assert first.artefact != second.artefact
+    assert first.cells != second.cells
+
+
+def test_an_estimator_that_sees_the_nominal_robot_leaves_its_base_alone():
+    plant = find_plant("nominal")
+    [ready] = ENTRANTS["amortised"].ready(plant, [0], ())
+    [reference] = make_references(plant.rig.arm, [FAST])
+    np.testing.assert_array_equal(ready.law.torque(reference), elastic(plant.rig.robot).torque(reference))
 
 
 def test_arms_that_differ_in_friction_alone_share_their_joint_angles():
