@@ -120,3 +120,14 @@ def test_the_page_shows_these_results(rows):
     shown = json.loads(data[1])
     tables = {table.key: table.plain() for table in map(table_of, all_standings(list(rows.values())))}
     assert shown == json.loads(json.dumps(tables))
+
+
+def test_the_readme_tells_of_these_results(rows):
+    lines = standings(list(rows.values()), WORKCELLS, "held_out").lines
+    left = {line.row.name: round(100 * line.score.left) for line in lines}
+    feedback = [left[line.row.name] for line in lines if line.row.feedback and line.row.base == "elastic"]
+    told = re.findall(
+        r"^\| .* \| (.*) % \|$", (DOCS.parents[1] / "README.md").read_text(encoding="utf-8"), re.MULTILINE
+    )
+    named = [str(left[name]) for name in ("lugre_dynamic", "elastic", "fitted", "amortised")]
+    assert told == [*named[:2], f"{min(feedback)} to {max(feedback)}", *named[2:]]
