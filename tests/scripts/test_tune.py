@@ -247,11 +247,13 @@ def test_a_search_that_was_killed_goes_on(tmp_path):
     assert written(tmp_path / "killed") == written(tmp_path / "whole")
 
 
-def test_the_committed_record_is_of_a_search_that_can_be_asked_for_and_its_page_shows_every_trial():
+@pytest.mark.parametrize("algorithm", ["ppo", "recurrent_ppo", "sac"])
+def test_a_committed_record_is_of_a_search_that_can_be_asked_for_and_its_page_shows_every_trial(algorithm):
     folder = Path(__file__).parents[2] / "docs" / "agents"
-    record = json.loads((folder / "tuned_ppo_drives.json").read_text())
-    trials = read_trials(folder / "tuned_ppo_drives.json", record["search"])
-    assert record["search"]["space"].keys() == {*SPACES["ppo"], "bound"}
+    file = folder / f"tuned_{algorithm}_drives.json"
+    record = json.loads(file.read_text())
+    trials = read_trials(file, record["search"])
+    assert record["search"]["space"].keys() == {*SPACES[algorithm], "bound"}
     assert record["best"]["value"] == min(trial.value for trial in trials)
     page = (folder / "residual.md").read_text()
     assert all(f"| {t.value:+.3f} | {t.parameters['learning_rate']:.4f} |" in page for t in trials)
