@@ -7,6 +7,7 @@ from ffgym.agents.catalogue import CATALOGUE
 from ffgym.agents.declaration import AgentSetting
 from ffgym.agents.entrants import ENTRANTS, REGISTRY
 from ffgym.agents.law_agent import LawPolicy
+from ffgym.agents.trials import RigTrial
 from ffgym.core.errors import FFGymError
 from ffgym.leaderboard.adaptation.protocol import lap
 from ffgym.leaderboard.entrants import Entrant, ReadyAgent
@@ -218,6 +219,14 @@ def test_an_estimator_moves_each_machine_for_one_lap_and_leaves_less_than_its_ba
         assert outcome.env_steps > 1_000_000
     assert first.artefact != second.artefact
     assert first.cells != second.cells
+
+
+def test_a_seed_chooses_the_network_of_an_estimator():
+    rig = find_plant("workcell:drives-1").rig
+    settings = [AgentSetting(arm=rig.arm, trial=RigTrial(rig=rig), seed=seed) for seed in (0, 1)]
+    [reference] = make_references(rig.arm, [FAST])
+    one, other = (CATALOGUE["amortised_motors"].make(setting).torque(reference) for setting in settings)
+    assert np.abs(one - other).max() > 1e-3
 
 
 def test_an_estimator_that_sees_the_nominal_robot_leaves_its_base_alone():
