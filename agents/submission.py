@@ -89,6 +89,8 @@ def rows_beside(names: Sequence[str], robot: RobotDescription) -> dict[str, Poli
 
 
 SUBMITTED = tuple(
-    name for name, entry in CATALOGUE.items() if entry.track == "causal, nominal parameters" and entry.package is None
+    name
+    for name, entry in CATALOGUE.items()
+    if entry.track == "causal, nominal parameters" and entry.package is None and entry.load is not None
 )
 """Names of laws that are made from the robot's description alone."""

@@ -13,6 +13,7 @@ from ffgym.robot import ModelOptions, RigidArm, compile_model, static_deflection
 from ffgym.robot.parts import Spring
 from ffgym.simulation import Run, simulate
 from ffgym.simulation.plant import Plant
+from scripts.tables.physics import free_of_servo
 
 COUPLING = np.zeros((6, 6))
 COUPLING[4, 3], COUPLING[5, 3], COUPLING[5, 4] = 30.0, -12.0, 20.0  # a wrist whose axes turn the motors behind them
@@ -60,9 +61,9 @@ def test_the_models_inertia_is_that_of_links_and_coupled_rotors(coupled):
     np.testing.assert_allclose(inertia, links + gear.T @ np.diag(coupled.drive.rotor_inertia) @ gear, rtol=1e-12)
 
 
-def test_rigid_feed_forward_drives_coupled_axes_along_the_reference(coupled, without_servo):
+def test_rigid_feed_forward_drives_coupled_axes_along_the_reference(coupled):
     """No gravity, friction or feedback: only torques that are right for every motor keep the arm on its sine."""
-    robot = without_servo(replace(coupled, gravity=np.zeros(3)))
+    robot = free_of_servo(replace(coupled, gravity=np.zeros(3)))
     reference = sine(robot, duration=0.5)
     options = ModelOptions(flexible=False, friction=False, looks=False)
     (recording,) = simulate([Run(reference=reference)], options=options)

@@ -7,6 +7,7 @@ import pytest
 
 from ffgym.robot import ModelOptions
 from ffgym.simulation.plant import Plant
+from scripts.tables.physics import free_of_servo
 from tests.robot.independent_arm import IndependentArm
 from tests.simulation.plant.driving import controls
 
@@ -36,9 +37,9 @@ def energies(robot, state):
 
 
 @pytest.fixture(scope="module")
-def loose(irb4600, without_servo):
+def loose(irb4600):
     """The six-axis arm without servo and damping."""
-    return replace(without_servo(irb4600), drive=replace(irb4600.drive, joint_damping=np.zeros(6)))
+    return replace(free_of_servo(irb4600), drive=replace(irb4600.drive, joint_damping=np.zeros(6)))
 
 
 def test_total_energy_drifts_little_and_in_proportion_to_the_step(loose, corners):
@@ -52,8 +53,8 @@ def test_total_energy_drifts_little_and_in_proportion_to_the_step(loose, corners
     np.testing.assert_allclose(np.log2(drift[:-1] / drift[1:]), 1.0, atol=0.3)
 
 
-def test_joint_damping_only_takes_energy(irb4600, without_servo, corners):
-    robot = without_servo(irb4600)
+def test_joint_damping_only_takes_energy(irb4600, corners):
+    robot = free_of_servo(irb4600)
     total = energies(robot, swing(robot, corners["p2"], 0.0000625)).sum(axis=1)
     assert np.diff(total).max() < 1e-3
     assert total[-1] < total[0] - 1

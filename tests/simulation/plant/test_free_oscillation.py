@@ -8,6 +8,7 @@ from scipy.linalg import eigh
 
 from ffgym.robot import ModelOptions, resonances, static_deflection
 from ffgym.simulation.plant import Plant
+from scripts.tables.physics import free_of_servo
 from tests.simulation.plant.driving import controls
 
 
@@ -29,11 +30,11 @@ def test_an_arm_let_go_with_straight_springs_settles_where_they_carry_gravity(ir
 
 
 @pytest.mark.parametrize("motors", ["locked", "free"])
-def test_each_mode_of_the_simulated_arm_swings_at_its_resonance(irb4600, arm, without_servo, corners, motors):
+def test_each_mode_of_the_simulated_arm_swings_at_its_resonance(irb4600, arm, corners, motors):
     """Start in each mode shape without damping, and count the periods."""
     q, drive = corners["p2"], irb4600.drive
     rotors = drive.rotor_inertia * (1e6 if motors == "locked" else 1.0)
-    robot = replace(without_servo(irb4600), drive=replace(drive, rotor_inertia=rotors, joint_damping=np.zeros(6)))
+    robot = replace(free_of_servo(irb4600), drive=replace(drive, rotor_inertia=rotors, joint_damping=np.zeros(6)))
     inertia = np.linalg.inv(arm.mass_matrix(q[None])[0]) + np.diag(1 / (drive.gear_ratio**2 * rotors))
     stiffness = np.diag(drive.joint_stiffness)
     shapes = eigh(stiffness, np.linalg.inv(inertia))[1]
@@ -47,12 +48,12 @@ def test_each_mode_of_the_simulated_arm_swings_at_its_resonance(irb4600, arm, wi
     np.testing.assert_allclose(seen, resonances(arm, q, motors), rtol=0.002)
 
 
-def test_damping_of_the_springs_decays_the_lowest_mode_as_described(irb4600, arm, without_servo, corners):
+def test_damping_of_the_springs_decays_the_lowest_mode_as_described(irb4600, arm, corners):
     """With damping proportional to stiffness, d = c K, a mode decays as exp(-c omega^2 t / 2)."""
     q, drive = corners["p2"], irb4600.drive
     time_constant = 8e-4
     heavy = replace(drive, rotor_inertia=drive.rotor_inertia * 1e6, joint_damping=time_constant * drive.joint_stiffness)
-    robot = replace(without_servo(irb4600), drive=heavy)
+    robot = replace(free_of_servo(irb4600), drive=heavy)
     stiffness = np.diag(drive.joint_stiffness)
     squares, shapes = eigh(stiffness, arm.mass_matrix(q[None])[0])
     plant = Plant(robot, 1, options=ModelOptions(friction=False, gravity=False, physics_dt=0.0000625, looks=False))
