@@ -71,7 +71,7 @@ def test_a_machine_file_is_packed_with_its_law(tmp_path):
     assert load(vars(source), tmp_path, load_robot(ROBOT)).preview == 4
 
 
-@pytest.mark.parametrize("name", ["none", "narx", "oracle", "ilc_motor"])
+@pytest.mark.parametrize("name", ["none", "narx", "oracle", "ilc_motor", "ilc_basis", "fitted", "amortised"])
 def test_what_learns_or_knows_the_truth_cannot_be_submitted_by_its_name(name):
     with pytest.raises(FFGymError, match="cannot be submitted by its name"):
         resolve_agent(name)
