@@ -23,6 +23,7 @@ from ffgym.agents.iterative_basis import learn_basis_weights
 from ffgym.agents.lffc import thesis_training
 from ffgym.agents.lugre import dynamic_lugre
 from ffgym.agents.residual_torque import learn_residual_torque
+from ffgym.agents.trials import RigTrial, add_sensors
 from ffgym.control import FeedForwardLaw, LawStyle, NoCompensation
 from ffgym.core.errors import FFGymError
 from ffgym.leaderboard.adaptation.protocol import LAP, AdaptationSetting, Adapter, lap, practice_motion, practice_set
@@ -186,13 +187,16 @@ ADAPTERS: tuple[Adapter, ...] = (
 
 
 def _practise_lap(adapter: Adapter, setting: AgentSetting) -> FeedForwardLaw:
-    """Adapt to the machine of a setting within one lap.
+    """Adapt to the machine of a setting within one lap, seen through the sensors of its robot.
 
     Raises:
         FFGymError: if the robot cannot follow the circle of practice, or the estimator is for another robot.
     """
+    trial = setting.trial
+    if isinstance(trial, RigTrial):
+        trial = replace(trial, rig=add_sensors(trial.rig))
     try:
-        return adapter.practise(setting.arm, setting.trial, laps=1, seed=setting.seed)[0]
+        return adapter.practise(setting.arm, trial, laps=1, seed=setting.seed)[0]
     except FFGymError as error:
         raise FFGymError(f"{adapter.name} cannot practise on {setting.robot.name}: {error}") from error
 

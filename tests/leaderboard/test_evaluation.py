@@ -7,7 +7,7 @@ from ffgym.agents.catalogue import CATALOGUE
 from ffgym.agents.declaration import AgentSetting
 from ffgym.agents.entrants import ENTRANTS, REGISTRY
 from ffgym.agents.law_agent import LawPolicy
-from ffgym.agents.trials import RigTrial
+from ffgym.agents.trials import RigTrial, add_sensors
 from ffgym.core.errors import FFGymError
 from ffgym.leaderboard.adaptation.protocol import lap
 from ffgym.leaderboard.entrants import Entrant, ReadyAgent
@@ -227,6 +227,16 @@ def test_a_seed_chooses_the_network_of_an_estimator():
     [reference] = make_references(rig.arm, [FAST])
     one, other = (CATALOGUE["amortised_motors"].make(setting).torque(reference) for setting in settings)
     assert np.abs(one - other).max() > 1e-3
+
+
+def test_an_estimator_sees_a_machine_through_its_sensors_wherever_it_is_made():
+    rig = find_plant("workcell:drives-1").rig
+    settings = [
+        AgentSetting(arm=rig.arm, trial=RigTrial(rig=each)) for each in (replace(rig, sensors=()), add_sensors(rig))
+    ]
+    [reference] = make_references(rig.arm, [FAST])
+    one, other = (CATALOGUE["amortised"].make(setting).torque(reference) for setting in settings)
+    np.testing.assert_array_equal(one, other)
 
 
 def test_an_estimator_that_sees_the_nominal_robot_leaves_its_base_alone():
