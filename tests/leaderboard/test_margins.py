@@ -286,3 +286,13 @@ def test_tables_have_the_smallest_margins_of_the_seeds():
     cells, told = shown((2.0, 12.0), (0.5, None))
     assert cells == ["0.50", "none"]
     assert told.startswith("Of 1 agent with feedback, 0 are stable")
+
+
+def test_titles_with_commas_are_joined_by_semicolons():
+    stable = (replace(MARGINS, gain=2.0),)
+    titles = {"tqc_elastic": "TQC", "ppo_drives": "PPO, drives", "sac_drives": "SAC, drives"}
+    learned = [replace(row(name, [NOMINAL]), title=title, margins=stable) for name, title in titles.items()]
+    told = margins_sentence(standings([row("none", [NOMINAL]), *learned], NOMINAL, "held_out"))
+    names = told.partition("all seeds: ")[2].rstrip(".")
+    assert sorted(names.replace("and ", "").split("; ")) == ["PPO, drives", "SAC, drives", "TQC"]
+    assert names.count("; and ") == 1

@@ -264,7 +264,12 @@ def _change(ratio: float) -> str:
 
 
 def _join_words(words: Sequence[str]) -> str:
-    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"
+    """Join words as in a sentence, by semicolons where one of them has a comma of its own."""
+    if len(words) == 1:
+        return words[0]
+    if any(", " in each for each in words):
+        return f"{'; '.join(words[:-1])}; and {words[-1]}"
+    return f"{', '.join(words[:-1])} and {words[-1]}"
 
 
 def _numbers(values: Iterable[float]) -> str:
