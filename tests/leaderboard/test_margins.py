@@ -291,7 +291,9 @@ def test_tables_have_the_smallest_margins_of_the_seeds():
 def test_titles_with_commas_are_joined_by_semicolons():
     stable = (replace(MARGINS, gain=2.0),)
     titles = {"tqc_elastic": "TQC", "ppo_drives": "PPO, drives", "sac_drives": "SAC, drives"}
-    learned = [replace(row(name, [NOMINAL]), title=title, margins=stable) for name, title in titles.items()]
+    learned = [
+        replace(row("tqc_elastic", [NOMINAL]), name=name, title=title, margins=stable) for name, title in titles.items()
+    ]
     told = margins_sentence(standings([row("none", [NOMINAL]), *learned], NOMINAL, "held_out"))
     names = told.partition("all seeds: ")[2].rstrip(".")
     assert sorted(names.replace("and ", "").split("; ")) == ["PPO, drives", "SAC, drives", "TQC"]
