@@ -98,7 +98,7 @@ ABSENT = {
     THESIS_WORKCELL: set(),
     NOMINAL: {"model_fitted"},
     DRAWS: {"model_fitted", "ilc_motor", "ilc_tcp", "fitted", "amortised_motors", "amortised"}
-    | {"ppo_drives", "recurrent_ppo_drives"},
+    | {"ppo_drives", "tqc_drives", "recurrent_ppo_drives"},
 }
 """A model of the workcell is no model of another machine; practising takes hours on many machines, so do laws that are
 made for each of a hundred; robots drawn without drives say little of policies for drives; the truth of drawn workcells
