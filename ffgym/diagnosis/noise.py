@@ -228,10 +228,15 @@ def simulate_null_residuals(
     for run in runs:
         for channel, rows in compute_residuals(run.read, predict(run)).items():
             draws.setdefault(channel, []).append(rows - bias[channel])
-    # RMS of torques that count, about their means in a motion: weights stay
-    least, weight = {}, find_valid_rows(log).astype(np.float64)
-    for channel in draws.keys() & _TORQUES:
-        rows = filter_measured(log)[channel]
+    # RMS of torques that count, about their means in a motion: weights stay; and of what they bend springs by
+    least, weight, measured = {}, find_valid_rows(log).astype(np.float64), filter_measured(log)
+    bent = log.sampling(own.deflection.angle)
+    changing: dict[Channel, Array] = {channel: measured[channel] for channel in draws.keys() & _TORQUES}
+    if "link" in draws:
+        changing["link"] = bent
+    if "tool" in draws:
+        changing["tool"] = np.einsum("rmkn,rmn->rmk", own.tool_jacobian, bent)
+    for channel, rows in changing.items():
         about = rows - np.einsum("rmc,rm->mc", rows, weight) / np.maximum(weight.sum(axis=0), 1.0)[:, None]
         least[channel] = limits.torque_change_floor * np.sqrt(
             np.einsum("rmc,rm->c", about**2, weight) / max(weight.sum(), 1.0)

@@ -79,8 +79,9 @@ class NoiseFloorSettings:
     """Noise floor: how much of a residual sensors and unknown motion explain."""
 
     torque_change_floor: float = 0.002
-    """Part that is added to the noise of torques, as a share of the RMS of their changes: no model foretells torque
-    better than to some per mille, however quiet the sensors; chosen."""
+    """Part that is added to the noise of torques, as a share of the RMS of their changes, and to that of links and tool
+    of what torques bend springs by: no model foretells torque better than to some per mille, however quiet the sensors;
+    chosen."""
     draws: int = 2
     """Draws of the noise; an RMS over thousands of rows is known to some per cent from two."""
     torque_floor: float = 0.001
