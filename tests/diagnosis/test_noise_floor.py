@@ -9,11 +9,14 @@ from ffgym.diagnosis import noise as module
 from ffgym.diagnosis.fit.fit import evaluate, loudness, subtract_nuisances
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.log import assemble_log
-from ffgym.diagnosis.noise import NullSimulation, estimate_noise
+from ffgym.diagnosis.noise import NullSimulation, estimate_noise, simulate_null_residuals
 from ffgym.diagnosis.prepare import prepare, renew_floor
-from ffgym.diagnosis.replay import replay
+from ffgym.diagnosis.replay import predict, replay
+from ffgym.diagnosis.residual_rows import find_valid_rows
 from ffgym.effects.transmission.arm_friction import ArmFriction
+from ffgym.simulation import SimulatedRig
 from ffgym.simulation.plant import Machine
+from ffgym.simulation.protocols import load_protocols, plan_session, record
 from scripts.exam.independent.question import draw_task
 from scripts.exam.independent.sensors import QUIET, TORQUE_NOISE, Columns
 
@@ -50,6 +53,21 @@ def test_of_the_floor_sensors_have_what_no_model_is_allowed_for():
     floor = {"torque": np.full((2, 1), 5.0), "tool": np.ones((2, 3))}
     assert faultless.sensor_share(("torque", 0), floor) == pytest.approx(16 / 25)
     assert faultless.sensor_share(("tool", 2), floor) == 1.0
+
+
+def test_without_sensors_arm_positions_are_known_to_some_per_mille_of_what_torques_bend(arm):
+    """Positions of an exact recording: their noise is 0, but springs bend by torques that no model foretells."""
+    rig = SimulatedRig(arm=arm, machine=Machine(robot=arm.robot), sensors=(), name="exact")
+    motions = plan_session(arm, tuple(load_protocols("dwell_restart")))
+    log = assemble_log(arm.robot, list(record(motions, rig, seed=0, record_dt=0.002, n_threads=1)))
+    run = replay(log, rig.machine)
+    bias = {channel: np.zeros_like(rows) for channel, rows in predict(run).items()}
+    least = simulate_null_residuals(log, run, bias, run, np.random.default_rng(0)).least
+    # what was recorded, without springs of any model: against where rigid joints would have links and tool
+    bent = {"link": log.link - log.q, "tool": log.tool[:, 0] - arm.tcp_position(log.q[:, 0])}
+    for channel, values in bent.items():
+        rows = log.sampling(values.reshape(len(log.q), 1, -1))[find_valid_rows(log)]
+        np.testing.assert_allclose(least[channel], 0.002 * rows.std(axis=0), rtol=0.03, err_msg=channel)
 
 
 @pytest.fixture(scope="module")
