@@ -247,7 +247,7 @@ def test_a_search_that_was_killed_goes_on(tmp_path):
     assert written(tmp_path / "killed") == written(tmp_path / "whole")
 
 
-@pytest.mark.parametrize("algorithm", ["ppo", "recurrent_ppo", "sac"])
+@pytest.mark.parametrize("algorithm", ["ppo", "recurrent_ppo", "sac", "tqc"])
 def test_a_committed_record_is_of_a_search_that_can_be_asked_for_and_its_page_shows_every_trial(algorithm):
     folder = Path(__file__).parents[2] / "docs" / "agents"
     file = folder / f"tuned_{algorithm}_drives.json"
