@@ -71,8 +71,7 @@ class SetpointPlan:
     @property
     def largest_correction(self) -> Array:
         """Largest size of the correction of each joint, link side [rad or m], shape (N,)."""
-        largest: Array = np.abs(self.correction).max(axis=0)
-        return largest
+        return np.asarray(np.abs(self.correction).max(axis=0), dtype=np.float64)
 
 
 def write_plan(plan: SetpointPlan, path: str | os.PathLike[str]) -> None:
