@@ -61,7 +61,7 @@ class SetpointPlan:
     @property
     def t(self) -> Array:
         """Times of the samples [s], shape (T,)."""
-        return np.arange(len(self.program)) * self.dt
+        return self.dt * np.arange(len(self.program), dtype=np.float64)
 
     @property
     def setpoints(self) -> Array:
