@@ -7,9 +7,11 @@ from typing import Any
 import numpy as np
 
 from ffgym.control import Agent, CausalLaw, FeedForwardLaw, ObservationLayout, Window
+from ffgym.control.corrections import next_correction
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
 from ffgym.robot import RobotDescription
+from ffgym.robot.parts import Servo
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -74,7 +76,7 @@ class LawAgent:
                 f"was made for, got shape {observation.shape}."
             )
         window = self.window(observation)
-        memory = self.law.initial_memory(window) if state is None else np.asarray(state, dtype=np.float64)
+        memory = self._acting.initial_memory(window) if state is None else np.asarray(state, dtype=np.float64)
         if memory.shape[:-1] != observation.shape[:-1]:
             raise FFGymError(
                 f"The state of shape {memory.shape} is not what predict returned for observations of shape "
@@ -82,9 +84,14 @@ class LawAgent:
             )
         if state is not None and episode_start is not None and np.any(episode_start):
             fresh = np.asarray(episode_start, dtype=np.bool_)[..., None]
-            memory = np.where(fresh, self.law.initial_memory(window), memory)
-        torque, memory = self.law.step(memory, window)
-        return torque / self.layout["added_torque"].scale, memory
+            memory = np.where(fresh, self._acting.initial_memory(window), memory)
+        added, memory = self._acting.step(memory, window)
+        return added / self.layout.action_size, memory
+
+    @property
+    def _acting(self) -> "CausalLaw | CorrectingLaw":
+        """Law whose steps are what is added to torques or set-points."""
+        return self.law if self.layout.channel == "torque" else CorrectingLaw(self.law, self.layout.servo)
 
     def window(self, observation: Array) -> Window:
         """Read the reference from observations (..., D)."""
@@ -99,6 +106,27 @@ class LawAgent:
             motor_ddq=read("reference_acceleration"),
             dt=self.control_dt,
         )
+
+
+@dataclass(frozen=True, eq=False)
+class CorrectingLaw:
+    """A law that acts through corrections of set-points, by which a servo gives its torque."""
+
+    law: CausalLaw
+    servo: Servo
+
+    def initial_memory(self, window: Window) -> Array:
+        """Return the memory when a motion begins: torque, correction and its integral, all zero, then the law's."""
+        own = self.law.initial_memory(window)
+        return np.concatenate([np.zeros((*own.shape[:-1], 3 * self.law.n_joints)), own], axis=-1)
+
+    def step(self, memory: Array, window: Window) -> tuple[Array, Array]:
+        """Return the correction at sample 1 of the window, motor side [rad], (..., N), and the new memory, (..., M)."""
+        n = self.law.n_joints
+        before, correction, integral = (memory[..., i * n : (i + 1) * n] for i in range(3))
+        torque, own = self.law.step(memory[..., 3 * n :], window)
+        correction, integral = next_correction(self.servo, before, torque, correction, integral)
+        return correction, np.concatenate([torque, correction, integral, own], axis=-1)
 
 
 def acting_in(env: Any) -> tuple[ObservationLayout, float]:

@@ -1,3 +1,6 @@
+from .corrections import CorrectionLimits as CorrectionLimits
+from .corrections import invert_servo as invert_servo
+from .corrections import limit_correction as limit_correction
 from .feedforward import CausalLaw as CausalLaw
 from .feedforward import FeedForwardLaw as FeedForwardLaw
 from .feedforward import NoCompensation as NoCompensation
@@ -11,6 +14,8 @@ from .observation import ObservationLayout as ObservationLayout
 from .policy import Agent as Agent
 from .policy import Policy as Policy
 from .policy import sees_errors as sees_errors
+from .setpoint_channel import SetpointChannel as SetpointChannel
+from .setpoint_response import SetpointResponse as SetpointResponse
 from .setpoints import ServoTorque as ServoTorque
 from .setpoints import Setpoints as Setpoints
 from .setpoints import servo_torque as servo_torque

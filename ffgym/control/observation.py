@@ -40,7 +40,8 @@ class ObservationLayout(Mapping[str, ObservationEntry]):
     Args:
         robot: robot of the controller.
         preview: samples of the reference after the present one.
-        action_torque: torque of an action of 1, motor side [N m], shape (N,).
+        action_size: what an action of 1 adds, motor side: torque [N m], or position of the set-point [rad], shape (N,).
+        channel: quantity that an action is added to.
         sees_errors: False leaves out the errors of the motors, as the track feed-forward does.
         features: True adds the torque of the base at the next sample and the direction of each sample of the reference,
             and counts errors in tenths.
@@ -50,14 +51,16 @@ class ObservationLayout(Mapping[str, ObservationEntry]):
         self,
         robot: RobotDescription,
         preview: int,
-        action_torque: Array,
+        action_size: Array,
         *,
+        channel: Literal["torque", "setpoint"] = "torque",
         sees_errors: bool = True,
         features: bool = False,
     ) -> None:
         self.preview = check_whole("preview", preview, low=0, high=1000)
         self.n_joints = n = robot.n_joints
         self.sees_errors, self.features = sees_errors, features
+        self.channel, self.servo = channel, robot.servo
         self._drive, scales = robot.drive, Scales.of(robot)
         # scale of each entry: tracking error, its rate, last action, then the reference over the preview
         motor_position = scales.position * robot.drive.gear_ratio  # with its sign, as joint positions are read
@@ -65,8 +68,9 @@ class ObservationLayout(Mapping[str, ObservationEntry]):
         reference = np.concatenate([motor_position, scales.velocity, scales.acceleration])
         unit = TENTHS if features else 1.0
         errors = {"error": unit * scales.error, "error_rate": unit * scales.error_rate}
-        self._stribeck_velocity, breakaway = robot.friction.stribeck_velocity, robot.friction.static
-        before = [*(errors.values() if sees_errors else ()), np.ones(n), *([breakaway] if features else [])]
+        self._stribeck_velocity = robot.friction.stribeck_velocity
+        base = robot.friction.static if channel == "torque" else scales.error
+        before = [*(errors.values() if sees_errors else ()), np.ones(n), *([base] if features else [])]
         self._scale = np.concatenate(before)
         self._tiled: dict[int, tuple[Array, Array, Array]] = {}
         self._sample_scale = np.concatenate([reference, np.ones(n if features else 0)])
@@ -83,9 +87,18 @@ class ObservationLayout(Mapping[str, ObservationEntry]):
         if sees_errors:
             add("error", "rad", errors["error"], f"position error, reference - measured{beyond}")
             add("error_rate", "rad/s", errors["error_rate"], f"speed error, reference - measured{beyond}")
-        add("added_torque", "N m", action_torque, "added torque now: the last action")
+        added = f"added_{channel}"
+        if channel == "torque":
+            add(added, "N m", action_size, "added torque now: the last action")
+        else:
+            add(added, "rad", action_size, "correction of the set-point now: the last action")
         if features:
-            add("base_torque", "N m", breakaway, "torque of the base law one control step ahead")
+            add(
+                f"base_{channel}",
+                "N m" if channel == "torque" else "rad",
+                base,
+                f"{channel} of the base law one control step ahead",
+            )
         # reference now and ahead, which lets a policy act before an error shows
         for k in range(self.preview + 1):
             when = "now" if k == 0 else f"{k} control step{'s' if k > 1 else ''} ahead"
@@ -113,6 +126,11 @@ class ObservationLayout(Mapping[str, ObservationEntry]):
 
     def __len__(self) -> int:
         return len(self._entries)
+
+    @property
+    def action_size(self) -> Array:
+        """What an action of 1 adds, motor side: torque [N m], or position of the set-point [rad], shape (N,)."""
+        return self._entries[f"added_{self.channel}"].scale
 
     @property
     def size(self) -> int:
@@ -150,7 +168,7 @@ class ObservationLayout(Mapping[str, ObservationEntry]):
             error_rate: measured speed error, motor side [rad/s], shape (B, N).
             action: last action, shape (B, N).
             samples: reference, samples 0 to `preview` as `encode_samples` returns them, shape (B, P + 1, K).
-            base: torque of the base at sample 1, motor side [N m], shape (B, N); for features alone.
+            base: torque [N m] or set-point [rad] of the base at sample 1, motor side, shape (B, N); for features alone.
         """
         before = (error, error_rate, action) if self.sees_errors else (action,)
         if self.features:

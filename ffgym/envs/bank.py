@@ -72,7 +72,10 @@ class MotionBank:
         return self._table.take(places, axis=0)
 
     def torques(self, places: IntArray) -> Array:
-        """Look up rigid feed-forward and torque of the base [N m], motor side, at `places` (...), (..., N); a copy."""
+        """Look up torques [N m] of rigid feed-forward and base, motor side, at `places` (...), (..., N); a copy.
+
+        Those of a base that corrects set-points are none.
+        """
         return self._torques.take(places, axis=0)
 
     def samples(self, places: IntArray) -> Array:
@@ -91,14 +94,17 @@ class MotionBank:
         return True
 
     def _store(self, motion: EpisodeMotion) -> None:
-        rows, start = motion.rows(self._padding, self._base), self._filled
+        corrects = self._layout is not None and self._layout.channel == "setpoint"
+        rows, start = motion.rows(self._padding, self._base, corrects=corrects), self._filled
         if start + len(rows) > len(self._table):
             self._make_room(len(rows))
             start = self._filled
         self._filled = end = start + len(rows)
         self._table[start:end] = rows
         feedforward = rows[:, self.columns.feedforward]
-        self._torques[start:end] = feedforward if self._base is None else feedforward + rows[:, self.columns.base]
+        self._torques[start:end] = (
+            feedforward if self._base is None or corrects else feedforward + rows[:, self.columns.base]
+        )
         self.has_bends = self.has_bends or bool(rows[:, self.columns.bend].any())
         if self._layout is not None:
             self._samples[start:end] = self._layout.encode_samples(rows[:, self.columns.reference])

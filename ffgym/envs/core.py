@@ -18,6 +18,7 @@ from ffgym.core.errors import FFGymError, check_whole
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.envs.bank import MotionBank, path_error
 from ffgym.envs.bases import find_base
+from ffgym.envs.corrections import Corrections
 from ffgym.envs.motion import EpisodeMotion, MotionColumns
 from ffgym.envs.rewards import Reward, RewardSignals, find_reward, mean_square
 from ffgym.envs.settings import EnvSettings
@@ -71,12 +72,13 @@ class TrackingCore:
         self.plant = Plant(self.starts.machines[0], n, n_threads=settings.n_threads)
         self.plant.check_controller(robot)
         # spaces of observations and actions
-        self.action_torque = settings.action_torque(robot)
-        """Added torque of an action of 1, motor side [N m], shape (N,)."""
+        self.action_size = settings.action_size(robot)
+        """What an action of 1 adds, motor side: torque [N m], or position of the set-point [rad], shape (N,)."""
         self.observation_layout = layout = ObservationLayout(
             robot,
             settings.preview,
-            self.action_torque,
+            self.action_size,
+            channel=settings.channel,
             sees_errors=settings.track == "feedback",
             features=settings.features,
         )
@@ -86,7 +88,7 @@ class TrackingCore:
         self.columns = MotionColumns(n_joints=robot.n_joints, has_tcp=robot.tool is not None)
         # numbers with a row for each robot, as arrays of one shape are multiplied faster
         self._error_scale = Scales.of(robot).error
-        self._action_torques = np.tile(self.action_torque, (n, 1))
+        self._action_sizes = np.tile(self.action_size, (n, 1))
         self._servos = _tile_gains(robot.servo, n)
         self._action_bounds = np.full((n, robot.n_joints), -1.0), np.full((n, robot.n_joints), 1.0)
         self._error_limits = np.full((n, robot.n_joints), settings.error_limit)
@@ -97,6 +99,8 @@ class TrackingCore:
         self._fractions = np.arange(self.plant.n_substeps) / self.plant.n_substeps
         self.base = find_base(settings.base, robot)
         """Law whose torque is added beside the action; None for none."""
+        self.corrections = Corrections(self.plant) if settings.channel == "setpoint" else None
+        """Corrections of set-points; None if actions and base are torques."""
         self._bank = MotionBank(n, self.columns, max(layout.preview + 1, WINDOW), self.plant, self.base, layout)
         if self.columns.has_tcp:
             self._sites = self.plant.batch.bind("site_xpos")
@@ -226,6 +230,8 @@ class TrackingCore:
             )
         own = copy_changing(self, _CHANGING)
         parts = {"plant": self.plant.save(), "starts": self.starts.save(), "sensors": self._sensors.save()}
+        if self.corrections is not None:
+            parts["corrections"] = self.corrections.save()
         return [own | {"motions": list(self.motions), **parts}]
 
     def restore(self, saved: Sequence[Mapping[str, Any]]) -> None:
@@ -234,6 +240,8 @@ class TrackingCore:
         self.plant.restore(own.pop("plant"))
         restore_changing(self.starts, own.pop("starts"))
         self._sensors.restore(own.pop("sensors"))
+        if self.corrections is not None:
+            self.corrections.restore(own.pop("corrections"))
         for i, motion in enumerate(own.pop("motions")):
             if motion is not None:
                 self._bank.assign(i, motion)
@@ -265,6 +273,8 @@ class TrackingCore:
         self._running, self._in_step = self.running, True
         self.step_index[ids], self.action[ids], self._running[ids] = 0, 0.0, True
         self.clipped[ids] = False
+        if self.corrections is not None:
+            self.corrections.rest(ids)
         if self.columns.has_tcp:
             self.plant.batch.forward(ids, stage=_POSITIONS)
             reference = np.stack([motion.arm.tcp_position(motion.reference.q[:1])[0] for motion in motions])
@@ -338,13 +348,14 @@ class TrackingCore:
 
     def _controls(self, action: Array, ids: IntArray | None) -> Array:
         """Compute MuJoCo's controls at every physics step of one control step, shape (B', S, 3 N)."""
-        places, last, per_action = self._places, self.action, self._action_torques
+        places, last, per_action = self._places, self.action, self._action_sizes
         if ids is not None:
             places, last, action, per_action = places[:, ids], last[ids], action[ids], per_action[ids]
         # feed-forward plus added torque at both ends of the step
         start, end = self._bank.torques(places[:WINDOW])
-        start += last * per_action
-        end += action * per_action
+        if self.corrections is None:
+            start += last * per_action
+            end += action * per_action
         # set-points, kept or interpolated
         controls, torques = self._controls_buffer[: len(last)], self._torques_buffer[: len(last)]
         if not self._bank.write_setpoints(places[0], controls):
@@ -353,14 +364,17 @@ class TrackingCore:
             samples = rows[:, :, at.position], rows[:, :, at.velocity]
             interpolate_motion(*samples, self.robot.servo.control_dt, self._fractions, (position, velocity))
         join_torques(start, end, self._fractions, torques)
+        if self.corrections is not None:
+            following = self.compute_added(action, slice(None) if ids is None else ids)
+            self.corrections.advance(ids, following, controls)
         return controls
 
-    def compute_added_torque(self, action: Array, ids: IntArray) -> Array:
-        """Compute the torque of base and actions (B', N) [N m], motor side, at the next sample of `ids`."""
-        return action * self.action_torque + self._next_base(ids)
+    def compute_added(self, action: Array, ids: IntArray | slice) -> Array:
+        """Compute what base and actions (B', N) add at the next sample of `ids`, as `action_size`, motor side."""
+        return action * self.action_size + self._next_base(ids)
 
     def _next_base(self, ids: IntArray | slice) -> Array:
-        """Look up the torque of the base [N m], motor side, at the next sample of `ids`, (B', N)."""
+        """Look up what the base adds at the next sample of `ids`, as `action_size`, motor side, (B', N)."""
         return self._bank.rows(self._places[1, ids])[:, self.columns.base]
 
     def _find_places(self) -> None:
@@ -379,10 +393,13 @@ class TrackingCore:
         tcp = self._sites[:, self._tcp_site].copy() if at.has_tcp else None
         away = None if tcp is None else path_error(tcp - self.tcp_offset, now, at, has_bends=self._bank.has_bends)
         before, after = self._score(error, away, fresh) if self._scores else (None, None)
+        followed = (error, error_rate)  # of the set-points that servos follow
+        if self.corrections is not None:
+            followed = error + self.corrections.position, error_rate + self.corrections.speed
         self.signals = RewardSignals(
             error=error,
             error_rate=error_rate,
-            feedback=servo_torque(self._servos, error, error_rate, integral),
+            feedback=servo_torque(self._servos, *followed, integral),
             action=self.action,
             tcp=tcp,
             path_error=away,

@@ -14,7 +14,7 @@ from typing import Any, ClassVar, final
 import numpy as np
 from gymnasium import spaces
 
-from ffgym.control import Agent, FeedForwardLaw
+from ffgym.control import Agent, FeedForwardLaw, invert_servo
 from ffgym.core.errors import FFGymError, check_number, check_shape, check_whole
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.envs.core import TrackingCore
@@ -249,7 +249,9 @@ class _ResidualLawStage(PassThroughStage):
                 self._known.clear()
             name = f"torque of feed-forward law {self._law.name!r}"
             torque = check_shape(name, self._law.torque(motion.reference), motion.reference.q.shape)
-            self._known[id(motion)] = (motion, torque / self.core.action_torque)
+            if self.core.corrections is not None:
+                torque = invert_servo(self.core.robot.servo, torque)
+            self._known[id(motion)] = (motion, torque / self.core.action_size)
         return self._known[id(motion)][1]
 
     def step(self, action: Array, active: BoolArray | None = None) -> Transition:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ffgym.control import CausalLaw, FeedForwardLaw, rigid_feedforward
+from ffgym.control import CausalLaw, FeedForwardLaw, invert_servo, rigid_feedforward
 from ffgym.core.errors import FFGymError, check_shape
 from ffgym.core.types import Array, BoolArray
 from ffgym.paths import Reference
@@ -49,7 +49,7 @@ class MotionColumns:
     """Share of the sample in the mean square error of its circle, or of the motion if it has none; 0 where errors do
     not count."""
     base: slice = field(init=False)
-    """Torque of the base law [N m]."""
+    """Torque of the base law [N m], or its correction of set-points [rad]."""
     base_error: slice = field(init=False)
     """Errors that the base law asks for, position [rad] and speed [rad/s]."""
     tcp: slice = field(init=False)
@@ -164,12 +164,13 @@ class EpisodeMotion:
         """Mark the samples of a phase, shape (T,)."""
         return (self.reference.t >= phase.start) & (self.reference.t < phase.end)
 
-    def rows(self, padding: int, base: FeedForwardLaw | None = None) -> Array:
+    def rows(self, padding: int, base: FeedForwardLaw | None = None, *, corrects: bool = False) -> Array:
         """Compute one row per sample, and copy the last one `padding` times; shape (T + padding, W).
 
         Args:
             padding: number of copies of the last row.
             base: law whose torque is added at every sample; None adds nothing.
+            corrects: True for the correction of set-points that makes the servo give this torque.
         """
         reference, at = self.reference, self.columns
         rows = np.zeros((len(reference.t), at.width))
@@ -181,7 +182,8 @@ class EpisodeMotion:
         _write_shares(rows, at)
         if base is not None:
             name = f"torque of feed-forward law {base.name!r}"
-            rows[:, at.base] = check_shape(name, base.torque(reference), reference.q.shape)
+            torque = check_shape(name, base.torque(reference), reference.q.shape)
+            rows[:, at.base] = invert_servo(reference.robot.servo, torque) if corrects else torque
             if isinstance(base, CausalLaw):
                 rows[:, at.base_error] = np.hstack(base.own_errors(reference))
         if at.has_tcp:

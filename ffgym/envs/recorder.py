@@ -11,7 +11,7 @@ from ffgym.recordings import Recording
 from ffgym.simulation import RECORD_DT, Sensor
 from ffgym.simulation.run import record_stride
 from ffgym.simulation.sensors import measure
-from ffgym.simulation.trace import ReferenceRows, Trace, to_recording
+from ffgym.simulation.trace import Added, ReferenceRows, Trace, to_recording
 
 if TYPE_CHECKING:
     from ffgym.envs.core import TrackingCore
@@ -76,7 +76,7 @@ class EpisodeRecorder:
         `states` are qpos, qvel, act (B', S, ...), and what servos read, None if they read nothing.
         """
         rows = slice(self._stride - 1, None, self._stride)
-        added = core.compute_added_torque(action, ids)
+        added = core.compute_added(action, ids)
         for k, i in enumerate(ids.tolist()):
             self._parts[i].append(tuple(None if part is None else part[k, rows].copy() for part in states))
             self._actions[i].append(added[k])
@@ -103,11 +103,14 @@ class EpisodeRecorder:
         reading = np.concatenate(readings) if len(readings) == len(self._parts[i]) else None
         trace = Trace(dt=self._stride * plant.physics_dt, qpos=qpos, qvel=qvel, act=act, reading=reading)
         rows = ReferenceRows.of(motion.arm, motion.reference, plant.n_substeps // self._stride)
+        added = np.stack(self._actions[i])
         exact = to_recording(
             trace,
             rows.first(len(qpos)),
             law="agent",
-            u_lff=np.stack(self._actions[i]),
+            added=Added(torque=added)
+            if core.corrections is None
+            else Added(torque=np.zeros_like(added), correction=added),
             arm=motion.arm,
             plant=plant,
             index=i,

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, cast, overload
 import numpy as np
 
 from ffgym.control import FeedForwardLaw
+from ffgym.control.corrections import check_invertible
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_shape, check_whole
 from ffgym.core.types import Array
 from ffgym.envs.recorder import EpisodeRecorder
@@ -26,6 +27,8 @@ dynamic LuGre need 2.9 on circles at 40 mm/s and 6.7 at 100 mm/s, so choose 8 th
 the motors against their servos, needs 7.2 and 102."""
 SENSINGS = {"exact": Sensing(), "resolver": Sensing(encoder_bits=16)}
 """Sensing by name."""
+CHANNELS = ("torque", "setpoint")
+"""Quantities to which an action is added."""
 TRACKS = ("feedback", "feed-forward")
 """Tracks: whether an agent sees the present error of the motors."""
 PlantName = Machine | RobotDescription | str | Path
@@ -53,6 +56,9 @@ class EnvSettings:
     base: str | FeedForwardLaw = "none"
     """Law whose torque is added beside the action, however large: 'none', 'lugre_static', 'lugre_dynamic', 'elastic',
     'model:machine.toml', made for the robot of the controller, or a law."""
+    channel: Literal["torque", "setpoint"] = "torque"
+    """'torque' adds action and base to the torque of each motor, 'setpoint' to the position that its servo follows: an
+    action of 1 is `action_scale` times f_s / K_p then, and the base is what makes the servo give its torque."""
     track: Literal["feedback", "feed-forward"] = "feedback"
     """'feedback' observes the motors' errors, 'feed-forward' the reference and what is added alone."""
     features: bool = False
@@ -88,6 +94,7 @@ class EnvSettings:
         object.__setattr__(self, "error_limit", limit)
         check_choice("sampling", self.sampling, ("random", "sequence"))
         check_choice("track", self.track, TRACKS)
+        check_choice("channel", self.channel, CHANNELS)
         if not isinstance(self.features, bool):
             raise FFGymError(f"features = {self.features!r} must be True or False.")
         check_horizon(self.horizon)
@@ -110,14 +117,22 @@ class EnvSettings:
             del values["bound"]
         return cls(**values)
 
-    def action_torque(self, robot: RobotDescription) -> Array:
-        """Compute the torque of an action of 1, motor side [N m], shape (N,)."""
+    def action_size(self, robot: RobotDescription) -> Array:
+        """Compute what an action of 1 adds, motor side: torque [N m], or position of the set-point [rad], shape (N,).
+
+        Raises:
+            FFGymError: if the scale does not fit the robot, or its servo does not take corrections of set-points.
+        """
         n = robot.n_joints
         scale = np.full(n, self.action_scale) if np.ndim(self.action_scale) == 0 else self.action_scale
         scale = check_shape("action_scale", scale, (n,))
         if np.any(scale <= 0):
             raise FFGymError(f"action_scale = {self.action_scale} must be > 0 on every joint.")
-        return scale * robot.friction.static
+        torque: Array = scale * robot.friction.static
+        if self.channel == "torque":
+            return torque
+        check_invertible(robot.servo)
+        return torque / robot.servo.position_gain
 
 
 _KINDS: dict[str, tuple[type, bool, str]] = {

@@ -45,8 +45,13 @@ class TrackingEnv(gym.Env[Array, Array]):
 
     @property
     def action_torque(self) -> Array:
-        """Torque of an action of 1, motor side [N m], shape (N,)."""
+        """Torque of an action of 1, see `TrackingVectorEnv.action_torque`."""
         return self._batch.action_torque
+
+    @property
+    def action_size(self) -> Array:
+        """What an action of 1 adds, see `TrackingVectorEnv.action_size`."""
+        return self._batch.action_size
 
     @property
     def control_dt(self) -> float:

@@ -97,8 +97,19 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
 
     @property
     def action_torque(self) -> Array:
-        """Torque of an action of 1, motor side [N m], shape (N,)."""
-        return self.core.action_torque.copy()
+        """Torque of an action of 1, motor side [N m], shape (N,).
+
+        Raises:
+            FFGymError: if actions are corrections of set-points, see `action_size`.
+        """
+        if self.core.corrections is not None:
+            raise FFGymError("Actions of this environment correct set-points, see its action_size in rad.")
+        return self.action_size
+
+    @property
+    def action_size(self) -> Array:
+        """What an action of 1 adds, motor side: torque [N m], or position of the set-point [rad], shape (N,)."""
+        return self.core.action_size.copy()
 
     @property
     def control_dt(self) -> float:

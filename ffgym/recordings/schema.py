@@ -73,6 +73,13 @@ _FAMILIES = (
     Family("reference.position", "rad", "motor", "set-point that the controller tracked", decided_by="position_side"),
     Family("reference.velocity", "rad/s", "motor", "speed of the set-point", decided_by="position_side"),
     Family("reference.acceleration", "rad/s^2", "motor", "acceleration of the set-point", decided_by="position_side"),
+    Family(
+        "correction.position",
+        "rad",
+        "motor",
+        "part of the set-point that a feed-forward law added; `reference.position` has it, too",
+        decided_by="position_side",
+    ),
     Family("feedforward.effort", "N m", "motor", "rigid-body feed-forward u_ff", decided_by="torque_semantics"),
     Family(
         "feedback.effort",

@@ -5,7 +5,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ffgym.control import FeedForwardLaw, NoCompensation, Setpoints
+from ffgym.control import FeedForwardLaw, NoCompensation, SetpointChannel, Setpoints
+from ffgym.control.corrections import difference_speeds
 from ffgym.core.errors import FFGymError, check_number, check_shape, check_whole
 from ffgym.core.types import Array
 from ffgym.paths import Reference
@@ -13,7 +14,7 @@ from ffgym.recordings import Recording
 from ffgym.robot import ModelOptions, RigidArm, RobotDescription
 from ffgym.simulation.plant import Machine, Plant
 from ffgym.simulation.sensors import Sensor, measure
-from ffgym.simulation.trace import ReferenceRows, Trace, to_recording
+from ffgym.simulation.trace import Added, ReferenceRows, Trace, to_recording
 
 RECORD_DT = 0.001
 """Default sample time of recordings [s]: the laser tracker's (thesis 2.2.4)."""
@@ -31,12 +32,16 @@ class Run:
 
     reference: Reference
     law: FeedForwardLaw = field(default_factory=NoCompensation)
+    channel: SetpointChannel | None = None
+    """Set-point channel that the law acts through; None adds its torque to the motors'."""
 
     def __post_init__(self) -> None:
         if not isinstance(self.reference, Reference):
             raise FFGymError(f"reference must be a Reference, see ffgym.control, got {self.reference!r}.")
         if not isinstance(self.law, FeedForwardLaw):
             raise FFGymError(f"law must be a feed-forward law, e.g. NoCompensation(), got {self.law!r}.")
+        if not isinstance(self.channel, SetpointChannel | None):
+            raise FFGymError(f"channel must be a SetpointChannel or None, got {self.channel!r}.")
 
 
 def simulate(
@@ -77,29 +82,29 @@ def simulate(
         raise FFGymError(
             f"There are {len(generators)} generators for {len(runs)} runs; give a seed, or one generator each."
         )
-    each = list(machine) if isinstance(machine, Sequence) else [machine or robot] * len(runs)
-    if len(each) != len(runs):
-        raise FFGymError(f"There are {len(each)} machines for {len(runs)} runs; give one for all, or one each.")
+    machines = list(machine) if isinstance(machine, Sequence) else [machine or robot] * len(runs)
+    if len(machines) != len(runs):
+        raise FFGymError(f"There are {len(machines)} machines for {len(runs)} runs; give one for all, or one each.")
     arm = arm or RigidArm(robot)
-    plant = Plant(each[0], len(runs), options=options, n_threads=n_threads)
+    plant = Plant(machines[0], len(runs), options=options, n_threads=n_threads)
     plant.check_controller(robot)
-    plant.become(range(len(runs)), each)
+    plant.become(range(len(runs)), machines)
     stride = record_stride(plant, record_dt)
     # rows of each reference, once however many runs share it
     shared = {
         id(run.reference): ReferenceRows.of(arm, run.reference, plant.n_substeps // stride)
         for run in {id(run.reference): run for run in runs}.values()
     }
-    # feedforward torque: rigid-body part of the reference, and the part that the law adds
-    added = _compute_added_torques(runs)
-    total = [shared[id(run.reference)].u_ff + u_lff for run, u_lff in zip(runs, added, strict=True)]
-    traces = _run(plant, arm, runs, _setpoints(runs, total), stride, progress)
+    # feedforward torque: rigid-body part of the reference, and what the law adds to torques or set-points
+    added = [_act(run, u_lff) for run, u_lff in zip(runs, _compute_added_torques(runs), strict=True)]
+    total = [shared[id(run.reference)].u_ff + each.torque for run, each in zip(runs, added, strict=True)]
+    traces = _run(plant, arm, runs, _setpoints(runs, total, [each.correction for each in added]), stride, progress)
     # exact signals of each run, then its sensors
     recordings = []
     named = None if isinstance(seed, Sequence) else int(seed)
-    for i, (run, trace, u_lff, rng) in enumerate(zip(runs, traces, added, generators, strict=True)):
+    for i, (run, trace, each, rng) in enumerate(zip(runs, traces, added, generators, strict=True)):
         rows = shared[id(run.reference)]
-        exact = to_recording(trace, rows, law=run.law.name, u_lff=u_lff, arm=arm, plant=plant, index=i, seed=named)
+        exact = to_recording(trace, rows, law=run.law.name, added=each, arm=arm, plant=plant, index=i, seed=named)
         recordings.append(measure(plant.machines[i].seen(exact), sensors, rng))
     return recordings
 
@@ -145,17 +150,30 @@ def _compute_added_torques(runs: Sequence[Run]) -> list[Array]:
     return [added[i] for i in range(len(runs))]
 
 
-def _setpoints(runs: Sequence[Run], torques: Sequence[Array]) -> Setpoints:
+def _act(run: Run, torque: Array) -> Added:
+    """Return what a law adds to the torques or, through its channel, to the set-points."""
+    if run.channel is None:
+        return Added(torque=torque)
+    servo = run.reference.robot.servo
+    return Added(torque=np.zeros_like(torque), correction=run.channel.correct(servo, torque))
+
+
+def _setpoints(runs: Sequence[Run], torques: Sequence[Array], corrections: Sequence[Array | None]) -> Setpoints:
     """Stack set-points of all runs; a short run holds its last sample, which is never used."""
     length = max(len(run.reference.t) for run in runs)
     robot = runs[0].reference.robot
+    positions, velocities = [run.reference.motor_q for run in runs], [run.reference.motor_dq for run in runs]
+    for i, correction in enumerate(corrections):
+        if correction is not None:
+            positions[i] = positions[i] + correction
+            velocities[i] = velocities[i] + difference_speeds(correction, robot.servo.control_dt)
 
     def stack(series: list[Array]) -> Array:
         return np.stack([np.pad(x, ((0, length - len(x)), (0, 0)), mode="edge") for x in series])
 
     return Setpoints(
-        position=stack([run.reference.motor_q for run in runs]),
-        velocity=stack([run.reference.motor_dq for run in runs]),
+        position=stack(positions),
+        velocity=stack(velocities),
         torque=stack(list(torques)),
         dt=robot.servo.control_dt,
     )

@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 
 from ffgym.control import Setpoints, rigid_feedforward, servo_torque
+from ffgym.control.corrections import difference_speeds
 from ffgym.control.setpoints import torque_at_rows
 from ffgym.core.types import Array
 from ffgym.core.version import __version__
@@ -48,6 +49,16 @@ class Trace:
         for kept, values in zip((self.qpos, self.qvel, self.act, self.reading), states, strict=True):
             if kept is not None and values is not None:
                 kept[row : row + len(values)] = values
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Added:
+    """What a law adds at the S samples of a reference, motor side."""
+
+    torque: Array
+    """Torque [N m], shape (S, N)."""
+    correction: Array | None = None
+    """Correction of set-points [rad], shape (S, N); None for a law that acts through torques."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -106,7 +117,7 @@ def to_recording(
     rows: ReferenceRows,
     *,
     law: str,
-    u_lff: Array,
+    added: Added,
     arm: RigidArm,
     plant: Plant,
     index: int = 0,
@@ -119,7 +130,7 @@ def to_recording(
         trace: states of the run, as far as it came.
         rows: its reference, as many rows.
         law: what added the torque.
-        u_lff: added torque at the samples of the reference, motor side [N m], shape (S, N).
+        added: torque, or correction of set-points, that it added.
         arm: rigid dynamics that the controller knows.
         plant: the batch it ran in.
         index: which simulation of the batch.
@@ -128,7 +139,7 @@ def to_recording(
     """
     state = plant.unpack(trace.qpos, trace.qvel, trace.act)
     columns: dict[str, Array] = {"timestamp": np.arange(len(trace.qpos), dtype=np.float64) * trace.dt}
-    for family, values in _signals(state, trace.reading, rows, u_lff, plant, index).items():
+    for family, values in _signals(state, trace.reading, rows, added, plant, index).items():
         columns |= {f"{family}.{joint}": values[:, j] for j, joint in enumerate(plant.robot.joints)}
     if (climate := plant.machines[index].climate) is not None:
         warm = climate.temperature(columns["timestamp"], plant.robot.n_joints)
@@ -145,7 +156,7 @@ def to_recording(
 
 
 def _signals(
-    state: PlantState, reading: Array | None, rows: ReferenceRows, u_lff: Array, plant: Plant, index: int
+    state: PlantState, reading: Array | None, rows: ReferenceRows, added: Added, plant: Plant, index: int
 ) -> dict[str, Array]:
     """Compute per-joint signals, motor side, (T, N) each; parts of the servo as MuJoCo's `pid` adds them up."""
     machine = plant.machines[index]
@@ -154,8 +165,14 @@ def _signals(
     position, velocity = machine.read_by_resolver(state.motor_position, state.motor_velocity)
     if reading is not None and robot.drive.resolver_period > 0:
         position, velocity = np.split(reading, 2, axis=1)
-    compensation = torque_at_rows(u_lff, rows.rows_per_step)
-    feedback = servo_torque(robot.servo, rows.position - position, rows.velocity - velocity, state.integral)
+    compensation = torque_at_rows(added.torque, rows.rows_per_step)
+    # set-points that the servo followed
+    followed, speed, correction = rows.position, rows.velocity, {}
+    if added.correction is not None:
+        moved, change = _correction_at_rows(added.correction, robot.servo.control_dt, rows.rows_per_step)
+        followed, speed = followed + moved[: len(followed)], speed + change[: len(speed)]
+        correction["correction.position"] = moved[: len(followed)]
+    feedback = servo_torque(robot.servo, followed - position, speed - velocity, state.integral)
     command = feedback.u_fb + rows.feedforward + compensation
     # friction of the bristles, where it is all friction there is
     peak, friction = robot.drive.peak_torque, {}
@@ -164,15 +181,16 @@ def _signals(
         bristles = (1 - robot.arm_share) * lugre.torque(state.bristle, state.motor_velocity)
         friction["friction.effort"] = np.where(at.has_bristle, bristles, 0.0)
         if at.has_arm_bristle.any():
-            speed = robot.drive.gear_ratio * state.link_velocity
-            behind = robot.drive.gear_ratio * robot.arm_share * lugre.torque(state.arm_bristle, speed)
+            turning = robot.drive.gear_ratio * state.link_velocity
+            behind = robot.drive.gear_ratio * robot.arm_share * lugre.torque(state.arm_bristle, turning)
             friction["arm_friction.effort"] = np.where(at.has_arm_bristle, behind, 0.0)
     return {
         "motor.position": position,
         "motor.velocity": velocity,
         "motor.effort": np.clip(command, -peak, peak),
-        "reference.position": rows.position,
-        "reference.velocity": rows.velocity,
+        "reference.position": followed,
+        "reference.velocity": speed,
+        **correction,
         "feedforward.effort": rows.feedforward,
         "feedback.effort": feedback.u_fb,
         "feedback.integral": feedback.u_i,
@@ -182,6 +200,14 @@ def _signals(
         "link.position": state.link_position,
         "link.velocity": state.link_velocity,
     }
+
+
+def _correction_at_rows(correction: Array, dt: float, rows_per_step: int) -> tuple[Array, Array]:
+    """Interpolate a correction (S, N) and its speed as the drive does, at the recorded rows."""
+    speed = difference_speeds(correction, dt)
+    samples = Setpoints(position=correction[None], velocity=speed[None], torque=np.zeros_like(speed)[None], dt=dt)
+    position, velocity, _ = samples.at_rows(rows_per_step)
+    return position[0], velocity[0]
 
 
 def _header(reference: Reference, meta: dict[str, Any], plant: Plant, index: int, seed: int | None) -> Header:

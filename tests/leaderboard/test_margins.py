@@ -161,7 +161,7 @@ def test_a_pulse_is_a_torque_of_one_sample_up_and_down_in_breakaway_torques(line
 
     def watched(*args, **options):
         env = environment_for(*args, **options)
-        step, scale = env.step, env.unwrapped.core.action_torque
+        step, scale = env.step, env.unwrapped.core.action_size
         monkeypatch.setattr(env, "step", lambda actions: torques.append(actions * scale) or step(actions))
         return env
 

@@ -216,7 +216,7 @@ def _run_pulses(
     factors, delays = (
         np.tile(np.repeat([getattr(change, name) for change in changes], repeats), 2) for name in ("factor", "delay")
     )
-    push = pulse * robot.friction.static / core.action_torque
+    push = pulse * robot.friction.static / core.action_size
     signs, at = np.repeat([1.0, -1.0], len(starts)), np.tile(starts, 2)
     # agent's own torque, the newest first, none before the motion
     past = np.zeros((delays.max() + 1, len(rows), robot.n_joints))

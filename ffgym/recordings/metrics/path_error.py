@@ -157,8 +157,13 @@ def fit_circle(points: Array) -> Circle:
 
 
 def motor_error(recording: Recording) -> Array:
-    """Compute the motor position error e = reference - measured, motor side [rad], shape (T, N)."""
+    """Compute the motor position error e = reference - measured, motor side [rad], shape (T, N).
+
+    The reference is that of the program, without what a law corrects of set-points.
+    """
     error = recording.joint_array("reference.position") - recording.joint_array("motor.position")
+    if recording.has("correction.position"):
+        error -= recording.joint_array("correction.position")
     return recording.header.motor_side(error)
 
 
