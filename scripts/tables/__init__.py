@@ -24,6 +24,7 @@ from scripts.tables import (
     published_robot,
     recorded,
     recorded_friction,
+    setpoints,
 )
 from scripts.tables.page import DOCS, DPI, Contents
 
@@ -45,6 +46,7 @@ DEFINED: Mapping[str, Callable[[], Contents]] = {
 COMPUTED: Mapping[str, Callable[[], Contents]] = {
     "agents/elastic.md": laws.elastic,
     "agents/model.md": laws.model,
+    "deployment/setpoints.md": setpoints.channels,
     "diagnosis.md": recorded.diagnosis,
     "identification.md": friction.coverage,
     "narx.md": recorded_friction.narx,

@@ -16,7 +16,18 @@ from ffgym.paths import joint_reference, joint_sine
 from ffgym.robot import RigidArm
 from ffgym.simulation import Run, simulate
 from ffgym.simulation.plant import Machine
-from scripts.tables import COMPUTED, DEFINED, PAGES, Config, friction, laws, main, recorded, recorded_friction
+from scripts.tables import (
+    COMPUTED,
+    DEFINED,
+    PAGES,
+    Config,
+    friction,
+    laws,
+    main,
+    recorded,
+    recorded_friction,
+    setpoints,
+)
 from scripts.tables.page import DOCS, Contents, renew
 from tests.diagnosis.residual_samples import made_up
 
@@ -118,6 +129,22 @@ def test_the_page_about_elastic_feed_forward_says_what_its_table_of_shares_says(
     believed = numbers(part_of("agents/elastic.md", "believed shares"))
     assert believed["0"] == rows["0.73", "elastic, share unknown"]
     assert believed["0.73"] == rows["0.73", "elastic"]
+
+
+def test_set_points_keep_the_gain_of_torques_and_delay_costs_it_unless_it_is_compensated():
+    found = setpoints.channels(
+        positions=("p1",), speeds=(0.04,), radii=(0.003,), responses={"late": setpoints.RESPONSES["delay 16 ms"]}
+    ).numbers
+    (none,), (torque,), (own,), (late,), (early,) = found.values()
+    assert none - own > 0.99 * (none - torque)
+    assert early < 1.2 * own < 0.1 * late
+
+
+def test_the_page_about_set_points_has_kept_nine_tenths_of_every_gain():
+    rows = numbers(part_of("deployment/setpoints.md", "channels"))
+    none, torque = rows["no compensation"], rows["torques"]
+    for name in (name for name in rows if name.endswith("compensated")):
+        assert np.all(np.subtract(none, rows[name]) > 0.9 * np.subtract(none, torque)), name
 
 
 def test_a_model_of_the_machine_gives_back_what_an_effect_takes():
