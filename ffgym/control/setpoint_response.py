@@ -86,9 +86,16 @@ class SetpointResponse:
         """Low-pass values (..., T, N) sampled every `dt` [s] along T, straight between samples, zero before them."""
         if not self.lag:
             return values
+        b, a = self.discretise(dt)
+        return np.asarray(signal.lfilter(b, a, values, axis=-2))
+
+    def discretise(self, dt: float) -> tuple[Array, Array]:
+        """Compute numerator and denominator of the filter in steps of `dt` [s], for values straight between them."""
+        if not self.lag:
+            return np.ones(1), np.ones(1)
         denominator = np.array([self.curvature, self.lag, 1.0] if self.curvature else [self.lag, 1.0])
         b, a, _ = signal.cont2discrete((np.array([1.0]), denominator), dt, method="foh")
-        return np.asarray(signal.lfilter(np.ravel(b), a, values, axis=-2))
+        return np.ravel(b), a
 
     def invert(self, wanted: Array, dt: float) -> Array:
         """Compute what to send so that set-points or corrections (T, N) reach the servo as wanted, at the same samples.

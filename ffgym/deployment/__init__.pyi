@@ -1,3 +1,13 @@
 from .plan import SetpointPlan as SetpointPlan
 from .plan import read_plan as read_plan
 from .plan import write_plan as write_plan
+from .streams import Axes as Axes
+from .streams import EgmWire as EgmWire
+from .streams import Envelope as Envelope
+from .streams import Guard as Guard
+from .streams import StreamSession as StreamSession
+from .streams import record_session as record_session
+from .streams.emulators import EmulatedController as EmulatedController
+from .streams.emulators import EmulatedRobot as EmulatedRobot
+from .streams.emulators import Faults as Faults
+from .streams.emulators import run_in_lock_step as run_in_lock_step

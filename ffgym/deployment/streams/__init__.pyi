@@ -1,0 +1,11 @@
+from .egm import EgmWire as EgmWire
+from .envelope import Envelope as Envelope
+from .envelope import Guard as Guard
+from .recording import record_session as record_session
+from .recording import summarise as summarise
+from .session import StreamSession as StreamSession
+from .wire import Axes as Axes
+from .wire import Command as Command
+from .wire import Feedback as Feedback
+from .wire import PacketError as PacketError
+from .wire import Wire as Wire

@@ -1,0 +1,5 @@
+from .controller import EmulatedController as EmulatedController
+from .lock_step import run_in_lock_step as run_in_lock_step
+from .network import Faults as Faults
+from .network import Network as Network
+from .robot import EmulatedRobot as EmulatedRobot

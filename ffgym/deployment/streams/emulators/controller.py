@@ -1,0 +1,74 @@
+"""Controller of an emulator: a packet to the stream in every cycle, and the newest valid answer for the servo."""
+
+from collections import Counter
+from typing import final
+
+import numpy as np
+
+from ffgym.core.types import Array
+from ffgym.deployment.streams.emulators.robot import EmulatedRobot
+from ffgym.deployment.streams.wire import Command, Feedback, PacketError, Wire
+
+_TIMEOUT = 1.0
+"""Time without a valid set-point after which the controller stops [s], ABB's default of CommTimeout."""
+
+
+@final
+class EmulatedController:
+    """Controller with a robot behind it, which speaks the protocol of a wire."""
+
+    def __init__(self, robot: EmulatedRobot, wire: Wire, *, clock: float = 17.0, first: int = 4711) -> None:
+        """Begin at rest.
+
+        Args:
+            robot: robot behind the controller.
+            wire: protocol.
+            clock: what the clock of the controller shows at the start [s].
+            first: number of its first packet.
+        """
+        self.robot, self.wire = robot, wire
+        self._clock, self._first = clock, first
+        self._answer: Command | None = None
+        self._last = -1
+        self._silent = 0
+        self.refused: Counter[str] = Counter()
+        """Set-points that were refused, by reason."""
+        self.begun = False
+        """True once a set-point came."""
+
+    @property
+    def stopped(self) -> bool:
+        """True if set-points stayed out for too long."""
+        return self.begun and self._silent * self.wire.cycle > _TIMEOUT
+
+    def feedback(self) -> bytes:
+        """Write the packet of this cycle."""
+        robot = self.robot
+        feedback = Feedback(
+            sequence=self._first + robot.cycles,
+            time=self._clock + robot.time,
+            position=robot.position,
+            ready=not self.stopped,
+        )
+        return self.wire.encode_feedback(feedback, robot.planned)
+
+    def receive(self, data: bytes) -> None:
+        """Take a set-point for this cycle; older ones than the newest are refused."""
+        try:
+            command = self.wire.decode_command(data)
+        except PacketError as error:
+            self.refused[str(error)] += 1
+            return
+        if self.begun and not 0 < (command.sequence - self._last) % self.wire.wrap < self.wire.wrap // 2:
+            self.refused["out of order"] += 1
+            return
+        self._last, self._answer, self.begun = command.sequence, command, True
+
+    def advance(self) -> None:
+        """Simulate the cycle with the set-point that came, if one did."""
+        answer, self._answer = self._answer, None
+        self._silent = 0 if answer is not None else self._silent + 1
+        self.robot.advance(None if answer is None or self.stopped else self._setpoint(answer))
+
+    def _setpoint(self, answer: Command) -> Array:
+        return np.asarray(answer.position, dtype=np.float64)

@@ -1,0 +1,197 @@
+"""A plan on its way to a controller, packet by packet: pure, without sockets and clocks of its own."""
+
+from collections import Counter
+from dataclasses import dataclass, field
+from typing import Literal, final
+
+import numpy as np
+from scipy.interpolate import make_interp_spline
+
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
+from ffgym.deployment.plan import SetpointPlan
+from ffgym.deployment.streams.envelope import Envelope, Guard
+from ffgym.deployment.streams.validity import FIRST, Order
+from ffgym.deployment.streams.wire import Command, Feedback, Wire
+from ffgym.robot.drive import Drive
+
+State = Literal["waiting", "running", "ended", "refused", "lost"]
+"""Waiting for the controller; sending; at the end of the plan; not begun, as the pose was wrong; given up after a long
+silence."""
+
+_GIVE_UP = 0.5
+"""Silence after which a session ends [s] (chosen): controllers stop by themselves after a second at most."""
+
+
+@dataclass(eq=False)
+class StreamLog:
+    """Rows of a session, one for each valid packet while it ran."""
+
+    time: list[float] = field(default_factory=list)
+    """Controller's clock since the first set-point [s]."""
+    measured: list[Array] = field(default_factory=list)
+    """Joint positions at that time, link side, (N,) each."""
+    sent: list[Array] = field(default_factory=list)
+    """Set-point that answered, link side, (N,) each."""
+    correction: list[Array] = field(default_factory=list)
+    """Correction in it, (N,) each."""
+
+
+@final
+class StreamSession:
+    """State of one stream. `receive` and `tick` give what is to be sent; times are of the caller's clock [s].
+
+    The answer to a packet that the controller stamped t after the first one it got is the program at t, so that the
+    program keeps its own time, whatever is lost. The correction passes the `Guard`. After a silence in which the
+    correction left, the program goes on without it until it ends; nothing brings the correction back but a new session.
+    """
+
+    def __init__(self, plan: SetpointPlan, wire: Wire, envelope: Envelope, drive: Drive) -> None:
+        """Prepare a session.
+
+        Args:
+            plan: what is sent.
+            wire: protocol.
+            envelope: limits of the correction.
+            drive: gears of the robot, for torques.
+        """
+        self.plan, self.wire, self.envelope = plan, wire, envelope
+        self._program, correction, torque = (_resample(plan, part, wire.cycle) for part in _parts(plan))
+        self._velocity = np.gradient(self._program, wire.cycle, axis=0)
+        self.cut_share = envelope.cut_share(correction, wire.cycle)
+        """Share by which the plan exceeds the limit it exceeds most; 0 if all of it is sent."""
+        self._correction = envelope.limit(correction, wire.cycle)
+        self._torque, self._drive, self._no_torque = torque, drive, np.zeros(len(plan.joints))
+        self._guard, self._order = Guard(envelope, wire.cycle), Order(wire)
+        self.state: State = "waiting"
+        self.refusal = ""
+        """Reason for not beginning; empty if there is none."""
+        self.log = StreamLog()
+        self.received = self.sent = 0
+        self._start: float | None = None
+        self._index = self._corrected = 0
+        self._begun_at = self._valid_at = self._sent_at = self._ending = float("nan")
+
+    @property
+    def refused(self) -> Counter[str]:
+        """Packets that were refused, by reason."""
+        return self._order.refused
+
+    @property
+    def lost_after(self) -> float | None:
+        """Time from the first set-point to a silence in which the correction left [s]; None if there was none."""
+        lost = self._guard.lost_at
+        return None if lost is None else lost - self._begun_at
+
+    @property
+    def is_over(self) -> bool:
+        """True if nothing more will be sent."""
+        return self.state not in ("waiting", "running")
+
+    @property
+    def due(self) -> float:
+        """Time at which `tick` has something to do [s]; inf while it has not."""
+        return self._sent_at + 1.5 * self.wire.cycle if self.state == "running" else float("inf")
+
+    def receive(self, data: bytes, now: float) -> bytes | None:
+        """Take a packet and give the answer to send, or None."""
+        self.received += 1
+        if self.is_over:
+            return None
+        feedback = self._order.read(data, now)
+        if feedback is None:
+            return None
+        if self.state == "waiting" and not self._begin(feedback, now):
+            return None
+        if not feedback.ready:  # as if it had been silent: the correction leaves, then the session is given up
+            self.refused["not ready"] += 1
+            return None
+        assert self._start is not None
+        self._guard.hear(now)
+        self._valid_at = now
+        elapsed = feedback.time - self._start
+        self._index = max(self._index, round(elapsed / self.wire.cycle))
+        data, command = self._command(now, feedback.token)
+        self.log.time.append(elapsed)
+        self.log.measured.append(feedback.position)
+        self.log.sent.append(command.position)
+        self.log.correction.append(command.correction)
+        return data
+
+    def tick(self, now: float) -> bytes | None:
+        """Send what is due though the controller is silent, where it takes that; give up after a long silence."""
+        if self.state != "running" or now < self.due:
+            return None
+        silence = now - self._valid_at
+        if silence > _GIVE_UP:
+            self.state = "lost"
+            return None
+        if not self.wire.unsolicited:
+            self._sent_at += self.wire.cycle
+            return None
+        expected = round((self.log.time[-1] + silence) / self.wire.cycle - 0.5)
+        self._index = max(self._index, expected)
+        return self._command(now, None)[0]
+
+    def stop(self, now: float) -> None:
+        """Let the correction leave; the program goes on to its end without it."""
+        self._guard.close(now)
+
+    def _begin(self, feedback: Feedback, now: float) -> bool:
+        """Begin once packets came in order, the controller takes set-points, and its pose is right."""
+        if self._order.agreed < FIRST or not feedback.ready or not feedback.started:
+            return False
+        away = np.abs(feedback.position - self._program[0])
+        if (away > self.envelope.start_tolerance).any():
+            self.state, self.refusal = "refused", self._describe_pose(feedback.position)
+            return False
+        self.state, self._start, self._begun_at = "running", feedback.time, now
+        return True
+
+    def _describe_pose(self, position: Array) -> str:
+        j = int(np.argmax(np.abs(position - self._program[0])))
+        unit = self.plan.units[j]
+        return (
+            f"The robot is not at the first pose of {self.plan.name!r}: joint {self.plan.joints[j]} is at "
+            f"{position[j]:.5f} {unit}, the program begins at {self._program[0, j]:.5f} {unit}, and at most "
+            f"{self.envelope.start_tolerance:g} {unit} apart is allowed. Move the robot there; nothing was sent."
+        )
+
+    def _command(self, now: float, token: object) -> tuple[bytes, Command]:
+        """Make the set-point of the present sample."""
+        last = len(self._program) - 1
+        k = min(self._index, last)
+        if self._index >= last and np.isnan(self._ending):
+            self._ending = now
+            self._guard.close(now)
+        correction = self._guard.correct(self._correction[k], self._index - self._corrected, now)
+        self._corrected = self._index
+        torque = self._guard.torque(self._torque[k], now) if self.wire.torques else self._no_torque
+        command = Command(
+            sequence=self.sent,
+            time=self._index * self.wire.cycle,
+            position=self._program[k] + correction,
+            correction=correction,
+            velocity=self._velocity[k],
+            effort=self._drive.joint_torque(torque),
+            token=token,
+        )
+        self.sent, self._sent_at = self.sent + 1, now
+        if self._index >= last and self._guard.gate(now) == 0.0:
+            self.state = "ended"
+        return self.wire.encode_command(command), command
+
+
+def _parts(plan: SetpointPlan) -> tuple[Array, Array, Array]:
+    return plan.program, plan.correction, plan.torque
+
+
+def _resample(plan: SetpointPlan, values: Array, cycle: float) -> Array:
+    """Sample a part of the plan once a cycle, by cubic splines where its own samples lie elsewhere."""
+    if abs(plan.dt - cycle) < 1e-12:
+        return values
+    count = int(np.floor(plan.t[-1] / cycle + 1e-9)) + 1
+    if len(values) < 4 or count < 2:
+        raise FFGymError(f"Plan {plan.name!r} lasts {plan.t[-1]:g} s, too short for a cycle of {cycle:g} s.")
+    spline = make_interp_spline(plan.t, values, k=3)
+    return np.asarray(spline(np.arange(count) * cycle), dtype=np.float64)

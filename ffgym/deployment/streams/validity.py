@@ -1,0 +1,85 @@
+"""Packets of a controller in order and in time, and counts of all that are not."""
+
+from collections import Counter
+from typing import final
+
+from ffgym.deployment.streams.wire import Feedback, PacketError, Wire
+
+FIRST = 10
+"""Packets that must agree with each other before any is trusted (chosen): they tell the difference of the clocks."""
+_OLDEST = 0.010
+"""Age at which a packet is of no use [s]: beyond it the next ones have come (chosen)."""
+_AHEAD = 0.005
+"""How far a packet may be ahead of all before it [s] (chosen): the controller's clock jumped if it is more."""
+_ANOTHER = 0.1
+"""Disagreement of clocks that no network explains [s] (chosen)."""
+_DRIFT = 1e-3
+"""Largest difference in rate of the two clocks [1]; crystals differ by 1e-4 at most."""
+
+
+@final
+class Order:
+    """Judge of sequence numbers and times; what is refused changes nothing.
+
+    Until `FIRST` packets have agreed, one that contradicts those before it takes their place, as any of them may be
+    the wrong one.
+    """
+
+    def __init__(self, wire: Wire) -> None:
+        """Begin before the first packet of `wire`."""
+        self._wire = wire
+        self._last: Feedback | None = None
+        self._offset = 0.0
+        self._heard = 0.0
+        self.agreed = 0
+        """Packets that agreed with those before them."""
+        self.refused: Counter[str] = Counter()
+        """Packets that were refused, by reason."""
+
+    def read(self, data: bytes, now: float) -> Feedback | None:
+        """Read a packet; None, and a count, if nothing in it can be trusted.
+
+        Args:
+            data: the packet.
+            now: the receiver's clock [s].
+        """
+        try:
+            feedback = self._wire.decode_feedback(data)
+            self._check(feedback, now)
+        except PacketError as error:
+            self.refused[str(error)] += 1
+            return None
+        return feedback
+
+    def _check(self, feedback: Feedback, now: float) -> None:
+        last, offset = self._last, now - feedback.time
+        if last is None:
+            self._begin_with(feedback, now)
+            return
+        # newer than the last one, by number and by time
+        newer = (feedback.sequence - last.sequence) % self._wire.wrap
+        if newer == 0:
+            raise PacketError("duplicate")
+        before = newer > self._wire.wrap // 2
+        if before or feedback.time <= last.time:
+            self._doubt(feedback, now, before != (feedback.time <= last.time))
+            raise PacketError("out of order" if before else "old time")
+        # its clock agrees with ours: the fastest packet so far tells the difference between the two
+        drift = _DRIFT * (now - self._heard)
+        late = offset - self._offset - drift
+        if late > _OLDEST:
+            self._doubt(feedback, now, late > _ANOTHER)
+            raise PacketError("late")
+        if offset < self._offset - drift - _AHEAD - self._wire.clock_step:
+            self._doubt(feedback, now, True)
+            raise PacketError("ahead of its time")
+        self._last, self._offset, self._heard = feedback, min(offset, self._offset + drift), now
+        self.agreed += 1
+
+    def _doubt(self, feedback: Feedback, now: float, contradicts: bool) -> None:
+        """Begin anew with a packet that contradicts those before it, unless these have agreed often enough."""
+        if contradicts and self.agreed < FIRST:
+            self._begin_with(feedback, now)
+
+    def _begin_with(self, feedback: Feedback, now: float) -> None:
+        self._last, self._offset, self._heard, self.agreed = feedback, now - feedback.time, now, 1
