@@ -1,17 +1,19 @@
 """`ffgym export`: a robot, and a motion on it, in files that need nothing of ffgym."""
 
-from dataclasses import replace
-from typing import Any
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Protocol
 
 from ffgym.cli.laws import check_laws, make_laws, setting_for
 from ffgym.cli.motion_options import Export
 from ffgym.cli.outputs import check_outputs, given_options, print_places, provenance, write_numbers
 from ffgym.cli.progress import progress_bar
+from ffgym.control import FeedForwardLaw
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import check_vacant
 from ffgym.envs.machines import load_described_robot
-from ffgym.paths.motions import load_motion
-from ffgym.robot import ModelOptions, RigidArm, physics_fingerprint
+from ffgym.paths.motions import Motion, load_motion
+from ffgym.robot import ModelOptions, RigidArm, RobotDescription, physics_fingerprint
 from ffgym.simulation import Run, SimulatedRig
 from ffgym.simulation.export import ReferenceForm, export_model, export_run
 from ffgym.simulation.export.model import in_engine, missing_text
@@ -26,9 +28,7 @@ def run(config: Export) -> None:
     check_vacant(config.out)
     check_outputs({"--json": config.json})
     check_laws([config.feedforward], "--feedforward")
-    is_machine = is_machine_file(config.robot)
-    known = known_robot(config.robot) if is_machine else load_described_robot(config.robot)
-    machine = load_machine(config.robot) if is_machine else Machine.of(known)
+    known, machine = load_machine_or_robot(config.robot)
     given = given_options(config, ("entry", "feedforward", "parameters", "sides", "angles", "record_dt_ms"))
     if config.path is None and given:
         raise FFGymError(
@@ -60,22 +60,15 @@ def _export_motion(
     config: Export, path: str, arm: RigidArm, machine: Machine, options: ModelOptions
 ) -> tuple[list[str], dict[str, Any]]:
     """Export the robot and a motion on it; returns what to print, and where the files come from."""
-    motion = load_motion(arm, path, entry=config.entry)
-    if motion.reference.robot is not arm.robot:  # the motion brings its own tool
-        if machine.robot is not arm.robot:
-            raise FFGymError(f"{path} brings a tool of its own, but that of {config.robot} cannot be changed.")
-        arm, machine = RigidArm(motion.reference.robot), Machine.of(motion.reference.robot)
-    # feedforward law for this motion, from the nominal model
-    rig = SimulatedRig(arm=arm, machine=in_engine(machine), options=replace(options, looks=False))
-    setting = setting_for(rig, [motion.reference], config.parameters, config.threads)
-    (law,) = make_laws([config.feedforward], setting)
+    ready = prepare_motion(config, path, arm, machine, options)
+    motion, law, arm = ready.motion, ready.law, ready.arm
     # closed loop with this law, recorded beside the reference
     with progress_bar("exporting", "s") as progress:
         recording = export_run(
             config.out,
             Run(reference=motion.reference, law=law),
             arm=arm,
-            machine=machine,
+            machine=ready.machine,
             options=options,
             form=ReferenceForm(sides=config.sides, angles=config.angles),
             binary=config.binary,
@@ -90,3 +83,65 @@ def _export_motion(
     rows = f"{motion.reference.duration:g} s, {len(recording)} recorded rows"
     lines = [f"{motion.reference.name} with {law.name}: {rows}", *(f"note: {note}" for note in motion.notes)]
     return lines, info | {"feedforward_law": law.name}
+
+
+class MotionOptions(Protocol):
+    """Options of a command that prepares a motion under a law."""
+
+    @property
+    def robot(self) -> str:
+        """Robot or machine file."""
+
+    @property
+    def entry(self) -> str | None:
+        """Procedure of a program."""
+
+    @property
+    def feedforward(self) -> str:
+        """Name or file of a law."""
+
+    @property
+    def parameters(self) -> Path | None:
+        """Parameters of the law's model."""
+
+    @property
+    def threads(self) -> int:
+        """Threads of the simulation."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PreparedMotion:
+    """A motion on a machine, and the law that is made for it."""
+
+    arm: RigidArm
+    machine: Machine
+    motion: Motion
+    law: FeedForwardLaw
+
+
+def load_machine_or_robot(name: str) -> tuple[RobotDescription, Machine]:
+    """Load what a name or file describes: the robot that its controller knows, and the machine as it is."""
+    if is_machine_file(name):
+        return known_robot(name), load_machine(name)
+    known = load_described_robot(name)
+    return known, Machine.of(known)
+
+
+def prepare_motion(
+    config: MotionOptions, path: str, arm: RigidArm, machine: Machine, options: ModelOptions
+) -> PreparedMotion:
+    """Load a motion and make the law that the options name, on what MuJoCo has of the machine.
+
+    Raises:
+        FFGymError: if the motion or the law cannot be made, or the motion brings a tool that the machine cannot take.
+    """
+    motion = load_motion(arm, path, entry=config.entry)
+    if motion.reference.robot is not arm.robot:  # the motion brings its own tool
+        if machine.robot is not arm.robot:
+            raise FFGymError(f"{path} brings a tool of its own, but that of {config.robot} cannot be changed.")
+        arm, machine = RigidArm(motion.reference.robot), Machine.of(motion.reference.robot)
+    # feedforward law for this motion, from the nominal model
+    rig = SimulatedRig(arm=arm, machine=in_engine(machine), options=replace(options, looks=False))
+    setting = setting_for(rig, [motion.reference], config.parameters, config.threads)
+    (law,) = make_laws([config.feedforward], setting)
+    return PreparedMotion(arm=arm, machine=machine, motion=motion, law=law)

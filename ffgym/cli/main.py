@@ -43,6 +43,12 @@ COMMANDS = {
     "export": Command(
         "motion_options:Export", "export:run", "a motion in files for plain MuJoCo", "irb4600_60_205 circles"
     ),
+    "export code": Command(
+        "code_options:ExportCode",
+        "export_code:run",
+        "a feed-forward law as C99, compared and timed",
+        "irb4600_60_205 circles --feedforward elastic --out law",
+    ),
     "record": Command(
         "motion_options:Record", "record:run", "measure by protocols", "one_axis speed_ladder --out logs"
     ),

@@ -1,3 +1,5 @@
+from .code import CodeCheck as CodeCheck
+from .code import write_law_code as write_law_code
 from .plan import SetpointPlan as SetpointPlan
 from .plan import read_plan as read_plan
 from .plan import write_plan as write_plan

@@ -136,7 +136,7 @@ def _single(node: Node) -> Nodes:
     return nodes
 
 
-_ALIASES = {
+ALIASES = {
     "true_divide": "divide",
     "fabs": "absolute",
     "bitwise_and": "logical_and",
@@ -235,7 +235,7 @@ class Traced(np.lib.mixins.NDArrayOperatorsMixin):
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any) -> Any:
         """Record a function of numpy."""
-        name = _ALIASES.get(ufunc.__name__, ufunc.__name__)
+        name = ALIASES.get(ufunc.__name__, ufunc.__name__)
         out, where = options.pop("out", None), options.pop("where", True)
         if method != "__call__" or options or ufunc.nout != 1:
             raise Untraceable(f"{ufunc.__name__}.{method} with {sorted(options)}")
@@ -258,7 +258,7 @@ class Traced(np.lib.mixins.NDArrayOperatorsMixin):
         each: list[Nodes] = list(np.broadcast_arrays(*(self._beside(i, trailing) for i in inputs)))
         nodes = np.empty(each[0].shape, dtype=object)
         for place in np.ndindex(nodes.shape):
-            nodes[place] = _record_one(graph, name, [array[place] for array in each])
+            nodes[place] = record_one(graph, name, [array[place] for array in each])
         return Traced(graph, nodes)
 
     def __array_function__(self, function: Any, types: Any, args: Any, kwargs: Any) -> Any:
@@ -277,7 +277,7 @@ def _refuse(why: str) -> Any:
     raise Untraceable(why)
 
 
-def _record_one(graph: Graph, name: str, nodes: list[Node]) -> Node:
+def record_one(graph: Graph, name: str, nodes: list[Node]) -> Node:
     """Record a function of single nodes; some are written by others, as numpy does."""
     if name == "square":
         return graph.apply("multiply", [nodes[0], nodes[0]])

@@ -1,0 +1,5 @@
+"""Code and tables for machines that cannot run Python: laws in C99, tables of torques."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

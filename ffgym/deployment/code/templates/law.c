@@ -1,0 +1,30 @@
+/* $title: see ${name}.h. Statements of a step are those of the law in ffgym, in their order; do not let the compiler
+ * change them (no -ffast-math; -ffp-contract=off gives the bits of processors without fused multiply-add). */
+#include "${name}.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double start[${upper}_MEMORY] = {$start};
+$tables
+void ${name}_start(${name}_state *state)
+{
+    memcpy(state->memory, start, sizeof start);
+    state->step = 0;
+}
+
+int ${name}_step(${name}_state *state, const double q[${upper}_WINDOW], const double motor_dq[${upper}_WINDOW],
+    const double motor_ddq[${upper}_WINDOW], double torque[${upper}_JOINTS])
+{
+    const double *const memory = state->memory;
+    double next[${upper}_MEMORY] = {0.0};
+$program
+    (void)q;
+    (void)motor_dq;
+    (void)motor_ddq;
+    (void)memory;
+$statements
+    memcpy(state->memory, next, sizeof next);
+    ++state->step;
+    return 0;
+}

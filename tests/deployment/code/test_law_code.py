@@ -1,0 +1,203 @@
+"""Laws in C99 compute what the simulation computes, in time, or are not written."""
+
+import ctypes
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ffgym.agents.elastic import elastic_law
+from ffgym.control import CausalLaw, DynamicLuGreExact, NoCompensation, StaticLuGre, Window
+from ffgym.control.lugre_laws import DynamicLuGreEuler
+from ffgym.core.errors import FFGymError
+from ffgym.deployment import write_law_code
+from ffgym.deployment.code.compiler import UNCHECKED, compile_c, find_compiler
+from ffgym.deployment.code.law import TOLERANCE
+from ffgym.paths.motions import load_motion
+from ffgym.robot import RigidArm, load_robot
+
+needs_compiler = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+SIX_AXES = "irb4600_60_205"
+
+
+def arm_and_motion(robot: str, motion: str = "circles"):
+    arm = RigidArm(load_robot(robot))
+    return arm, load_motion(arm, motion).reference
+
+
+LAWS = {
+    "static": lambda arm: StaticLuGre(arm.robot.friction),
+    "dynamic": lambda arm: DynamicLuGreExact(arm.robot.friction),
+    "euler": lambda arm: DynamicLuGreEuler(arm.robot.friction),
+    "elastic": elastic_law,
+}
+
+
+@needs_compiler
+@pytest.mark.parametrize("kind", LAWS)
+def test_a_law_of_six_axes_agrees_with_the_simulation_and_takes_20_us_at_most(kind, tmp_path):
+    arm, reference = arm_and_motion(SIX_AXES)
+    law = LAWS[kind](arm)
+    check = write_law_code(law, reference, tmp_path / "law")
+    assert check.largest_torque == pytest.approx(np.abs(law.torque(reference)).max())
+    assert check.largest_difference <= TOLERANCE * check.largest_torque
+    assert 0 < check.median_us <= check.worst_us <= check.longest_us
+    assert check.worst_us <= 20
+    assert sorted(path.name for path in (tmp_path / "law").iterdir()) == ["check.c", "law.c", "law.h", "reference.csv"]
+
+
+@needs_compiler
+@pytest.mark.parametrize(("robot", "motion"), [("one_axis", "sine"), ("kuka_kr300_r2500", "circles")])
+def test_elastic_feedforward_of_other_robots_agrees_with_the_simulation(robot, motion, tmp_path):
+    arm, reference = arm_and_motion(robot, motion)
+    check = write_law_code(elastic_law(arm), reference, tmp_path / "law")
+    assert check.largest_difference <= TOLERANCE * check.largest_torque
+
+
+@needs_compiler
+def test_the_check_of_a_folder_compiles_without_a_warning_and_notices_another_torque(tmp_path):
+    arm, reference = arm_and_motion(SIX_AXES)
+    write_law_code(elastic_law(arm), reference, tmp_path / "law", name="mine")
+    sources = [tmp_path / "law" / name for name in ("mine.c", "check.c")]
+    compile_c(find_compiler(), sources, tmp_path / "check", "-Wall", "-Wextra", "-pedantic", "-Werror")
+
+    def run(file: Path) -> int:
+        return subprocess.run([tmp_path / "check", file], capture_output=True, check=False).returncode
+
+    table = tmp_path / "law" / "reference.csv"
+    assert run(table) == 0
+    lines = table.read_text().splitlines()
+    numbers = [float(number) for number in lines[500].split(",")]
+    numbers[-1] += 1e-7
+    lines[500] = ",".join(map(repr, numbers))
+    other = tmp_path / "other.csv"
+    other.write_text("\n".join(lines) + "\n")
+    assert run(other) == 1
+    other.write_text("\n".join(lines[:300]) + "\n")
+    assert run(other) == 2
+
+
+@needs_compiler
+def test_a_law_that_needs_no_program_runs_on_any_motion_in_c(tmp_path):
+    arm, reference = arm_and_motion(SIX_AXES)
+    law = DynamicLuGreExact(arm.robot.friction)
+    write_law_code(law, reference, tmp_path / "law")
+    assert "for any motion" in (tmp_path / "law" / "law.h").read_text()
+    step, state = load(tmp_path / "law", memory=6)
+    rng = np.random.default_rng(1)
+    memory = np.zeros(6)
+    for _ in range(50):
+        q, dq, ddq = rng.normal(scale=3.0, size=(3, 2, 6))
+        wanted, memory = law.step(memory, Window(q=q, motor_dq=dq, motor_ddq=ddq, dt=reference.robot.servo.control_dt))
+        code, torque = step(state, q, dq, ddq)
+        assert code == 0
+        assert np.abs(torque - wanted).max() <= 1e-12
+
+
+@needs_compiler
+def test_a_law_for_one_program_gives_no_torque_after_its_end(tmp_path):
+    arm, reference = arm_and_motion(SIX_AXES)
+    law = elastic_law(arm)
+    write_law_code(law, reference, tmp_path / "law")
+    text = (tmp_path / "law" / "law.h").read_text()
+    assert "for the program circles alone" in text
+    step, state = load(tmp_path / "law", memory=len(law.initial_memory(Window.along(reference, law.preview)[0])))
+    windows = Window.along(reference, law.preview)
+    codes, torques = zip(
+        *(step(state, windows.q[k], windows.motor_dq[k], windows.motor_ddq[k]) for k in [*range(len(windows.q)), -1]),
+        strict=True,
+    )
+    assert set(codes[:-1]) == {0}
+    assert np.abs(np.array(torques[:-1]) - law.torque(reference)[1:]).max() < 1e-9
+    assert codes[-1] == 1
+    assert not np.any(torques[-1])
+
+
+def load(folder: Path, memory: int):
+    """Compiled step of a law as a function of Python, and its state at the start."""
+    compile_c(find_compiler(), [folder / "law.c"], folder / "law.so", "-shared", "-fPIC")
+    library = ctypes.CDLL(str(folder / "law.so"))
+
+    class State(ctypes.Structure):
+        _fields_ = (("memory", ctypes.c_double * memory), ("step", ctypes.c_long))
+
+    state = State()
+    library.law_start(ctypes.byref(state))
+
+    def step(state, *window):
+        torque = np.full(window[0].shape[-1], np.nan)
+        places = [
+            np.ascontiguousarray(part).ctypes.data_as(ctypes.POINTER(ctypes.c_double)) for part in (*window, torque)
+        ]
+        return library.law_step(ctypes.byref(state), *places), torque
+
+    return step, state
+
+
+@dataclass(frozen=True, eq=False)
+class OwnLaw(CausalLaw):
+    """Law of a test, whose torque along a reference is what it steps to, but for an error."""
+
+    formula: object
+    error: float = 0.0
+    name: str = "own"
+
+    @property
+    def n_joints(self):
+        return 6
+
+    def step(self, memory, window):
+        return self.formula(window.motor_dq[..., 1, :]), memory
+
+    def torque(self, reference):
+        return super().torque(reference) + self.error
+
+
+@needs_compiler
+def test_a_law_whose_code_differs_from_the_simulation_is_not_written(tmp_path):
+    _, reference = arm_and_motion(SIX_AXES)
+    write_law_code(OwnLaw(np.tanh), reference, tmp_path / "right")
+    with pytest.raises(FFGymError, match="differs from the simulation by 1e-06 N m along circles"):
+        write_law_code(OwnLaw(np.tanh, error=1e-6), reference, tmp_path / "wrong")
+    assert [path.name for path in tmp_path.iterdir()] == ["right"]
+
+
+@pytest.mark.parametrize(
+    ("formula", "reason"),
+    [
+        (lambda dq: dq if dq.max() > 0 else -dq, "a branch that depends on"),
+        (np.sort, "numpy.sort"),
+        (lambda dq: np.asarray(dq, dtype=float), "what symbols cannot do"),
+    ],
+)
+def test_a_law_without_a_form_in_c_is_refused_with_the_reason(formula, reason, tmp_path):
+    _, reference = arm_and_motion(SIX_AXES)
+    with pytest.raises(FFGymError, match=f"'own' has no form in C.*{reason}.*ffgym export table"):
+        write_law_code(OwnLaw(formula), reference, tmp_path / "law")
+    assert not [*tmp_path.iterdir()]
+
+
+def test_a_law_that_does_not_run_sample_by_sample_is_sent_to_tables(tmp_path):
+    _, reference = arm_and_motion(SIX_AXES)
+    with pytest.raises(FFGymError, match=r"'none' does not run sample by sample.*ffgym export table"):
+        write_law_code(NoCompensation(), reference, tmp_path / "law")
+
+
+def test_without_a_compiler_a_law_is_written_only_unchecked(tmp_path, monkeypatch):
+    monkeypatch.setenv("CC", "absent_compiler")
+    arm, reference = arm_and_motion(SIX_AXES)
+    law = StaticLuGre(arm.robot.friction)
+    with pytest.raises(FFGymError, match=r"no C compiler.*--unchecked"):
+        write_law_code(law, reference, tmp_path / "law")
+    assert not [*tmp_path.iterdir()]
+    assert write_law_code(law, reference, tmp_path / "law", checked=False) is None
+    assert UNCHECKED in (tmp_path / "law" / "law.h").read_text()
+
+
+@pytest.mark.parametrize("name", ["Law", "2law", "my-law", "check", ""])
+def test_a_name_that_is_none_in_c_is_refused(name, tmp_path):
+    arm, reference = arm_and_motion(SIX_AXES)
+    with pytest.raises(FFGymError, match="lower-case letters"):
+        write_law_code(StaticLuGre(arm.robot.friction), reference, tmp_path / "law", name=name)
