@@ -46,7 +46,7 @@ def summarise(session: StreamSession) -> dict[str, Any]:
         "received": session.received,
         "refused": dict(sorted(session.refused.items())),
         "sent": session.sent,
-        "correction_lost_at": session.lost_after,
+        "correction_lost_after": session.lost_after,
         "largest_correction": largest,
         "beyond_limits": session.cut_share,
     }

@@ -66,11 +66,13 @@ class StreamSession:
         self.state: State = "waiting"
         self.refusal = ""
         """Reason for not beginning; empty if there is none."""
+        self.is_stopped = False
+        """True if somebody stopped the correction."""
         self.log = StreamLog()
         self.received = self.sent = 0
         self._start: float | None = None
         self._index = self._corrected = 0
-        self._begun_at = self._valid_at = self._sent_at = self._ending = float("nan")
+        self._begun_at = self._valid_at = self._due = self._ending = float("nan")
 
     @property
     def refused(self) -> Counter[str]:
@@ -91,7 +93,7 @@ class StreamSession:
     @property
     def due(self) -> float:
         """Time at which `tick` has something to do [s]; inf while it has not."""
-        return self._sent_at + 1.5 * self.wire.cycle if self.state == "running" else float("inf")
+        return self._due if self.state == "running" else float("inf")
 
     def receive(self, data: bytes, now: float) -> bytes | None:
         """Take a packet and give the answer to send, or None."""
@@ -108,7 +110,7 @@ class StreamSession:
             return None
         assert self._start is not None
         self._guard.hear(now)
-        self._valid_at = now
+        self._valid_at, self._due = now, now + 1.5 * self.wire.cycle
         elapsed = feedback.time - self._start
         self._index = max(self._index, round(elapsed / self.wire.cycle))
         data, command = self._command(now, feedback.token)
@@ -126,8 +128,8 @@ class StreamSession:
         if silence > _GIVE_UP:
             self.state = "lost"
             return None
+        self._due = now + self.wire.cycle
         if not self.wire.unsolicited:
-            self._sent_at += self.wire.cycle
             return None
         expected = round((self.log.time[-1] + silence) / self.wire.cycle - 0.5)
         self._index = max(self._index, expected)
@@ -135,6 +137,7 @@ class StreamSession:
 
     def stop(self, now: float) -> None:
         """Let the correction leave; the program goes on to its end without it."""
+        self.is_stopped = True
         self._guard.close(now)
 
     def _begin(self, feedback: Feedback, now: float) -> bool:
@@ -176,7 +179,7 @@ class StreamSession:
             effort=self._drive.joint_torque(torque),
             token=token,
         )
-        self.sent, self._sent_at = self.sent + 1, now
+        self.sent += 1
         if self._index >= last and self._guard.gate(now) == 0.0:
             self.state = "ended"
         return self.wire.encode_command(command), command

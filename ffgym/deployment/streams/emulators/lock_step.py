@@ -9,7 +9,7 @@ from ffgym.deployment.streams.emulators.controller import EmulatedController
 from ffgym.deployment.streams.emulators.network import Faults, Network
 from ffgym.deployment.streams.session import StreamSession
 
-_READ = 0.5
+READ = 0.5
 """Share of a cycle in which the controller waits for an answer (chosen); what comes later counts for the next one."""
 
 
@@ -68,7 +68,7 @@ def run_in_lock_step(
             raise FFGymError(f"The session is {session.state} after {longest:g} s, and should have ended.")
         for arrival, data in there.carry(controller.feedback(), now):
             heapq.heappush(events, (arrival, next(order), True, data))
-        run_until(now + _READ * cycle)
+        run_until(now + READ * cycle)
         controller.advance()
         k += 1
         run_until(k * cycle - 1e-9)
