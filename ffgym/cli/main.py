@@ -66,6 +66,12 @@ COMMANDS = {
     "diagnose": Command(
         "log_options:Diagnose", "diagnose:run", "what a simulation gets wrong, and why", "logs --robot one_axis"
     ),
+    "stream": Command(
+        "stream_options:Stream", "stream:run", "a plan to a robot controller, in real time", "plan.npz --out log.npz"
+    ),
+    "emulate": Command(
+        "stream_options:Emulate", "emulate:run", "a robot controller to try a stream on", "egm --delay-ms 9.3"
+    ),
     "improve": Command("log_options:Improve", "improve:run", "what a diagnosed model gains in control", "machine.toml"),
     "train policy": Command(
         "learning_options:PolicyTraining",

@@ -5,7 +5,7 @@ EgmSensor to it, angles in degrees (linear axes in millimetres), time stamps in 
 """
 
 from types import ModuleType
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -38,11 +38,11 @@ def load_messages() -> ModuleType:
 class EgmWire:
     """Packets of EGM."""
 
-    cycle: ClassVar[float] = _CYCLE
-    torques: ClassVar[bool] = False
-    unsolicited: ClassVar[bool] = True
-    clock_step: ClassVar[float] = 0.001
-    wrap: ClassVar[int] = _UINT32
+    cycle = _CYCLE
+    torques = False
+    unsolicited = True
+    clock_step = 0.001
+    wrap = _UINT32
 
     def __init__(self, axes: Axes) -> None:
         """Prepare packets for a robot with `axes`, six at most."""

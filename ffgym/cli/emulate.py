@@ -1,0 +1,94 @@
+"""`ffgym emulate`: a robot controller with a simulated robot behind it, on the network of this computer."""
+
+import numpy as np
+
+from ffgym.cli.outputs import check_outputs, print_places, provenance, write_numbers
+from ffgym.cli.stream import check_fits
+from ffgym.cli.stream_options import Emulate
+from ffgym.control import SetpointResponse
+from ffgym.core.errors import FFGymError, check_choice, check_number
+from ffgym.core.types import Array
+from ffgym.deployment.plan import read_plan
+from ffgym.deployment.streams.emulators import EmulatedController, EmulatedRobot, Faults
+from ffgym.deployment.streams.emulators.live import serve_live
+from ffgym.deployment.streams.ports import UdpPort, format_address, parse_address
+from ffgym.deployment.streams.protocols import axes_of, protocol_named
+from ffgym.envs.machines import load_described_robot
+from ffgym.recordings.io import FORMATS, write_recording
+from ffgym.robot import RobotDescription
+from ffgym.simulation.plant import Machine, load_machine
+from ffgym.simulation.plant.machine_file import is_machine_file
+
+
+def run(config: Emulate) -> None:
+    """Check, emulate, write, print."""
+    if config.out is not None:
+        check_choice("recording format", config.out.suffix, list(FORMATS))
+    check_outputs({"--out": config.out, "--json": config.json}, inputs=(config.plan, config.robot))
+    is_machine = is_machine_file(config.robot)
+    machine = load_machine(config.robot) if is_machine else Machine.of(load_described_robot(config.robot))
+    robot, protocol = machine.robot, protocol_named(config.protocol)
+    wire = protocol.make_wire(axes_of(robot))
+    emulated = EmulatedRobot(
+        machine,
+        _start(config, robot),
+        cycle=wire.cycle,
+        response=_response(config),
+        feedforward=config.feedforward,
+        missing=config.missing,
+    )
+    controller, faults = EmulatedController(emulated, wire), _faults(config)
+    address = parse_address(config.address or "127.0.0.1", protocol.port)
+    print(f"{protocol.title} of {robot.name}, {emulated.response.describe()}; sends to {format_address(address)}")
+    with UdpPort() as port:
+        late = serve_live(controller, port, address, to_stream=faults, to_controller=faults, longest=config.longest_s)
+    told = {
+        "cycles": emulated.cycles,
+        "cycles_that_began_late": late,
+        "cycles_without_setpoint": emulated.missed,
+        "refused": dict(sorted(controller.refused.items())),
+    }
+    if config.out is not None:
+        write_recording(emulated.truth("emulated"), config.out)
+    fingerprint = emulated.plant.fingerprint()
+    origin = provenance("ffgym emulate", config, robot.name, fingerprint, config.seed, passing=("out", "json"))
+    write_numbers(config, origin | told)
+    print(
+        f"{emulated.cycles} cycles, {emulated.missed} without a set-point, {late} began late; "
+        f"{'a stream came' if controller.begun else 'no stream came'}"
+    )
+    print_places(recording=config.out, numbers=config.json)
+
+
+def _start(config: Emulate, robot: RobotDescription) -> Array:
+    """Return the joint positions at which the robot stands, link side."""
+    if config.plan is not None:
+        plan = read_plan(config.plan)
+        check_fits(plan, robot)
+        return plan.program[0]
+    if robot.work_area is None:
+        return np.clip(np.zeros(robot.n_joints), *robot.kinematics.range.T)
+    return np.asarray(robot.work_area.home, dtype=np.float64)
+
+
+def _response(config: Emulate) -> SetpointResponse:
+    """Make delay and filter of the controller."""
+    delay = 1e-3 * check_number("--delay-ms", config.delay_ms, unit="ms", low=0.0)
+    if config.cutoff_hz is None:
+        if config.damping is not None:
+            raise FFGymError("--damping has no effect without --cutoff-hz. Leave it out, or give both.")
+        return SetpointResponse(delay=delay)
+    return SetpointResponse.low_pass(config.cutoff_hz, delay=delay, damping=config.damping)
+
+
+def _faults(config: Emulate) -> Faults:
+    """Make the faults of the network, the same in both directions."""
+    return Faults(
+        drop=config.drop,
+        corrupt=config.corrupt,
+        duplicate=config.duplicate,
+        late=config.late,
+        latency=1e-3 * config.latency_ms,
+        jitter=1e-3 * config.jitter_ms,
+        seed=config.seed,
+    )

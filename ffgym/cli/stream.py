@@ -1,0 +1,99 @@
+"""`ffgym stream`: a plan of set-points to a robot controller in real time."""
+
+import numpy as np
+
+from ffgym.cli.outputs import check_outputs, print_places, provenance, write_numbers
+from ffgym.cli.stream_options import Stream
+from ffgym.control import CorrectionLimits
+from ffgym.core.errors import FFGymError, check_choice, check_number
+from ffgym.deployment.plan import SetpointPlan, read_plan
+from ffgym.deployment.streams.envelope import Envelope
+from ffgym.deployment.streams.live import Timing, run_live
+from ffgym.deployment.streams.ports import UdpPort, format_address, parse_address
+from ffgym.deployment.streams.protocols import axes_of, protocol_named
+from ffgym.deployment.streams.recording import record_session, summarise
+from ffgym.deployment.streams.session import StreamSession
+from ffgym.envs.machines import load_described_robot
+from ffgym.recordings.io import FORMATS, write_recording
+from ffgym.robot import RobotDescription
+
+
+def run(config: Stream) -> None:
+    """Check, stream, write, print."""
+    if config.out is not None:
+        check_choice("recording format", config.out.suffix, list(FORMATS))
+    check_outputs({"--out": config.out, "--json": config.json}, inputs=(config.plan, config.robot))
+    plan = read_plan(config.plan)
+    robot = load_described_robot(config.robot or plan.robot)
+    check_fits(plan, robot)
+    protocol = protocol_named(config.protocol)
+    wire = protocol.make_wire(axes_of(robot))
+    session = StreamSession(plan, wire, _envelope(config, robot), robot.drive)
+    address = parse_address(config.address or "0.0.0.0", protocol.port)
+    with UdpPort(address) as port:
+        seconds = plan.t[-1]
+        print(f"{plan.name} with {plan.law}, {seconds:g} s; waiting at {format_address(address)} for {protocol.title}")
+        if session.cut_share > 0:
+            print(f"note: the plan exceeds the limits of the correction by {session.cut_share:.0%}, and is cut to them")
+        timing = run_live(session, port, wait=config.wait_s)
+    recording = record_session(session, robot)
+    if config.out is not None:
+        write_recording(recording, config.out)
+    origin = provenance("ffgym stream", config, robot.name, None, None, passing=("out", "json"))
+    write_numbers(config, origin | summarise(session) | {"answers": timing.summary()})
+    print("\n".join(_tell(session, timing)))
+    print_places(recording=config.out, numbers=config.json)
+    if session.state == "lost":
+        raise FFGymError("The controller fell silent before the plan ended. The robot stops by its own rules.")
+
+
+def check_fits(plan: SetpointPlan, robot: RobotDescription) -> None:
+    """Check that a plan is for the joints of a robot.
+
+    Raises:
+        FFGymError: if it is not.
+    """
+    if plan.joints != robot.joints:
+        raise FFGymError(
+            f"Plan {plan.name!r} is for joints {', '.join(plan.joints)}, robot {robot.name!r} has "
+            f"{', '.join(robot.joints)}. Name the robot of the plan: --robot."
+        )
+
+
+def _envelope(config: Stream, robot: RobotDescription) -> Envelope:
+    """Make the safety envelope of the options."""
+    limits = {
+        "size": 1e-3 * check_number("--largest-mrad", config.largest_mrad, unit="mrad", low=0.0, open_low=True),
+        "rate": 1e-3
+        * check_number("--largest-rate-mrad-s", config.largest_rate_mrad_s, unit="mrad/s", low=0.0, open_low=True),
+        "acceleration": check_number(
+            "--largest-acceleration-rad-s2", config.largest_acceleration_rad_s2, unit="rad/s^2", low=0.0, open_low=True
+        ),
+    }
+    return Envelope(
+        correction=CorrectionLimits.even(robot.n_joints, **limits),
+        torque=np.asarray(robot.drive.peak_torque),
+        patience=1e-3 * config.patience_ms,
+        ramp=1e-3 * config.ramp_ms,
+        fade=1e-3 * config.fade_ms,
+        start_tolerance=1e-3 * config.start_tolerance_mrad,
+    )
+
+
+def _tell(session: StreamSession, timing: Timing) -> list[str]:
+    """Say how a session went."""
+    told = summarise(session)
+    largest = ", ".join(f"{1e3 * value:.3f}" for value in told["largest_correction"])
+    lines = [
+        f"{told['state']}: {told['sent']} set-points for {told['received']} packets",
+        f"largest correction per joint [mrad, mm]: {largest}",
+    ]
+    if answers := timing.summary():
+        lines.append(f"answers took {answers['median_us']:.0f} us (99 %: {answers['p99_us']:.0f})")
+    if told["refused"]:
+        lines.append("refused: " + ", ".join(f"{count} {reason}" for reason, count in told["refused"].items()))
+    if (lost := told["correction_lost_after"]) is not None:
+        lines.append(f"note: the controller was silent at {lost:.3f} s; from then on the correction was out")
+    if session.is_stopped:
+        lines.append("note: stopped; the correction left, the program went on")
+    return lines

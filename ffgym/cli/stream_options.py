@@ -1,0 +1,87 @@
+"""Options of the commands that talk to controllers in real time: stream, emulate."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal
+
+import tyro
+
+from ffgym.cli.options import Numbers
+
+ProtocolName = Literal["egm"]
+"""Protocols, as ffgym.deployment has them."""
+
+
+@dataclass(frozen=True)
+class Stream:
+    """Send a plan of set-points to a robot controller, within a safety envelope; write what was sent and measured."""
+
+    plan: tyro.conf.Positional[Path]
+    """Plan of set-points, .npz."""
+    protocol: ProtocolName = "egm"
+    """egm: ABB Externally Guided Motion."""
+    address: str | None = None
+    """Address of this computer that the controller sends to, host:port; absent is every address, usual port."""
+    robot: str | None = None
+    """Built-in robot or path to a description, for gear ratios and limits; absent is the robot that the plan names."""
+    out: Path | None = None
+    """Recording to write, .npz or .csv."""
+    json: Numbers = None
+    largest_mrad: float = 2.0
+    """Largest correction of a joint; mm on linear axes."""
+    largest_rate_mrad_s: float = 500.0
+    """Fastest change of a correction; mm/s on linear axes."""
+    largest_acceleration_rad_s2: float = 100.0
+    """Fastest change of that rate; m/s^2 on linear axes."""
+    patience_ms: float = 10.0
+    """Silence of the controller after which the correction begins to leave."""
+    ramp_ms: float = 10.0
+    """Time in which it leaves then; with the patience 20 ms at most."""
+    fade_ms: float = 200.0
+    """Time in which it leaves at the end of the plan, or after Ctrl-C."""
+    start_tolerance_mrad: float = 2.0
+    """Largest distance of the measured pose from the first pose of the plan; mm on linear axes."""
+    wait_s: float = 30.0
+    """Time to wait for the controller."""
+
+
+@dataclass(frozen=True)
+class Emulate:
+    """Emulate a robot controller with a simulated robot behind it, until a stream has come and gone."""
+
+    protocol: tyro.conf.Positional[ProtocolName]
+    """egm: ABB Externally Guided Motion."""
+    robot: str = "irb4600_60_205"
+    """Built-in robot, or a path that ends in .toml to a description or a machine file."""
+    plan: Path | None = None
+    """Plan of set-points at whose first pose the robot stands; absent is its home, or 0 if it has none."""
+    address: str | None = None
+    """Address of the stream, host:port; absent is this computer, usual port."""
+    delay_ms: float = 9.3
+    """Time from a set-point to the servo; at least a cycle."""
+    cutoff_hz: float | None = None
+    """Cut-off or natural frequency of the controller's filter; absent is no filter."""
+    damping: float | None = None
+    """Damping ratio of a filter of second order; absent is one of first order."""
+    feedforward: bool = True
+    """Rigid feed-forward in the controller."""
+    missing: Literal["hold", "extrapolate"] = "hold"
+    """What the controller does in a cycle without a set-point."""
+    drop: float = 0.0
+    """Share of packets that are lost, each way."""
+    corrupt: float = 0.0
+    """Share of packets with wrong bytes."""
+    duplicate: float = 0.0
+    """Share of packets that arrive twice."""
+    late: float = 0.0
+    """Share of packets that arrive up to 20 ms later, and are overtaken."""
+    latency_ms: float = 0.0
+    """Delay of every packet."""
+    jitter_ms: float = 0.0
+    """Further delay, evenly between 0 and this."""
+    seed: int = 0
+    """Seed of the faults."""
+    longest_s: float = 600.0
+    """Time after which the emulator ends in any case."""
+    out: Annotated[Path | None, tyro.conf.arg(help="Recording of the true states to write, .npz or .csv.")] = None
+    json: Numbers = None

@@ -1,0 +1,129 @@
+"""`ffgym stream` and `ffgym emulate`, against each other and with bad input."""
+
+import json
+import socket
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ffgym.cli.main import main
+from ffgym.deployment import SetpointPlan, write_plan
+from ffgym.recordings import read_recording
+
+
+@pytest.fixture(scope="module")
+def plan() -> SetpointPlan:
+    """One second of a joint, and a correction."""
+    t = np.arange(251) * 0.004
+    wave = np.sin(np.pi * t)[:, None] ** 2
+    return SetpointPlan(
+        name="swing",
+        robot="one_axis",
+        law="made up",
+        joints=("j1",),
+        units=("rad",),
+        dt=0.004,
+        program=0.05 * wave,
+        correction=1e-3 * wave,
+        torque=0 * wave,
+    )
+
+
+@pytest.fixture
+def plan_file(plan: SetpointPlan, tmp_path: Path) -> Path:
+    write_plan(plan, tmp_path / "plan.npz")
+    return tmp_path / "plan.npz"
+
+
+def free_port(kind: int = socket.SOCK_DGRAM) -> int:
+    """Return a port that nobody has."""
+    with socket.socket(socket.AF_INET, kind) as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+def error_of(capsys: pytest.CaptureFixture[str]) -> str:
+    return capsys.readouterr().err.splitlines()[-1]
+
+
+@pytest.mark.parametrize("protocol", ["egm"])
+def test_a_plan_goes_to_an_emulated_controller_in_another_process(
+    protocol: str, plan: SetpointPlan, plan_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    address = f"127.0.0.1:{free_port()}"
+    common = ["--address", address, "--json"]
+    options = ["--robot", "one_axis", "--delay-ms", "9.3", "--cutoff-hz", "20", "--longest-s", "60", *common]
+    outputs = [str(tmp_path / "emulator.json"), "--out", str(tmp_path / "truth.npz")]
+    command = [sys.executable, "-m", "ffgym", "emulate", protocol, *options, *outputs]
+    emulator = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+    arguments = [str(plan_file), "--protocol", protocol, *common, str(tmp_path / "stream.json")]
+    assert main(["stream", *arguments, "--out", str(tmp_path / "log.npz")]) == 0
+    said, _ = emulator.communicate(timeout=60)
+    # both sides say what they did
+    assert "delay 9.30 ms, first-order filter at 20.0 Hz" in said
+    assert "a stream came" in said
+    assert "ended: " in capsys.readouterr().out
+    told = json.loads((tmp_path / "stream.json").read_text())
+    assert told["state"] == "ended"
+    assert told["sent"] >= 250
+    assert told["versions"]["ffgym"]
+    emulated = json.loads((tmp_path / "emulator.json").read_text())
+    assert emulated["physics_fingerprint"]
+    # the robot moved as it was told to
+    log, truth = (read_recording(tmp_path / name) for name in ("log.npz", "truth.npz"))
+    moved = truth["reference.position.j1"] / truth.header.gear_ratio[0]
+    assert np.abs(moved).max() == pytest.approx(np.abs(plan.setpoints).max(), rel=0.05)
+    assert log.header.meta["law"] == "made up"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--largest-mrad", "0"], "--largest-mrad = 0.0 mrad is out of range"),
+        (["--patience-ms", "15"], "patience + ramp = 25 ms"),
+        (["--robot", "irb4600_60_205"], "is for joints j1, robot 'irb4600_60_205' has j1, j2"),
+        (["--address", "127.0.0.1:0"], "port of '127.0.0.1:0' = 0"),
+        (["--address", "192.0.2.1:6510"], "Cannot listen at 192.0.2.1:6510"),
+        (["--out", "log.txt"], "Unknown recording format '.txt'"),
+    ],
+)
+def test_a_stream_that_cannot_be_is_one_line_and_writes_nothing(
+    arguments: list[str], message: str, plan_file: Path, capsys, monkeypatch, tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["stream", str(plan_file), "--wait-s", "0.1", *arguments]) == 1
+    assert message in error_of(capsys)
+    assert [path.name for path in tmp_path.iterdir()] == ["plan.npz"]
+
+
+def test_a_controller_that_never_speaks_is_one_line(plan_file: Path, capsys, tmp_path: Path) -> None:
+    address = f"127.0.0.1:{free_port()}"
+    assert main(["stream", str(plan_file), "--address", address, "--wait-s", "0.1"]) == 1
+    assert "No packet came within 0.1 s. Check the address" in error_of(capsys)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--delay-ms", "2"], "delay = 2 ms must be at least the cycle of 4 ms"),
+        (["--damping", "0.7"], "--damping has no effect without --cutoff-hz"),
+        (["--drop", "2"], "share of packets: drop = 2.0"),
+        (["--robot", "nobody"], "nobody"),
+        (["--robot", "irb4600_60_205", "--plan", "plan.npz"], "is for joints j1"),
+    ],
+)
+def test_an_emulator_that_cannot_be_is_one_line(arguments, message, plan_file, capsys, monkeypatch, tmp_path) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["emulate", "egm", "--robot", "one_axis", *arguments]) == 1
+    assert message in error_of(capsys)
+
+
+def test_an_emulator_without_a_stream_ends_and_says_so(capsys, plan: SetpointPlan, tmp_path: Path) -> None:
+    write_plan(replace(plan, program=plan.program + 0.3), tmp_path / "plan.npz")
+    options = ["--robot", "one_axis", "--plan", str(tmp_path / "plan.npz"), "--longest-s", "0.1"]
+    assert main(["emulate", "egm", *options, "--address", f"127.0.0.1:{free_port()}"]) == 0
+    assert "no stream came" in capsys.readouterr().out
