@@ -8,11 +8,12 @@ from ffgym.cli.stream_options import Emulate
 from ffgym.control import SetpointResponse
 from ffgym.core.errors import FFGymError, check_choice, check_number
 from ffgym.core.types import Array
-from ffgym.deployment.plan import read_plan
+from ffgym.deployment.plan import SetpointPlan, read_plan
 from ffgym.deployment.streams.emulators import EmulatedController, EmulatedRobot, Faults
 from ffgym.deployment.streams.emulators.live import serve_live
 from ffgym.deployment.streams.ports import UdpPort, format_address, parse_address
 from ffgym.deployment.streams.protocols import axes_of, protocol_named
+from ffgym.deployment.streams.session import sample_plan
 from ffgym.envs.machines import load_described_robot
 from ffgym.recordings.io import FORMATS, write_recording
 from ffgym.robot import RobotDescription
@@ -29,13 +30,17 @@ def run(config: Emulate) -> None:
     machine = load_machine(config.robot) if is_machine else Machine.of(load_described_robot(config.robot))
     robot, protocol = machine.robot, protocol_named(config.protocol)
     wire = protocol.make_wire(axes_of(robot))
+    plan = _read_plan(config, robot)
+    if wire.needs_answers and plan is None:
+        raise FFGymError(f"{protocol.title}: the controller runs the program itself; name its plan: --plan.")
     emulated = EmulatedRobot(
         machine,
-        _start(config, robot),
+        _find_home(robot) if plan is None else plan.program[0],
         cycle=wire.cycle,
         response=_response(config),
         feedforward=config.feedforward,
         missing=config.missing,
+        program=sample_plan(plan, wire.cycle)[0] if plan is not None and wire.needs_answers else None,
     )
     controller, faults = EmulatedController(emulated, wire), _faults(config)
     address = parse_address(config.address or "127.0.0.1", protocol.port)
@@ -60,12 +65,17 @@ def run(config: Emulate) -> None:
     print_places(recording=config.out, numbers=config.json)
 
 
-def _start(config: Emulate, robot: RobotDescription) -> Array:
-    """Return the joint positions at which the robot stands, link side."""
-    if config.plan is not None:
-        plan = read_plan(config.plan)
-        check_fits(plan, robot)
-        return plan.program[0]
+def _read_plan(config: Emulate, robot: RobotDescription) -> SetpointPlan | None:
+    """Read the plan that tells where the robot stands, if there is one."""
+    if config.plan is None:
+        return None
+    plan = read_plan(config.plan)
+    check_fits(plan, robot)
+    return plan
+
+
+def _find_home(robot: RobotDescription) -> Array:
+    """Return the joint positions at which a robot without a plan stands, link side."""
     if robot.work_area is None:
         return np.clip(np.zeros(robot.n_joints), *robot.kinematics.range.T)
     return np.asarray(robot.work_area.home, dtype=np.float64)

@@ -8,7 +8,7 @@ import tyro
 
 from ffgym.cli.options import Numbers
 
-ProtocolName = Literal["egm"]
+ProtocolName = Literal["egm", "rsi", "rsi_12ms"]
 """Protocols, as ffgym.deployment has them."""
 
 
@@ -19,7 +19,7 @@ class Stream:
     plan: tyro.conf.Positional[Path]
     """Plan of set-points, .npz."""
     protocol: ProtocolName = "egm"
-    """egm: ABB Externally Guided Motion."""
+    """egm: ABB Externally Guided Motion; rsi and rsi_12ms: KUKA Robot Sensor Interface, cycle of 4 or 12 ms."""
     address: str | None = None
     """Address of this computer that the controller sends to, host:port; absent is every address, usual port."""
     robot: str | None = None
@@ -50,11 +50,12 @@ class Emulate:
     """Emulate a robot controller with a simulated robot behind it, until a stream has come and gone."""
 
     protocol: tyro.conf.Positional[ProtocolName]
-    """egm: ABB Externally Guided Motion."""
+    """egm: ABB Externally Guided Motion; rsi and rsi_12ms: KUKA Robot Sensor Interface, cycle of 4 or 12 ms."""
     robot: str = "irb4600_60_205"
     """Built-in robot, or a path that ends in .toml to a description or a machine file."""
     plan: Path | None = None
-    """Plan of set-points at whose first pose the robot stands; absent is its home, or 0 if it has none."""
+    """Plan of set-points at whose first pose the robot stands, and whose program a controller runs that gets
+    corrections alone (rsi); absent is the robot's home, or 0 if it has none."""
     address: str | None = None
     """Address of the stream, host:port; absent is this computer, usual port."""
     delay_ms: float = 9.3

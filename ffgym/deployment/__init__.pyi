@@ -7,6 +7,7 @@ from .streams import Axes as Axes
 from .streams import EgmWire as EgmWire
 from .streams import Envelope as Envelope
 from .streams import Guard as Guard
+from .streams import RsiWire as RsiWire
 from .streams import StreamSession as StreamSession
 from .streams import record_session as record_session
 from .streams.emulators import EmulatedController as EmulatedController

@@ -50,13 +50,25 @@ def error_of(capsys: pytest.CaptureFixture[str]) -> str:
     return capsys.readouterr().err.splitlines()[-1]
 
 
-@pytest.mark.parametrize("protocol", ["egm"])
+@pytest.mark.parametrize("protocol", ["egm", "rsi"])
 def test_a_plan_goes_to_an_emulated_controller_in_another_process(
     protocol: str, plan: SetpointPlan, plan_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     address = f"127.0.0.1:{free_port()}"
     common = ["--address", address, "--json"]
-    options = ["--robot", "one_axis", "--delay-ms", "9.3", "--cutoff-hz", "20", "--longest-s", "60", *common]
+    options = [
+        "--robot",
+        "one_axis",
+        "--delay-ms",
+        "9.3",
+        "--cutoff-hz",
+        "20",
+        "--longest-s",
+        "60",
+        "--plan",
+        str(plan_file),
+        *common,
+    ]
     outputs = [str(tmp_path / "emulator.json"), "--out", str(tmp_path / "truth.npz")]
     command = [sys.executable, "-m", "ffgym", "emulate", protocol, *options, *outputs]
     emulator = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
@@ -120,6 +132,11 @@ def test_an_emulator_that_cannot_be_is_one_line(arguments, message, plan_file, c
     monkeypatch.chdir(tmp_path)
     assert main(["emulate", "egm", "--robot", "one_axis", *arguments]) == 1
     assert message in error_of(capsys)
+
+
+def test_an_emulator_that_runs_a_program_needs_one(capsys) -> None:
+    assert main(["emulate", "rsi", "--robot", "one_axis"]) == 1
+    assert "the controller runs the program itself; name its plan: --plan" in error_of(capsys)
 
 
 def test_an_emulator_without_a_stream_ends_and_says_so(capsys, plan: SetpointPlan, tmp_path: Path) -> None:

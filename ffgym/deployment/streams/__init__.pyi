@@ -3,6 +3,7 @@ from .envelope import Envelope as Envelope
 from .envelope import Guard as Guard
 from .recording import record_session as record_session
 from .recording import summarise as summarise
+from .rsi import RsiWire as RsiWire
 from .session import StreamSession as StreamSession
 from .wire import Axes as Axes
 from .wire import Command as Command

@@ -41,7 +41,9 @@ class EgmWire:
     cycle = _CYCLE
     torques = False
     unsolicited = True
+    needs_answers = False
     clock_step = 0.001
+    number_step = _CYCLE
     wrap = _UINT32
 
     def __init__(self, axes: Axes) -> None:

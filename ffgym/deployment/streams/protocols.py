@@ -14,6 +14,18 @@ def _egm(axes: Axes) -> Wire:
     return EgmWire(axes)
 
 
+def _rsi(axes: Axes) -> Wire:
+    from ffgym.deployment.streams.rsi import RsiWire
+
+    return RsiWire(axes)
+
+
+def _rsi_12ms(axes: Axes) -> Wire:
+    from ffgym.deployment.streams.rsi import RsiWire
+
+    return RsiWire(axes, cycle=0.012)
+
+
 @dataclass(frozen=True, kw_only=True)
 class StreamProtocol:
     """A protocol, as users choose it."""
@@ -28,6 +40,8 @@ class StreamProtocol:
 
 PROTOCOLS = {
     "egm": StreamProtocol(title="ABB Externally Guided Motion", port=6510, make_wire=_egm),
+    "rsi": StreamProtocol(title="KUKA Robot Sensor Interface, 4 ms", port=59152, make_wire=_rsi),
+    "rsi_12ms": StreamProtocol(title="KUKA Robot Sensor Interface, 12 ms", port=59152, make_wire=_rsi_12ms),
 }
 """Every protocol."""
 

@@ -55,8 +55,13 @@ class StreamSession:
             envelope: limits of the correction.
             drive: gears of the robot, for torques.
         """
+        if envelope.patience <= wire.cycle:
+            raise FFGymError(
+                f"patience = {1e3 * envelope.patience:g} ms must be longer than the controller's cycle of "
+                f"{1e3 * wire.cycle:g} ms."
+            )
         self.plan, self.wire, self.envelope = plan, wire, envelope
-        self._program, correction, torque = (_resample(plan, part, wire.cycle) for part in _parts(plan))
+        self._program, correction, torque = sample_plan(plan, wire.cycle)
         self._velocity = np.gradient(self._program, wire.cycle, axis=0)
         self.cut_share = envelope.cut_share(correction, wire.cycle)
         """Share by which the plan exceeds the limit it exceeds most; 0 if all of it is sent."""
@@ -72,7 +77,8 @@ class StreamSession:
         self.received = self.sent = 0
         self._start: float | None = None
         self._index = self._corrected = 0
-        self._begun_at = self._valid_at = self._due = self._ending = float("nan")
+        self._is_closing = False
+        self._begun_at = self._valid_at = self._due = float("nan")
 
     @property
     def refused(self) -> Counter[str]:
@@ -104,7 +110,7 @@ class StreamSession:
         if feedback is None:
             return None
         if self.state == "waiting" and not self._begin(feedback, now):
-            return None
+            return self._keep_alive(feedback)
         if not feedback.ready:  # as if it had been silent: the correction leaves, then the session is given up
             self.refused["not ready"] += 1
             return None
@@ -113,7 +119,11 @@ class StreamSession:
         self._valid_at, self._due = now, now + 1.5 * self.wire.cycle
         elapsed = feedback.time - self._start
         self._index = max(self._index, round(elapsed / self.wire.cycle))
+        if not (feedback.started or self._is_closing):  # the controller broke off its program
+            self._close(now)
         data, command = self._command(now, feedback.token)
+        if self._has_ended(now) and not (self.wire.needs_answers and feedback.started):
+            self.state = "ended"
         self.log.time.append(elapsed)
         self.log.measured.append(feedback.position)
         self.log.sent.append(command.position)
@@ -126,19 +136,22 @@ class StreamSession:
             return None
         silence = now - self._valid_at
         if silence > _GIVE_UP:
-            self.state = "lost"
+            self.state = "ended" if self._has_ended(now) else "lost"
             return None
         self._due = now + self.wire.cycle
         if not self.wire.unsolicited:
             return None
         expected = round((self.log.time[-1] + silence) / self.wire.cycle - 0.5)
         self._index = max(self._index, expected)
-        return self._command(now, None)[0]
+        data = self._command(now, None)[0]
+        if self._has_ended(now):
+            self.state = "ended"
+        return data
 
     def stop(self, now: float) -> None:
         """Let the correction leave; the program goes on to its end without it."""
         self.is_stopped = True
-        self._guard.close(now)
+        self._close(now)
 
     def _begin(self, feedback: Feedback, now: float) -> bool:
         """Begin once packets came in order, the controller takes set-points, and its pose is right."""
@@ -150,6 +163,31 @@ class StreamSession:
             return False
         self.state, self._start, self._begun_at = "running", feedback.time, now
         return True
+
+    def _keep_alive(self, feedback: Feedback) -> bytes | None:
+        """Answer without a correction a controller that needs answers before it begins."""
+        if self.is_over or not self.wire.needs_answers:
+            return None
+        none = np.zeros(len(self.plan.joints))
+        kept = Command(
+            sequence=self.sent,
+            time=0.0,
+            position=self._program[0],
+            correction=none,
+            velocity=none,
+            effort=none,
+            token=feedback.token,
+        )
+        return self.wire.encode_command(kept)
+
+    def _close(self, now: float) -> None:
+        """Let the correction leave; once is enough."""
+        self._is_closing = True
+        self._guard.close(now)
+
+    def _has_ended(self, now: float) -> bool:
+        """Tell if the plan is at its end and the correction out."""
+        return self._index >= len(self._program) - 1 and self._guard.gate(now) == 0.0
 
     def _describe_pose(self, position: Array) -> str:
         j = int(np.argmax(np.abs(position - self._program[0])))
@@ -164,9 +202,8 @@ class StreamSession:
         """Make the set-point of the present sample."""
         last = len(self._program) - 1
         k = min(self._index, last)
-        if self._index >= last and np.isnan(self._ending):
-            self._ending = now
-            self._guard.close(now)
+        if self._index >= last and not self._is_closing:
+            self._close(now)
         correction = self._guard.correct(self._correction[k], self._index - self._corrected, now)
         self._corrected = self._index
         torque = self._guard.torque(self._torque[k], now) if self.wire.torques else self._no_torque
@@ -180,21 +217,25 @@ class StreamSession:
             token=token,
         )
         self.sent += 1
-        if self._index >= last and self._guard.gate(now) == 0.0:
-            self.state = "ended"
         return self.wire.encode_command(command), command
 
 
-def _parts(plan: SetpointPlan) -> tuple[Array, Array, Array]:
-    return plan.program, plan.correction, plan.torque
+def sample_plan(plan: SetpointPlan, cycle: float) -> tuple[Array, Array, Array]:
+    """Sample program, correction and torque of a plan once a `cycle` [s], shape (T, N) each.
 
+    They are joined by cubic splines where the samples of the plan lie elsewhere.
 
-def _resample(plan: SetpointPlan, values: Array, cycle: float) -> Array:
-    """Sample a part of the plan once a cycle, by cubic splines where its own samples lie elsewhere."""
+    Raises:
+        FFGymError: if the plan is too short.
+    """
+    parts = plan.program, plan.correction, plan.torque
     if abs(plan.dt - cycle) < 1e-12:
-        return values
+        return parts
     count = int(np.floor(plan.t[-1] / cycle + 1e-9)) + 1
-    if len(values) < 4 or count < 2:
+    if len(plan.program) < 4 or count < 2:
         raise FFGymError(f"Plan {plan.name!r} lasts {plan.t[-1]:g} s, too short for a cycle of {cycle:g} s.")
-    spline = make_interp_spline(plan.t, values, k=3)
-    return np.asarray(spline(np.arange(count) * cycle), dtype=np.float64)
+    times = np.arange(count) * cycle
+    program, correction, torque = (
+        np.asarray(make_interp_spline(plan.t, part, k=3)(times), dtype=np.float64) for part in parts
+    )
+    return program, correction, torque

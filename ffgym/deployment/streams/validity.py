@@ -64,6 +64,9 @@ class Order:
         if before or feedback.time <= last.time:
             self._doubt(feedback, now, before != (feedback.time <= last.time))
             raise PacketError("out of order" if before else "old time")
+        if newer * self._wire.number_step > feedback.time - last.time + self._wire.cycle + self._wire.clock_step:
+            self._doubt(feedback, now, True)
+            raise PacketError("number ahead of its time")
         # its clock agrees with ours: the fastest packet so far tells the difference between the two
         drift = _DRIFT * (now - self._heard)
         late = offset - self._offset - drift

@@ -59,8 +59,12 @@ class Wire(Protocol):
     """True if set-points carry torques."""
     unsolicited: bool
     """True if the controller takes set-points that answer no packet of its own."""
+    needs_answers: bool
+    """True if the controller runs the program by itself, and wants an answer to each of its packets."""
     clock_step: float
     """Resolution of the controller's clock [s]."""
+    number_step: float
+    """Time from one sequence number to the next [s]."""
     wrap: int
     """Number at which sequence numbers begin again at 0."""
 

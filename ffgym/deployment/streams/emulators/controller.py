@@ -3,14 +3,13 @@
 from collections import Counter
 from typing import final
 
-import numpy as np
-
-from ffgym.core.types import Array
 from ffgym.deployment.streams.emulators.robot import EmulatedRobot
 from ffgym.deployment.streams.wire import Command, Feedback, PacketError, Wire
 
 _TIMEOUT = 1.0
 """Time without a valid set-point after which the controller stops [s], ABB's default of CommTimeout."""
+_ANSWERS = 50
+"""Answers that a controller which runs a program by itself waits for before it begins (chosen)."""
 
 
 @final
@@ -30,7 +29,7 @@ class EmulatedController:
         self._clock, self._first = clock, first
         self._answer: Command | None = None
         self._last = -1
-        self._silent = 0
+        self._silent = self._answered = 0
         self.refused: Counter[str] = Counter()
         """Set-points that were refused, by reason."""
         self.begun = False
@@ -49,6 +48,7 @@ class EmulatedController:
             time=self._clock + robot.time,
             position=robot.position,
             ready=not self.stopped,
+            started=robot.runs,
         )
         return self.wire.encode_feedback(feedback, robot.planned)
 
@@ -62,13 +62,16 @@ class EmulatedController:
         if self.begun and not 0 < (command.sequence - self._last) % self.wire.wrap < self.wire.wrap // 2:
             self.refused["out of order"] += 1
             return
+        if self.wire.needs_answers and command.time < self._clock + self.robot.time - 0.5 * self.wire.cycle:
+            self.refused["late"] += 1
+            return
         self._last, self._answer, self.begun = command.sequence, command, True
 
     def advance(self) -> None:
         """Simulate the cycle with the set-point that came, if one did."""
         answer, self._answer = self._answer, None
         self._silent = 0 if answer is not None else self._silent + 1
-        self.robot.advance(None if answer is None or self.stopped else self._setpoint(answer))
-
-    def _setpoint(self, answer: Command) -> Array:
-        return np.asarray(answer.position, dtype=np.float64)
+        if self.wire.needs_answers and self.begun:
+            self._answered += answer is not None
+            self.robot.runs = self._answered > _ANSWERS and not (self.stopped or self.robot.has_ended)
+        self.robot.advance(None if answer is None or self.stopped else answer.position)

@@ -39,6 +39,7 @@ class EmulatedRobot:
         arm: RigidArm | None = None,
         feedforward: bool = True,
         missing: Missing = "hold",
+        program: Array | None = None,
         options: ModelOptions | None = None,
     ) -> None:
         """Put a robot to rest.
@@ -52,6 +53,9 @@ class EmulatedRobot:
             arm: rigid dynamics that the controller knows; None takes those of the machine's robot.
             feedforward: True if the controller computes rigid feed-forward.
             missing: what it does in a cycle without a set-point.
+            program: joint positions at each cycle of a program that the controller runs by itself, link side, shape
+                (T, N), which begins at `start`; set-points are then corrections of it, and they alone are delayed and
+                filtered. None takes positions.
             options: what to leave out of the plant, or another physics step.
 
         Raises:
@@ -74,9 +78,14 @@ class EmulatedRobot:
         self._missing = missing
         self.plant.rest(start[None])
         # set-points so far, oldest first, one a cycle; at rest before the start
+        self._program = program
+        rest = start if program is None else np.zeros_like(start)
         kept = int(np.ceil(response.delay / cycle)) + 2
-        self._received = [start.copy() for _ in range(kept)]
-        self._filter = _StreamingFilter(response, self._step, start)
+        self._received = [rest.copy() for _ in range(kept)]
+        self._filter = _StreamingFilter(response, self._step, rest)
+        self._run_cycles = 0
+        self.runs = False
+        """True while the controller runs its program; set it to begin."""
         self._reference = np.tile(self.robot.drive.motor_angle(start), (2, 1))
         self._rates = np.zeros((2, len(start)))
         self._feedforward = np.zeros(len(start))
@@ -100,6 +109,11 @@ class EmulatedRobot:
     def planned(self) -> Array:
         """Set-point that the servo tracks now, link side [rad or m], shape (N,)."""
         return self.robot.drive.joint_angle(self._reference[-1])
+
+    @property
+    def has_ended(self) -> bool:
+        """True once the controller has come to the end of its program."""
+        return self._program is not None and self._run_cycles >= len(self._program) - 1
 
     def advance(self, setpoint: Array | None, torque: Array | None = None) -> None:
         """Simulate a cycle.
@@ -168,11 +182,22 @@ class EmulatedRobot:
         share = (places - below)[:, None]
         late = (1 - share) * received[below] + share * received[below + 1]
         drive = self.robot.drive
-        reference = np.vstack([self._reference[-1:], drive.motor_angle(self._filter.next(late))])
+        reached = self._filter.next(late) + self._advance_program()
+        reference = np.vstack([self._reference[-1:], drive.motor_angle(reached)])
         speed = np.vstack([self._rates[-1:], np.diff(reference, axis=0) / self._step])
         self._rates, before = speed, self._rates
         self._acceleration = (speed[-1] - before[-1]) / self.cycle
         return reference, speed
+
+    def _advance_program(self) -> Array:
+        """Run the controller's own program for a cycle; returns its positions at the physics steps, link side."""
+        if self._program is None:
+            return np.zeros(self.robot.n_joints)
+        k = min(self._run_cycles, len(self._program) - 1)
+        following = min(k + 1, len(self._program) - 1) if self.runs else k
+        self._run_cycles = following
+        share = (np.arange(1, self._substeps + 1) / self._substeps)[:, None]
+        return (1 - share) * self._program[k] + share * self._program[following]
 
     def _torques(self, reference: Array, speed: Array) -> Array:
         """Compute the rigid feed-forward at the physics steps of a cycle, motor side [N m], straight over the cycle."""
