@@ -118,7 +118,8 @@ class BSplineNetwork(Network):
         """
         values, places = self.active(motor_dq, motor_ddq, None if q is None else self.locate(q))
         flat = self.coefficients.reshape(self.n_joints, -1)
-        return np.asarray((values * flat[np.arange(self.n_joints)[:, None], places]).sum(axis=-1))
+        weights = np.take_along_axis(np.broadcast_to(flat, (*places.shape[:-1], flat.shape[-1])), places, axis=-1)
+        return np.asarray((values * weights).sum(axis=-1))
 
     def design_matrix(self, motor_dq: Array, motor_ddq: Array, place: Array | None = None) -> "scipy.sparse.csr_array":
         """Return splines along a motion of one joint, (T, H S): torque = matrix @ weights of the joint in one row."""
@@ -204,7 +205,7 @@ class ExtendedBSN(SwitchedBSN):
 
     def select_network(self, motor_ddq: Array) -> IntArray:
         """Return 0 (H1) where the acceleration is >= 0, 1 (H2) where it is < 0."""
-        return np.asarray(motor_ddq < 0, dtype=np.int64)
+        return (motor_ddq < 0).astype(np.int64)
 
 
 def train_as_in_thesis(kind: type[BSplineNetwork], arm: RigidArm, trial: Trial) -> Network:

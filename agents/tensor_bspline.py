@@ -103,7 +103,8 @@ class TensorBSN(BSplineNetwork):
     def locate(self, q: Array) -> Array:
         """Return joint positions `q` (..., N) [rad], link side, as shares of the range of each joint."""
         low, high = self.position_range
-        return np.asarray((q - low) / (high - low))
+        share: Array = (q - low) / (high - low)
+        return share
 
     def active(self, motor_dq: Array, motor_ddq: Array, place: Array | None = None) -> tuple[Array, IntArray]:
         """Evaluate the products of splines that are not zero, one per pair; see `BSplineNetwork.active`.

@@ -6,9 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from ffgym.agents.spline_basis import SplineBasis
 from ffgym.control import CausalLaw, Window
 from ffgym.core.errors import FFGymError
-from ffgym.core.types import Array
+from ffgym.core.types import Array, IntArray
 from ffgym.deployment.code.symbols import Symbols, node_of
 from ffgym.paths import Reference
 from ffgym.robot import RigidArm
@@ -102,6 +103,8 @@ def _with_symbols(part: Any, graph: Graph, terms: list[ProgramTerm]) -> Any:
     """Copy of a law, and of what it is made of, that can be asked at symbols."""
     if isinstance(part, RigidArm):
         return _TracedArm(part, graph, terms)
+    if isinstance(part, SplineBasis):
+        return _TracedBasis(knots=part.knots, order=part.order)
     if not is_dataclass(part) or isinstance(part, type):
         return part
     found = {field.name: getattr(part, field.name) for field in fields(part) if field.init}
@@ -137,6 +140,34 @@ class _TracedArm(RigidArm):
         self._terms.append(ProgramTerm(function=function, arguments=plain, first=first))
         found = [self._graph.make("given", value=("program", first + k), fixed=False) for k in range(plain[0].size)]
         return Symbols.of(self._graph, np.array(found, dtype=object).reshape(plain[0].shape))
+
+
+class _TracedBasis(SplineBasis):
+    """B-splines in arithmetic, where those for numbers come from a compiled function of SciPy."""
+
+    def active(self, motor_dq: Array) -> tuple[Array, IntArray]:
+        """Evaluate the splines that are not zero by the recursion of Cox and de Boor, thesis (3.11)."""
+        inside = np.clip(motor_dq, self.knots[0], self.knots[-1])
+        interval: Any = np.zeros_like(inside)
+        for knot in self.knots[1:-1]:
+            interval = interval + (inside >= knot).astype(np.float64)
+
+        def knot_at(step: int) -> Any:  # `step` knots on from the left end of the interval
+            row = np.broadcast_to(self.clamped, (*inside.shape, len(self.clamped)))
+            places: Any = (interval + float(self.order - 1 + step))[..., None]
+            return np.take_along_axis(row, places, axis=-1)[..., 0]
+
+        values = [np.ones_like(inside)]
+        for degree in range(1, self.order):
+            shares = []  # of the splines one degree below, in those that begin at the same knot
+            for k in range(degree):
+                low, high = knot_at(k + 1 - degree), knot_at(k + 1)
+                shares.append((inside - low) / (high - low))
+            falling = [value * (1.0 - share) for value, share in zip(values, shares, strict=True)]
+            rising = [value * share for value, share in zip(values, shares, strict=True)]
+            values = [falling[0], *(b + a for a, b in zip(rising[:-1], falling[1:], strict=True)), rising[-1]]
+        places = [interval + float(k) for k in range(self.order)]
+        return np.stack(values, axis=-1), np.stack(places, axis=-1)
 
 
 def tabulate_program(traced: TracedLaw, reference: Reference) -> Array:

@@ -81,7 +81,7 @@ def test_joints_that_are_alike_are_one_loop(formula):
     "formula",
     [
         lambda x: x if x[0] > 0 else -x,
-        lambda x: np.zeros(N).__iadd__(x),
+        lambda x: np.add(x, 1.0, out=np.zeros(N)),
         lambda x: np.linalg.norm(x) * x,
         lambda x: float(x[0]) * x,
         lambda x: np.add.accumulate(x),

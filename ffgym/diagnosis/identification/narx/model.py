@@ -140,7 +140,8 @@ class NarxModel:
         return inside
 
     def _sum(self, inside: Array) -> Array:
-        return np.asarray(self.offset + (self.output_weights * sigmoid(inside)).sum(axis=-1))
+        output: Array = self.offset + (self.output_weights * sigmoid(inside)).sum(axis=-1)
+        return output
 
 
 ARRAYS = ("input_weights", "biases", "output_weights", "offset", "speed_scale", "torque_scale")
@@ -158,4 +159,5 @@ def joint_models(models: list[NarxModel], which: Array) -> NarxModel:
 
 def sigmoid(x: Array) -> Array:
     """Thesis (3.7), as a hyperbolic tangent, which cannot overflow."""
-    return np.asarray(0.5 + 0.5 * np.tanh(0.5 * x))
+    share: Array = 0.5 + 0.5 * np.tanh(0.5 * x)
+    return share
