@@ -40,7 +40,8 @@ class LinearLayer:
     def __call__(self, x: Array) -> Array:
         """Apply the layer to inputs (..., inputs), shape (..., outputs)."""
         # products row by row: a matrix product would round by the number of rows
-        return np.asarray((x[..., None, :] * self.weight).sum(axis=-1)) + self.bias
+        out: Array = (x[..., None, :] * self.weight).sum(axis=-1) + self.bias
+        return out
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -120,9 +121,9 @@ class Actor:
             state: state that the last call returned, or `initial_state`.
             begins: True where an episode begins, shape (...,); None is nowhere.
         """
-        x = np.asarray(features, dtype=np.float32).astype(np.float64)
+        x = features.astype(np.float32).astype(np.float64)
         if begins is not None:
-            state = np.where(np.asarray(begins)[..., None, None], 0.0, state)
+            state = np.where(begins[..., None, None], 0.0, state)
         if self.lstm is not None:
             x, state = self.lstm.step(x, state)
         if self.factored:
@@ -174,4 +175,5 @@ def _check_layer(name: str, layer: LinearLayer, inputs: int | None, outputs: int
 
 
 def _sigmoid(x: Array) -> Array:
-    return np.asarray(0.5 * (1.0 + np.tanh(0.5 * x)))
+    share: Array = 0.5 * (1.0 + np.tanh(0.5 * x))
+    return share

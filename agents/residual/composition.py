@@ -92,7 +92,8 @@ class Features:
 
     def _seen(self, observation: Array, name: str) -> Array:
         """Return an entry of observations in its scale, shape (..., N)."""
-        return np.asarray(observation[..., self.layout[name].slice])
+        seen: Array = observation[..., self.layout[name].slice]
+        return seen
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

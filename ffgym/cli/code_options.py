@@ -33,3 +33,24 @@ class ExportCode:
     """Write files that are not compared with the simulation, and say so; for computers without a C compiler."""
     json: Numbers = None
     threads: Threads = 0
+
+
+@dataclass(frozen=True)
+class ExportPolicy:
+    """Write a residual policy as ONNX, its scaling and memory inside: physical readings in, torque out.
+
+    It is compared with the simulation in closed loop along a motion, and not written if a torque differs by more than
+    1e-6 of the policy's largest one.
+    """
+
+    policy: tyro.conf.Positional[str]
+    """Trained policy of docs/agents, or file of a policy (.npz) that `ffgym train policy` wrote."""
+    out: Path = Path("policy.onnx")
+    """File to write."""
+    robot: str = "irb4600_60_205"
+    """Built-in robot, or a path that ends in .toml to a description: the robot that the controller knows."""
+    motion: str = "circles"
+    """Built-in motion or file along which it is compared."""
+    single: bool = False
+    """Compute with numbers of 32 bits, for runtimes that have no others."""
+    json: Numbers = None

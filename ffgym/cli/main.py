@@ -49,6 +49,12 @@ COMMANDS = {
         "a feed-forward law as C99, compared and timed",
         "irb4600_60_205 circles --feedforward elastic --out law",
     ),
+    "export policy": Command(
+        "code_options:ExportPolicy",
+        "export_policy:run",
+        "a residual policy as ONNX, compared",
+        "ppo_elastic --out policy.onnx",
+    ),
     "record": Command(
         "motion_options:Record", "record:run", "measure by protocols", "one_axis speed_ladder --out logs"
     ),

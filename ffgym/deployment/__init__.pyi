@@ -1,5 +1,7 @@
 from .code import CodeCheck as CodeCheck
+from .code import PolicyCheck as PolicyCheck
 from .code import write_law_code as write_law_code
+from .code import write_policy_onnx as write_policy_onnx
 from .plan import SetpointPlan as SetpointPlan
 from .plan import read_plan as read_plan
 from .plan import write_plan as write_plan

@@ -68,7 +68,7 @@ class Symbols(np.ndarray[Any, Any]):
         if method != "__call__" or ufunc.nout != 1 or {name for name in options if name != "dtype"}:
             raise Untraceable(f"{ufunc.__name__}.{method} with {sorted(options)}")
         result = _elementwise(graph, ufunc, inputs)
-        if where is True and (out is None or out[0] is inputs[0] and not isinstance(out[0], Symbols)):
+        if where is True and (out is None or (out[0] is inputs[0] and not isinstance(out[0], Symbols))):
             return result  # of `total += symbols` too, where total was an array of numbers and is one of symbols then
         if out is None or not isinstance(out[0], Symbols):
             raise Untraceable("a result that is written into an array of numbers")
