@@ -54,3 +54,24 @@ class ExportPolicy:
     single: bool = False
     """Compute with numbers of 32 bits, for runtimes that have no others."""
     json: Numbers = None
+
+
+@dataclass(frozen=True)
+class ExportTable:
+    """Write torque and correction along one motion as tables: CSV, and a binary file with a reader in C."""
+
+    robot: tyro.conf.Positional[str | None] = None
+    """Built-in robot, or a path that ends in .toml to a description or a machine file."""
+    path: tyro.conf.Positional[str | None] = None
+    """Built-in motion, or a file: .toml (motion), .csv (poses or joint positions), .mod (RAPID)."""
+    plan: Path | None = None
+    """Plan of set-points (.npz), in place of robot, motion and law."""
+    entry: Procedure = None
+    out: Path = Path("table")
+    """Folder to write; it must be empty or not exist."""
+    feedforward: str = "elastic"
+    """Name of docs/agents, or file of a learned law. One that learns is trained first, on its standard motions."""
+    parameters: Path | None = None
+    """Parameter file for the law's model of the robot."""
+    json: Numbers = None
+    threads: Threads = 0

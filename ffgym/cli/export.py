@@ -60,7 +60,7 @@ def _export_motion(
     config: Export, path: str, arm: RigidArm, machine: Machine, options: ModelOptions
 ) -> tuple[list[str], dict[str, Any]]:
     """Export the robot and a motion on it; returns what to print, and where the files come from."""
-    ready = prepare_motion(config, path, arm, machine, options)
+    ready = prepare_motion(config, config.robot, path, arm, machine, options)
     motion, law, arm = ready.motion, ready.law, ready.arm
     # closed loop with this law, recorded beside the reference
     with progress_bar("exporting", "s") as progress:
@@ -87,10 +87,6 @@ def _export_motion(
 
 class MotionOptions(Protocol):
     """Options of a command that prepares a motion under a law."""
-
-    @property
-    def robot(self) -> str:
-        """Robot or machine file."""
 
     @property
     def entry(self) -> str | None:
@@ -128,7 +124,7 @@ def load_machine_or_robot(name: str) -> tuple[RobotDescription, Machine]:
 
 
 def prepare_motion(
-    config: MotionOptions, path: str, arm: RigidArm, machine: Machine, options: ModelOptions
+    config: MotionOptions, robot: str, path: str, arm: RigidArm, machine: Machine, options: ModelOptions
 ) -> PreparedMotion:
     """Load a motion and make the law that the options name, on what MuJoCo has of the machine.
 
@@ -138,7 +134,7 @@ def prepare_motion(
     motion = load_motion(arm, path, entry=config.entry)
     if motion.reference.robot is not arm.robot:  # the motion brings its own tool
         if machine.robot is not arm.robot:
-            raise FFGymError(f"{path} brings a tool of its own, but that of {config.robot} cannot be changed.")
+            raise FFGymError(f"{path} brings a tool of its own, but that of {robot} cannot be changed.")
         arm, machine = RigidArm(motion.reference.robot), Machine.of(motion.reference.robot)
     # feedforward law for this motion, from the nominal model
     rig = SimulatedRig(arm=arm, machine=in_engine(machine), options=replace(options, looks=False))

@@ -24,7 +24,7 @@ def run(config: ExportCode) -> None:
         need_compiler("A law in C")
     known, machine = load_machine_or_robot(config.robot)
     options = ModelOptions(looks=False)
-    ready = prepare_motion(config, config.path, RigidArm(known), machine, options)
+    ready = prepare_motion(config, config.robot, config.path, RigidArm(known), machine, options)
     check = write_law_code(
         ready.law, ready.motion.reference, config.out, name=config.name, checked=not config.unchecked
     )

@@ -49,6 +49,12 @@ COMMANDS = {
         "a feed-forward law as C99, compared and timed",
         "irb4600_60_205 circles --feedforward elastic --out law",
     ),
+    "export table": Command(
+        "code_options:ExportTable",
+        "export_table:run",
+        "torque and correction along a motion as tables",
+        "irb4600_60_205 circles --feedforward elastic --out table",
+    ),
     "export policy": Command(
         "code_options:ExportPolicy",
         "export_policy:run",

@@ -1,7 +1,10 @@
 from .code import CodeCheck as CodeCheck
+from .code import LawTable as LawTable
 from .code import PolicyCheck as PolicyCheck
+from .code import read_table as read_table
 from .code import write_law_code as write_law_code
 from .code import write_policy_onnx as write_policy_onnx
+from .code import write_table as write_table
 from .plan import SetpointPlan as SetpointPlan
 from .plan import read_plan as read_plan
 from .plan import write_plan as write_plan

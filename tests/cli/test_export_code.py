@@ -1,4 +1,4 @@
-"""`ffgym export code` writes a law as C99 that was compared, or one line that says why not."""
+"""`ffgym export code`, `table` and `policy` write what was compared, or one line that says why not."""
 
 import json
 
@@ -25,7 +25,8 @@ def test_a_law_is_written_with_its_comparison(folder, capsys):
     found = json.loads((folder / "code.json").read_text())
     assert found["feedforward_law"] == "lugre_dynamic"
     assert found["command"] == "ffgym export code"
-    assert 0 <= found["check"]["largest_difference"] <= 1e-9 * found["check"]["largest_torque"]
+    assert found["check"]["agrees"]
+    assert 0 <= found["check"]["largest_difference"] <= 1e-9
 
 
 def test_files_that_were_not_compared_are_told(folder, capsys, monkeypatch):
@@ -54,3 +55,30 @@ def test_a_request_that_cannot_be_met_is_one_line_and_writes_nothing(arguments, 
     assert line.startswith("ffgym: error: ")
     assert reason in line
     assert [path.name for path in folder.iterdir()] == ["full"]
+
+
+def test_a_table_of_a_law_is_written(folder, capsys):
+    assert main(["export", "table", "one_axis", "sine", "--feedforward", "lugre_static", "--json", "table.json"]) == 0
+    assert {path.name for path in (folder / "table").iterdir()} == {"table.csv", "table.bin", "table.h"}
+    assert "samples of position [rad or m], torque [N m], correction [rad or m]" in capsys.readouterr().out
+    found = json.loads((folder / "table.json").read_text())
+    assert (found["motion"], found["feedforward_law"]) == ("sine", "lugre_static")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "reason"),
+    [
+        (["table"], "needs a robot and a motion"),
+        (["table", "one_axis"], "needs a robot and a motion"),
+        (["table", "--plan", "absent.npz"], "absent.npz"),
+        (["table", "one_axis", "sine", "--plan", "absent.npz"], "no effect with --plan"),
+        (["policy", "absent"], "trained policy"),
+        (["policy", "ppo_elastic", "--robot", "one_axis", "--motion", "sine"], "6 motors"),
+        (["policy", "ppo_elastic", "--out", "policy.txt"], ".onnx"),
+    ],
+)
+def test_a_table_or_policy_that_cannot_be_written_is_one_line(arguments, reason, folder, capsys):
+    assert main(["export", *arguments]) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert reason in line
+    assert not [*folder.iterdir()]

@@ -44,6 +44,8 @@ class TracedLaw:
     """Torque of each motor [N m]."""
     memory: tuple[Node, ...]
     """Memory after the step."""
+    own_error: tuple[tuple[Node, ...], tuple[Node, ...]]
+    """Errors that the law itself asks for at the next sample, position [rad] and speed [rad/s]."""
     terms: tuple[ProgramTerm, ...]
 
     @property
@@ -65,7 +67,9 @@ def trace_law(law: CausalLaw, reference: Reference) -> TracedLaw:
     given = {name: _given(graph, name, (law.preview + 1, n)) for name in WINDOW}
     try:
         traced: Any = _with_symbols(law, graph, terms)
-        torque, memory = traced.step(_given(graph, "memory", (size,)), Window(**given, dt=window.dt))
+        before = _given(graph, "memory", (size,))
+        torque, memory = traced.step(before, Window(**given, dt=window.dt))
+        own = traced.own_error(before)
     except Exception as error:  # formulas may do with arrays what symbols do not bear, and say so in any way
         raise no_form(law, error) from error
     return TracedLaw(
@@ -74,6 +78,7 @@ def trace_law(law: CausalLaw, reference: Reference) -> TracedLaw:
         graph=graph,
         torque=_numbers(graph, torque),
         memory=_numbers(graph, memory),
+        own_error=(_numbers(graph, own[0]), _numbers(graph, own[1])),
         terms=tuple(terms),
     )
 
@@ -104,7 +109,7 @@ def _with_symbols(part: Any, graph: Graph, terms: list[ProgramTerm]) -> Any:
     if isinstance(part, RigidArm):
         return _TracedArm(part, graph, terms)
     if isinstance(part, SplineBasis):
-        return _TracedBasis(knots=part.knots, order=part.order)
+        return TracedBasis(knots=part.knots, order=part.order)
     if not is_dataclass(part) or isinstance(part, type):
         return part
     found = {field.name: getattr(part, field.name) for field in fields(part) if field.init}
@@ -142,7 +147,7 @@ class _TracedArm(RigidArm):
         return Symbols.of(self._graph, np.array(found, dtype=object).reshape(plain[0].shape))
 
 
-class _TracedBasis(SplineBasis):
+class TracedBasis(SplineBasis):
     """B-splines in arithmetic, where those for numbers come from a compiled function of SciPy."""
 
     def active(self, motor_dq: Array) -> tuple[Array, IntArray]:

@@ -14,8 +14,10 @@ PAGE = (Path(__file__).parents[3] / "docs" / "deployment" / "code.md").read_text
 
 
 @pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
+@pytest.mark.slow
 def test_every_command_of_the_page_runs(tmp_path, monkeypatch, capfd):
     monkeypatch.chdir(tmp_path)
+    pytest.importorskip("onnxruntime")
     commands = [line for block in re.findall(r"```sh\n(.*?)```", PAGE, flags=re.S) for line in block.splitlines()]
     for command in commands:
         program, *arguments = shlex.split(command)

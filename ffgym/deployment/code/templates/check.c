@@ -2,9 +2,9 @@
  *
  *     cc -std=c99 -O2 -ffp-contract=off ${name}.c check.c -lm -o check && ./check reference.csv
  *
- * Prints the largest difference [N m], and the time of a step: the worst and the median sample, each the shortest of
+ * Prints the largest differences, and the time of a step: the worst and the median sample, each the shortest of
  * $repetitions runs, so that the times of the law are told from interruptions by the operating system; and the longest
- * step of all. The exit code is 1 where a torque differs by more than TOLERANCE.
+ * step of all. The exit code is 1 where a number differs by more than the tolerance.
  */
 #define _POSIX_C_SOURCE 199309L /* clock_gettime */
 #include "${name}.h"
@@ -16,10 +16,13 @@
 
 #define JOINTS ${upper}_JOINTS
 #define SAMPLES ${upper}_SAMPLES
-#define TOLERANCE $tolerance
 #define RUNS $repetitions
 
-static double reference[4][SAMPLES][JOINTS]; /* q, motor_dq, motor_ddq, torque of the simulation */
+#define PARTS 6
+
+/* q, motor_dq, motor_ddq; of the simulation: torque, and errors that the law asks for, position and speed */
+static double reference[PARTS][SAMPLES][JOINTS];
+static const double tolerance[PARTS] = {0.0, 0.0, 0.0, $tolerances}; /* $share of the largest along the motion */
 static double shortest[SAMPLES];
 
 static double now_us(void)
@@ -43,7 +46,7 @@ static int read_reference(const char *path)
         while ((letter = getc(file)) != '\n' && letter != EOF) {
         }
     for (long k = 0; ok && k < SAMPLES; ++k)
-        for (int part = 0; ok && part < 4; ++part)
+        for (int part = 0; ok && part < PARTS; ++part)
             for (int j = 0; ok && j < JOINTS; ++j)
                 ok = fscanf(file, "%lf,", &reference[part][k][j]) == 1;
     if (file != NULL)
@@ -54,7 +57,7 @@ static int read_reference(const char *path)
 int main(int count, char **arguments)
 {
     static ${name}_state state;
-    double largest = 0.0, longest = 0.0;
+    double largest[PARTS] = {0.0}, longest = 0.0;
     if (count != 2 || !read_reference(arguments[1])) {
         fprintf(stderr, "usage: check reference.csv, with %d samples of %d joints\n", SAMPLES, JOINTS);
         return 2;
@@ -62,27 +65,33 @@ int main(int count, char **arguments)
     for (int run = 0; run < RUNS; ++run) {
         ${name}_start(&state);
         for (long k = 0; k < SAMPLES - 1; ++k) {
-            double window[3][${upper}_WINDOW], torque[JOINTS], begun, taken;
+            double window[3][${upper}_WINDOW], found[3][JOINTS], begun, taken;
             for (int part = 0; part < 3; ++part)
                 for (int i = 0; i <= ${upper}_PREVIEW; ++i)
                     for (int j = 0; j < JOINTS; ++j)
                         window[part][i * JOINTS + j] = reference[part][k + i < SAMPLES ? k + i : SAMPLES - 1][j];
+            ${name}_own_error(&state, found[1], found[2]);
             begun = now_us();
-            if (${name}_step(&state, window[0], window[1], window[2], torque) != 0)
+            if (${name}_step(&state, window[0], window[1], window[2], found[0]) != 0)
                 return 2;
             taken = now_us() - begun;
             if (run == 0 || taken < shortest[k])
                 shortest[k] = taken;
             if (taken > longest)
                 longest = taken;
-            for (int j = 0; j < JOINTS; ++j) {
-                const double off = fabs(torque[j] - reference[3][k + 1][j]);
-                largest = off <= largest ? largest : off; /* keeps a difference that is no number */
-            }
+            for (int part = 3; part < PARTS; ++part)
+                for (int j = 0; j < JOINTS; ++j) {
+                    const double off = fabs(found[part - 3][j] - reference[part][k + 1][j]);
+                    largest[part] = off <= largest[part] ? largest[part] : off; /* keeps one that is no number */
+                }
         }
     }
     qsort(shortest, SAMPLES - 1, sizeof shortest[0], compare);
-    printf("largest_difference_Nm %.17g\n", largest);
+    printf("difference_torque_Nm %.17g\n", largest[3]);
+    printf("difference_own_position_rad %.17g\ndifference_own_speed_rad_s %.17g\n", largest[4], largest[5]);
     printf("worst_us %.4g\nmedian_us %.4g\nlongest_us %.4g\n", shortest[SAMPLES - 2], shortest[(SAMPLES - 1) / 2], longest);
-    return largest <= TOLERANCE ? 0 : 1;
+    for (int part = 3; part < PARTS; ++part)
+        if (!(largest[part] <= tolerance[part]))
+            return 1;
+    return 0;
 }

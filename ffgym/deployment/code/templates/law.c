@@ -6,7 +6,7 @@
 #include <string.h>
 
 static const double start[${upper}_MEMORY] = {$start};
-$tables
+$terms
 void ${name}_start(${name}_state *state)
 {
     memcpy(state->memory, start, sizeof start);
@@ -18,6 +18,7 @@ int ${name}_step(${name}_state *state, const double q[${upper}_WINDOW], const do
 {
     const double *const memory = state->memory;
     double next[${upper}_MEMORY] = {0.0};
+$tables
 $program
     (void)q;
     (void)motor_dq;
@@ -27,4 +28,12 @@ $statements
     memcpy(state->memory, next, sizeof next);
     ++state->step;
     return 0;
+}
+
+void ${name}_own_error(const ${name}_state *state, double position[${upper}_JOINTS], double speed[${upper}_JOINTS])
+{
+    const double *const memory = state->memory;
+$own_tables
+    (void)memory;
+$own_statements
 }
