@@ -85,6 +85,24 @@ COMMANDS = {
         "stream_options:Emulate", "emulate:run", "a robot controller to try a stream on", "egm --delay-ms 9.3"
     ),
     "improve": Command("log_options:Improve", "improve:run", "what a diagnosed model gains in control", "machine.toml"),
+    "trial plan": Command(
+        "trial_options:PlanTrial",
+        "trial:plan",
+        "an on/off experiment on a machine, in random order",
+        "irb4600_60_205 circles --runs 16 --seed 7 --out trial",
+    ),
+    "trial rehearse": Command(
+        "trial_options:RehearseTrial",
+        "trial:rehearse_plan",
+        "the planned experiment on a simulated machine",
+        "trial --machine workcell:thesis --feedforward elastic",
+    ),
+    "trial read": Command(
+        "trial_options:ReadTrial",
+        "trial:read",
+        "the gain that the logs show, and how sure it is",
+        "trial trial/logs --report gain.html",
+    ),
     "train policy": Command(
         "learning_options:PolicyTraining",
         "train_policy:run",

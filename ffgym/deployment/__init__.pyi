@@ -19,3 +19,14 @@ from .streams.emulators import EmulatedController as EmulatedController
 from .streams.emulators import EmulatedRobot as EmulatedRobot
 from .streams.emulators import Faults as Faults
 from .streams.emulators import run_in_lock_step as run_in_lock_step
+from .trial import Gain as Gain
+from .trial import TrialLog as TrialLog
+from .trial import TrialPlan as TrialPlan
+from .trial import TrialProgram as TrialProgram
+from .trial import TrialResult as TrialResult
+from .trial import make_program as make_program
+from .trial import plan_trial as plan_trial
+from .trial import read_trial as read_trial
+from .trial import read_trial_plan as read_trial_plan
+from .trial import rehearse as rehearse
+from .trial import write_trial_plan as write_trial_plan

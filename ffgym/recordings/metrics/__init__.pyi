@@ -6,6 +6,8 @@ from .contour import start_offset as start_offset
 from .magnify import magnification as magnification
 from .magnify import magnify as magnify
 from .magnify import round_down as round_down
+from .noise import QuietRms as QuietRms
+from .noise import rms_without_noise as rms_without_noise
 from .path_error import Circle as Circle
 from .path_error import PathError as PathError
 from .path_error import circle_deviation as circle_deviation

@@ -1,0 +1,16 @@
+from .gains import Gain as Gain
+from .gains import estimate_gains as estimate_gains
+from .matching import TrialLog as TrialLog
+from .plan import PlannedRun as PlannedRun
+from .plan import TrialPlan as TrialPlan
+from .plan import plan_trial as plan_trial
+from .plan_files import read_trial_plan as read_trial_plan
+from .plan_files import write_trial_plan as write_trial_plan
+from .power import Power as Power
+from .power import count_pairs as count_pairs
+from .program import TrialProgram as TrialProgram
+from .program import make_program as make_program
+from .reading import RunResult as RunResult
+from .reading import TrialResult as TrialResult
+from .reading import read_trial as read_trial
+from .rehearsal import rehearse as rehearse
