@@ -24,7 +24,6 @@ EXECUTED = [
     "docs/reproduction.md",
     "docs/simulate.md",
     "docs/torque_prediction.md",
-    "docs/deployment/code.md",
     "docs/deployment/setpoints.md",
     "docs/agents/README.md",
     "docs/agents/bspline.md",

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 import tyro
 
@@ -73,5 +74,32 @@ class ExportTable:
     """Name of docs/agents, or file of a learned law. One that learns is trained first, on its standard motions."""
     parameters: Path | None = None
     """Parameter file for the law's model of the robot."""
+    json: Numbers = None
+    threads: Threads = 0
+
+
+@dataclass(frozen=True)
+class ExportFmu:
+    """Write a robot under its servos, and a program with its feed-forward law, as FMUs for co-simulation.
+
+    FMPy validates them; they are run along the motion, and not written if a number differs from the simulation by more
+    than 1e-9 in SI units.
+    """
+
+    robot: tyro.conf.Positional[str]
+    """Built-in robot, or a path that ends in .toml to a description or a machine file."""
+    path: tyro.conf.Positional[str]
+    """Built-in motion, or a file: .toml (motion), .csv (poses or joint positions), .mod (RAPID)."""
+    entry: Procedure = None
+    out: Path = Path("fmu")
+    """Folder to write; it must be empty or not exist."""
+    feedforward: str = "elastic"
+    """Name of docs/agents, or file of a learned law. One that learns is trained first, on its standard motions."""
+    parameters: Path | None = None
+    """Parameter file for the law's model of the robot; the plant keeps its own numbers."""
+    fmi: tuple[Literal["2.0", "3.0"], ...] = ("2.0", "3.0")
+    """Versions of the standard."""
+    program: bool = True
+    """Program with its law, beside the robot; no-program leaves it out, for laws that have no form in C."""
     json: Numbers = None
     threads: Threads = 0

@@ -55,6 +55,12 @@ COMMANDS = {
         "torque and correction along a motion as tables",
         "irb4600_60_205 circles --feedforward elastic --out table",
     ),
+    "export fmu": Command(
+        "code_options:ExportFmu",
+        "export_fmu:run",
+        "a robot and a program as FMUs, compared",
+        "irb4600_60_205 circles --feedforward elastic --out fmu",
+    ),
     "export policy": Command(
         "code_options:ExportPolicy",
         "export_policy:run",

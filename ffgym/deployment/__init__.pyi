@@ -1,7 +1,9 @@
 from .code import CodeCheck as CodeCheck
+from .code import FmuCheck as FmuCheck
 from .code import LawTable as LawTable
 from .code import PolicyCheck as PolicyCheck
 from .code import read_table as read_table
+from .code import write_fmus as write_fmus
 from .code import write_law_code as write_law_code
 from .code import write_policy_onnx as write_policy_onnx
 from .code import write_table as write_table

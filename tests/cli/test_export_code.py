@@ -1,4 +1,4 @@
-"""`ffgym export code`, `table` and `policy` write what was compared, or one line that says why not."""
+"""`ffgym export code`, `table`, `policy` and `fmu` write what was compared, or one line that says why not."""
 
 import json
 
@@ -72,6 +72,8 @@ def test_a_table_of_a_law_is_written(folder, capsys):
         (["table", "one_axis"], "needs a robot and a motion"),
         (["table", "--plan", "absent.npz"], "absent.npz"),
         (["table", "one_axis", "sine", "--plan", "absent.npz"], "no effect with --plan"),
+        (["fmu", "one_axis", "absent"], "motion"),
+        (["fmu", "one_axis", "sine", "--feedforward", "none"], "does not run sample by sample"),
         (["policy", "absent"], "trained policy"),
         (["policy", "ppo_elastic", "--robot", "one_axis", "--motion", "sine"], "6 motors"),
         (["policy", "ppo_elastic", "--out", "policy.txt"], ".onnx"),

@@ -1,3 +1,5 @@
+from .fmu import write_fmus as write_fmus
+from .fmu_check import FmuCheck as FmuCheck
 from .law import CodeCheck as CodeCheck
 from .law import write_law_code as write_law_code
 from .policy import PolicyCheck as PolicyCheck

@@ -20,18 +20,18 @@ def find_compiler() -> str | None:
     return next((path for name in names if (path := shutil.which(name)) is not None), None)
 
 
-def need_compiler(what: str) -> str:
-    """Return the compiler.
+def need_compiler(what: str, *, optional: bool = True) -> str:
+    """Return the compiler; `optional` says that files can be written without one.
 
     Raises:
         FFGymError: if there is none.
     """
     compiler = find_compiler()
     if compiler is None:
+        way_out = ", or ask for files that are not compared (--unchecked)" if optional else ""
         raise FFGymError(
             f"{what} is compiled and compared with the simulation before it is written, and there is no C compiler: "
-            "neither the variable CC nor cc, gcc or clang name one. Install one, or ask for files that are not "
-            "compared (--unchecked)."
+            f"neither the variable CC nor cc, gcc or clang name one. Install one{way_out}."
         )
     return compiler
 

@@ -129,9 +129,14 @@ def _outputs(traced: TracedLaw) -> list[Output]:
 
 def _table_text(table: Array) -> str:
     """Terms of the program as a table of C."""
-    rows = ",\n".join("    {" + ", ".join(map(literal, row)) + "}" for row in table.tolist())
+    rows = number_rows(table)
     head = f"static const double terms[{len(table)}][{table.shape[1]}]"
     return f"/* Torque of the rigid links along the program, a row for each step. */\n{head} = {{\n{rows}}};"
+
+
+def number_rows(table: Array) -> str:
+    """Rows of numbers of a table in C."""
+    return ",\n".join("    {" + ", ".join(map(literal, row)) + "}" for row in table.tolist())
 
 
 def _reference_text(reference: Reference, wanted: Sequence[Array]) -> str:

@@ -1,4 +1,4 @@
-"""Commands of the page about code run as they are printed."""
+"""The page about code runs as it is printed."""
 
 import re
 import shlex
@@ -15,15 +15,20 @@ PAGE = (Path(__file__).parents[3] / "docs" / "deployment" / "code.md").read_text
 
 @pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 @pytest.mark.slow
-def test_every_command_of_the_page_runs(tmp_path, monkeypatch, capfd):
-    monkeypatch.chdir(tmp_path)
+def test_every_block_of_the_page_runs_in_its_order(tmp_path, monkeypatch, capfd):
     pytest.importorskip("onnxruntime")
-    commands = [line for block in re.findall(r"```sh\n(.*?)```", PAGE, flags=re.S) for line in block.splitlines()]
-    for command in commands:
-        program, *arguments = shlex.split(command)
-        if program == "ffgym":
-            assert main(arguments) == 0, capfd.readouterr().err
-        else:
-            done = subprocess.run([program, *arguments], capture_output=True, text=True, check=False)
-            assert done.returncode == 0, done.stderr
-    assert commands
+    pytest.importorskip("fmpy")
+    monkeypatch.chdir(tmp_path)
+    blocks = re.findall(r"```(sh|python)\n(.*?)```", PAGE, flags=re.S)
+    assert {kind for kind, _ in blocks} == {"sh", "python"}
+    for kind, block in blocks:
+        if kind == "python":
+            exec(compile(block, "code.md", "exec"), {})
+            continue
+        for command in block.splitlines():
+            program, *arguments = shlex.split(command)
+            if program == "ffgym":
+                assert main(arguments) == 0, capfd.readouterr().err
+            else:
+                done = subprocess.run([program, *arguments], capture_output=True, text=True, check=False)
+                assert done.returncode == 0, done.stderr
