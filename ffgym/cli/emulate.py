@@ -1,5 +1,7 @@
 """`ffgym emulate`: a robot controller with a simulated robot behind it, on the network of this computer."""
 
+from contextlib import closing
+
 import numpy as np
 
 from ffgym.cli.outputs import check_outputs, print_places, provenance, write_numbers
@@ -9,9 +11,9 @@ from ffgym.control import SetpointResponse
 from ffgym.core.errors import FFGymError, check_choice, check_number
 from ffgym.core.types import Array
 from ffgym.deployment.plan import SetpointPlan, read_plan
-from ffgym.deployment.streams.emulators import EmulatedController, EmulatedRobot, Faults
+from ffgym.deployment.streams.emulators import DirectTorque, EmulatedController, EmulatedRobot, Faults
 from ffgym.deployment.streams.emulators.live import serve_live
-from ffgym.deployment.streams.ports import UdpPort, format_address, parse_address
+from ffgym.deployment.streams.ports import format_address, parse_address
 from ffgym.deployment.streams.protocols import axes_of, protocol_named
 from ffgym.deployment.streams.session import sample_plan
 from ffgym.envs.machines import load_described_robot
@@ -42,11 +44,15 @@ def run(config: Emulate) -> None:
         missing=config.missing,
         program=sample_plan(plan, wire.cycle)[0] if plan is not None and wire.needs_answers else None,
     )
-    controller, faults = EmulatedController(emulated, wire), _faults(config)
+    scales = DirectTorque(viscous_scale=config.viscous_scale, coulomb_scale=config.coulomb_scale)
+    controller = EmulatedController(emulated, wire, direct_torque=scales if wire.torques else None)
+    faults = _faults(config)
     address = parse_address(config.address or "127.0.0.1", protocol.port)
-    print(f"{protocol.title} of {robot.name}, {emulated.response.describe()}; sends to {format_address(address)}")
-    with UdpPort() as port:
-        late = serve_live(controller, port, address, to_stream=faults, to_controller=faults, longest=config.longest_s)
+    what = f"{protocol.title} of {robot.name}, {emulated.response.describe()}"
+    print(f"{what}; {'serves' if protocol.robot_serves else 'sends to'} {format_address(address)}", flush=True)
+    port, receiver = protocol.open_emulator(address, config.longest_s)
+    with closing(port):
+        late = serve_live(controller, port, receiver, to_stream=faults, to_controller=faults, longest=config.longest_s)
     told = {
         "cycles": emulated.cycles,
         "cycles_that_began_late": late,

@@ -8,7 +8,7 @@ import tyro
 
 from ffgym.cli.options import Numbers
 
-ProtocolName = Literal["egm", "rsi", "rsi_12ms"]
+ProtocolName = Literal["egm", "rsi", "rsi_12ms", "rtde", "rtde_torque"]
 """Protocols, as ffgym.deployment has them."""
 
 
@@ -19,9 +19,11 @@ class Stream:
     plan: tyro.conf.Positional[Path]
     """Plan of set-points, .npz."""
     protocol: ProtocolName = "egm"
-    """egm: ABB Externally Guided Motion; rsi and rsi_12ms: KUKA Robot Sensor Interface, cycle of 4 or 12 ms."""
+    """egm: ABB Externally Guided Motion; rsi and rsi_12ms: KUKA Robot Sensor Interface, cycle of 4 or 12 ms; rtde and
+    rtde_torque: Universal Robots, positions by servoj or torques by direct_torque."""
     address: str | None = None
-    """Address of this computer that the controller sends to, host:port; absent is every address, usual port."""
+    """Address of this computer that the controller sends to, host:port; absent is every address, usual port. For
+    rtde that of the robot."""
     robot: str | None = None
     """Built-in robot or path to a description, for gear ratios and limits; absent is the robot that the plan names."""
     out: Path | None = None
@@ -50,14 +52,15 @@ class Emulate:
     """Emulate a robot controller with a simulated robot behind it, until a stream has come and gone."""
 
     protocol: tyro.conf.Positional[ProtocolName]
-    """egm: ABB Externally Guided Motion; rsi and rsi_12ms: KUKA Robot Sensor Interface, cycle of 4 or 12 ms."""
+    """egm: ABB Externally Guided Motion; rsi and rsi_12ms: KUKA Robot Sensor Interface, cycle of 4 or 12 ms; rtde and
+    rtde_torque: Universal Robots, positions by servoj or torques by direct_torque."""
     robot: str = "irb4600_60_205"
     """Built-in robot, or a path that ends in .toml to a description or a machine file."""
     plan: Path | None = None
     """Plan of set-points at whose first pose the robot stands, and whose program a controller runs that gets
     corrections alone (rsi); absent is the robot's home, or 0 if it has none."""
     address: str | None = None
-    """Address of the stream, host:port; absent is this computer, usual port."""
+    """Address of the stream, host:port; absent is this computer, usual port. For rtde that of the emulator."""
     delay_ms: float = 9.3
     """Time from a set-point to the servo; at least a cycle."""
     cutoff_hz: float | None = None
@@ -68,6 +71,10 @@ class Emulate:
     """Rigid feed-forward in the controller."""
     missing: Literal["hold", "extrapolate"] = "hold"
     """What the controller does in a cycle without a set-point."""
+    viscous_scale: float = 0.0
+    """Share of viscous friction that direct_torque compensates (rtde_torque)."""
+    coulomb_scale: float = 0.0
+    """Share of Coulomb friction that direct_torque compensates (rtde_torque)."""
     drop: float = 0.0
     """Share of packets that are lost, each way."""
     corrupt: float = 0.0

@@ -15,8 +15,13 @@ from .streams import EgmWire as EgmWire
 from .streams import Envelope as Envelope
 from .streams import Guard as Guard
 from .streams import RsiWire as RsiWire
+from .streams import RtdeWire as RtdeWire
+from .streams import ServoProgram as ServoProgram
 from .streams import StreamSession as StreamSession
+from .streams import TorqueProgram as TorqueProgram
 from .streams import record_session as record_session
+from .streams import write_urscript as write_urscript
+from .streams.emulators import DirectTorque as DirectTorque
 from .streams.emulators import EmulatedController as EmulatedController
 from .streams.emulators import EmulatedRobot as EmulatedRobot
 from .streams.emulators import Faults as Faults

@@ -4,6 +4,7 @@ import json
 import socket
 import subprocess
 import sys
+import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,6 +14,7 @@ import pytest
 from ffgym.cli.main import main
 from ffgym.deployment import SetpointPlan, write_plan
 from ffgym.recordings import read_recording
+from ffgym.robot import load_robot
 
 
 @pytest.fixture(scope="module")
@@ -46,19 +48,41 @@ def free_port(kind: int = socket.SOCK_DGRAM) -> int:
         return int(probe.getsockname()[1])
 
 
+def of_six_axes(plan: SetpointPlan) -> SetpointPlan:
+    """Return a plan in which the first axis of the six-axis robot swings as that of another plan."""
+    robot = load_robot("irb4600_60_205")
+
+    def first(part: np.ndarray) -> np.ndarray:
+        return np.pad(part, ((0, 0), (0, 5)))
+
+    return replace(
+        plan,
+        robot=robot.name,
+        joints=robot.joints,
+        units=robot.kinematics.units,
+        program=first(plan.program) + np.asarray(robot.work_area.home),
+        correction=first(plan.correction),
+        torque=first(plan.torque),
+    )
+
+
 def error_of(capsys: pytest.CaptureFixture[str]) -> str:
     return capsys.readouterr().err.splitlines()[-1]
 
 
-@pytest.mark.parametrize("protocol", ["egm", "rsi"])
+@pytest.mark.parametrize("protocol", ["egm", "rsi", "rtde"])
 def test_a_plan_goes_to_an_emulated_controller_in_another_process(
-    protocol: str, plan: SetpointPlan, plan_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    protocol: str, plan: SetpointPlan, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     address = f"127.0.0.1:{free_port()}"
+    if protocol == "rtde":
+        plan = of_six_axes(plan)
+    plan_file = tmp_path / "plan.npz"
+    write_plan(plan, plan_file)
     common = ["--address", address, "--json"]
     options = [
         "--robot",
-        "one_axis",
+        plan.robot,
         "--delay-ms",
         "9.3",
         "--cutoff-hz",
@@ -72,11 +96,13 @@ def test_a_plan_goes_to_an_emulated_controller_in_another_process(
     outputs = [str(tmp_path / "emulator.json"), "--out", str(tmp_path / "truth.npz")]
     command = [sys.executable, "-m", "ffgym", "emulate", protocol, *options, *outputs]
     emulator = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+    begun = emulator.stdout.readline()
+    time.sleep(0.5)  # it has said that it will listen
     arguments = [str(plan_file), "--protocol", protocol, *common, str(tmp_path / "stream.json")]
     assert main(["stream", *arguments, "--out", str(tmp_path / "log.npz")]) == 0
     said, _ = emulator.communicate(timeout=60)
     # both sides say what they did
-    assert "delay 9.30 ms, first-order filter at 20.0 Hz" in said
+    assert "delay 9.30 ms, first-order filter at 20.0 Hz" in begun
     assert "a stream came" in said
     assert "ended: " in capsys.readouterr().out
     told = json.loads((tmp_path / "stream.json").read_text())
@@ -88,7 +114,9 @@ def test_a_plan_goes_to_an_emulated_controller_in_another_process(
     # the robot moved as it was told to
     log, truth = (read_recording(tmp_path / name) for name in ("log.npz", "truth.npz"))
     moved = truth["reference.position.j1"] / truth.header.gear_ratio[0]
-    assert 0.5 < np.abs(moved).max() / np.abs(plan.setpoints).max() < 1.01  # less if this machine paused at the turn
+    assert (
+        0.5 < np.abs(moved).max() / np.abs(plan.setpoints[:, 0]).max() < 1.01
+    )  # less if this machine paused at the turn
     assert log.header.meta["law"] == "made up"
 
 
@@ -100,6 +128,7 @@ def test_a_plan_goes_to_an_emulated_controller_in_another_process(
         (["--robot", "irb4600_60_205"], "is for joints j1, robot 'irb4600_60_205' has j1, j2"),
         (["--address", "127.0.0.1:0"], "port of '127.0.0.1:0' = 0"),
         (["--address", "192.0.2.1:6510"], "Cannot listen at 192.0.2.1:6510"),
+        (["--protocol", "rtde"], "RTDE is for robots of 6 hinges"),
         (["--out", "log.txt"], "Unknown recording format '.txt'"),
     ],
 )

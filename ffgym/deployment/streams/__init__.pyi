@@ -4,7 +4,11 @@ from .envelope import Guard as Guard
 from .recording import record_session as record_session
 from .recording import summarise as summarise
 from .rsi import RsiWire as RsiWire
+from .rtde import RtdeWire as RtdeWire
 from .session import StreamSession as StreamSession
+from .urscript import ServoProgram as ServoProgram
+from .urscript import TorqueProgram as TorqueProgram
+from .urscript import write_urscript as write_urscript
 from .wire import Axes as Axes
 from .wire import Command as Command
 from .wire import Feedback as Feedback

@@ -63,10 +63,10 @@ class StreamSession:
         self.plan, self.wire, self.envelope = plan, wire, envelope
         self._program, correction, torque = sample_plan(plan, wire.cycle)
         self._velocity = np.gradient(self._program, wire.cycle, axis=0)
-        self.cut_share = envelope.cut_share(correction, wire.cycle)
+        self.cut_share = 0.0 if wire.torques else envelope.cut_share(correction, wire.cycle)
         """Share by which the plan exceeds the limit it exceeds most; 0 if all of it is sent."""
         self._correction = envelope.limit(correction, wire.cycle)
-        self._torque, self._drive, self._no_torque = torque, drive, np.zeros(len(plan.joints))
+        self._torque, self._drive, self._none = torque, drive, np.zeros(len(plan.joints))
         self._guard, self._order = Guard(envelope, wire.cycle), Order(wire)
         self.state: State = "waiting"
         self.refusal = ""
@@ -168,14 +168,13 @@ class StreamSession:
         """Answer without a correction a controller that needs answers before it begins."""
         if self.is_over or not self.wire.needs_answers:
             return None
-        none = np.zeros(len(self.plan.joints))
         kept = Command(
             sequence=self.sent,
             time=0.0,
             position=self._program[0],
-            correction=none,
-            velocity=none,
-            effort=none,
+            correction=self._none,
+            velocity=self._none,
+            effort=self._none,
             token=feedback.token,
         )
         return self.wire.encode_command(kept)
@@ -204,9 +203,12 @@ class StreamSession:
         k = min(self._index, last)
         if self._index >= last and not self._is_closing:
             self._close(now)
-        correction = self._guard.correct(self._correction[k], self._index - self._corrected, now)
+        correction = torque = self._none
+        if self.wire.torques:
+            torque = self._guard.torque(self._torque[k], now)
+        else:
+            correction = self._guard.correct(self._correction[k], self._index - self._corrected, now)
         self._corrected = self._index
-        torque = self._guard.torque(self._torque[k], now) if self.wire.torques else self._no_torque
         command = Command(
             sequence=self.sent,
             time=self._index * self.wire.cycle,

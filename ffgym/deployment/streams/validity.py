@@ -62,7 +62,8 @@ class Order:
             raise PacketError("duplicate")
         before = newer > self._wire.wrap // 2
         if before or feedback.time <= last.time:
-            self._doubt(feedback, now, before != (feedback.time <= last.time))
+            contradicts = before != (feedback.time <= last.time) or last.time - feedback.time > _ANOTHER
+            self._doubt(feedback, now, contradicts)
             raise PacketError("out of order" if before else "old time")
         if newer * self._wire.number_step > feedback.time - last.time + self._wire.cycle + self._wire.clock_step:
             self._doubt(feedback, now, True)

@@ -56,7 +56,7 @@ class Wire(Protocol):
     cycle: float
     """Time between packets of the controller [s]."""
     torques: bool
-    """True if set-points carry torques."""
+    """True if set-points carry torques in place of corrections of positions."""
     unsolicited: bool
     """True if the controller takes set-points that answer no packet of its own."""
     needs_answers: bool

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ffgym.deployment import SetpointPlan
-from ffgym.deployment.streams import Axes, EgmWire, Envelope, PacketError, RsiWire, StreamSession, Wire
+from ffgym.deployment.streams import Axes, EgmWire, Envelope, PacketError, RsiWire, RtdeWire, StreamSession, Wire
 from ffgym.deployment.streams.emulators import EmulatedController, Faults, run_in_lock_step
 from ffgym.robot import RobotDescription
 
@@ -17,7 +17,7 @@ ROUNDING = 1e-11
 CYCLES = 400
 """Length of the plan of one session."""
 
-WIRES = {"egm": EgmWire, "rsi": RsiWire}
+WIRES = {"egm": EgmWire, "rsi": RsiWire, "rtde": RtdeWire}
 
 
 class StillRobot:
@@ -37,7 +37,7 @@ class StillRobot:
     def time(self) -> float:
         return self.cycles * self.cycle
 
-    def advance(self, setpoint: np.ndarray | None) -> None:
+    def advance(self, setpoint: np.ndarray | None, torque: np.ndarray | None) -> None:
         self.cycles += 1
 
 

@@ -1,3 +1,4 @@
+from .controller import DirectTorque as DirectTorque
 from .controller import EmulatedController as EmulatedController
 from .lock_step import run_in_lock_step as run_in_lock_step
 from .network import Faults as Faults

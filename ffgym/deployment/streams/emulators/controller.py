@@ -1,10 +1,16 @@
 """Controller of an emulator: a packet to the stream in every cycle, and the newest valid answer for the servo."""
 
 from collections import Counter
+from dataclasses import dataclass
 from typing import final
 
+import numpy as np
+
+from ffgym.core.errors import check_number
+from ffgym.core.types import Array
 from ffgym.deployment.streams.emulators.robot import EmulatedRobot
 from ffgym.deployment.streams.wire import Command, Feedback, PacketError, Wire
+from ffgym.robot.friction import LuGreParameters
 
 _TIMEOUT = 1.0
 """Time without a valid set-point after which the controller stops [s], ABB's default of CommTimeout."""
@@ -13,19 +19,47 @@ _ANSWERS = 50
 
 
 @final
+@dataclass(frozen=True, kw_only=True)
+class DirectTorque:
+    """Torque control of Universal Robots' direct_torque, beside a position control; torques act in their cycle."""
+
+    viscous_scale: float = 0.0
+    """Share of the robot's viscous friction that the controller compensates, 0 to 1."""
+    coulomb_scale: float = 0.0
+    """Share of its Coulomb friction that it compensates, 0 to 1."""
+
+    def __post_init__(self) -> None:
+        for name in ("viscous_scale", "coulomb_scale"):
+            check_number(name, getattr(self, name), low=0.0, high=1.0)
+
+    def compensate(self, friction: LuGreParameters, speed: Array) -> Array:
+        """Compute the torque against friction at a speed, motor side [N m], shape (N,)."""
+        return self.viscous_scale * friction.viscous * speed + self.coulomb_scale * friction.coulomb * np.sign(speed)
+
+
+@final
 class EmulatedController:
     """Controller with a robot behind it, which speaks the protocol of a wire."""
 
-    def __init__(self, robot: EmulatedRobot, wire: Wire, *, clock: float = 17.0, first: int = 4711) -> None:
+    def __init__(
+        self,
+        robot: EmulatedRobot,
+        wire: Wire,
+        *,
+        direct_torque: DirectTorque | None = None,
+        clock: float = 17.0,
+        first: int = 4711,
+    ) -> None:
         """Begin at rest.
 
         Args:
             robot: robot behind the controller.
             wire: protocol.
+            direct_torque: how it takes torques, for protocols that have them; None takes positions alone.
             clock: what the clock of the controller shows at the start [s].
             first: number of its first packet.
         """
-        self.robot, self.wire = robot, wire
+        self.robot, self.wire, self.direct_torque = robot, wire, direct_torque
         self._clock, self._first = clock, first
         self._answer: Command | None = None
         self._last = -1
@@ -74,4 +108,13 @@ class EmulatedController:
         if self.wire.needs_answers and self.begun:
             self._answered += answer is not None
             self.robot.runs = self._answered > _ANSWERS and not (self.stopped or self.robot.has_ended)
-        self.robot.advance(None if answer is None or self.stopped else answer.position)
+        taken = None if self.stopped else answer
+        self.robot.advance(None if taken is None else taken.position, self._torque(taken))
+
+    def _torque(self, answer: Command | None) -> Array | None:
+        """Compute the torque of a cycle beside that of the servo, motor side [N m]."""
+        if self.direct_torque is None:
+            return None
+        robot, drive = self.robot.robot, self.robot.robot.drive
+        against = self.direct_torque.compensate(robot.friction, self.robot.motor_speed)
+        return against if answer is None else against + drive.motor_torque(answer.effort)

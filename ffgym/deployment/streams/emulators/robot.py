@@ -106,6 +106,11 @@ class EmulatedRobot:
         return self.robot.drive.joint_angle(self.plant.servo_state()[0, 0])
 
     @property
+    def motor_speed(self) -> Array:
+        """Motor speeds that the resolvers read [rad/s], shape (N,)."""
+        return np.asarray(self.plant.servo_state()[1, 0])
+
+    @property
     def planned(self) -> Array:
         """Set-point that the servo tracks now, link side [rad or m], shape (N,)."""
         return self.robot.drive.joint_angle(self._reference[-1])
