@@ -7,7 +7,7 @@ import numpy as np
 
 from ffgym.core.measures import interpolate, rms
 from ffgym.core.types import Array
-from ffgym.deployment.trial.passes import Pass
+from ffgym.deployment.trial.passes import ProgramPass
 from ffgym.deployment.trial.program import TrialProgram
 from ffgym.recordings import Recording
 
@@ -36,7 +36,7 @@ class CommandCheck:
     """Numbers of runs whose command is that of the other kind."""
 
 
-def read_command(program: TrialProgram, log: Recording, taken: Pass) -> dict[str, Array]:
+def read_command(program: TrialProgram, log: Recording, taken: ProgramPass) -> dict[str, Array]:
     """Read what a pass was commanded beside its program, by channel, at even instants, shape (_INSTANTS, N).
 
     Set-points are aligned with the program by themselves, as they may lead what the pass was found by.

@@ -30,7 +30,7 @@ _MOST_ROWS = 4000
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Pass:
+class ProgramPass:
     """One pass of a program in a log."""
 
     start: float
@@ -43,7 +43,7 @@ class Pass:
 class Passes:
     """Passes of a program in a log, in order."""
 
-    found: tuple[Pass, ...]
+    found: tuple[ProgramPass, ...]
     paces: tuple[float, ...] = ()
     """Speeds of stretches that follow the program faster or slower, over its own."""
     nearest: float
@@ -93,7 +93,9 @@ def _find(program: TrialProgram, log: Recording, joints: Array) -> Passes:
             starts.append(begin)
     refined = sorted(_refine(begin, at, wanted, log.t, joints) for begin in starts)
     found = tuple(
-        Pass(start=begin, recording=_cut(program, log, begin)) for begin, pace in refined if abs(pace - 1) <= PACE
+        ProgramPass(start=begin, recording=_cut(program, log, begin))
+        for begin, pace in refined
+        if abs(pace - 1) <= PACE
     )
     paces = tuple(pace for _, pace in refined if abs(pace - 1) > PACE)
     return Passes(found=found, paces=paces, nearest=float(misfit.min()))

@@ -12,7 +12,7 @@ from ffgym.core.types import Array
 from ffgym.deployment.trial.commands import CHANNELS, compare_commands, read_command
 from ffgym.deployment.trial.gains import Gain, estimate_gains
 from ffgym.deployment.trial.matching import TrialLog, match_logs, sort_by_clock
-from ffgym.deployment.trial.passes import ALIKE, Pass, Passes, find_passes
+from ffgym.deployment.trial.passes import ALIKE, Passes, ProgramPass, find_passes
 from ffgym.deployment.trial.plan import PlannedRun, TrialPlan
 from ffgym.deployment.trial.scoring import UNITS, Measure, Unit, score_run, sees_tool
 from ffgym.logs.quality import accept_findings, check_quality, condition, notes_of
@@ -51,7 +51,7 @@ class RunResult:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TrialResult:
-    """What a trial says."""
+    """Gain that a trial shows, and every run behind it."""
 
     plan: TrialPlan
     measure: Measure
@@ -70,10 +70,10 @@ class TrialResult:
 
 @dataclass(kw_only=True, eq=False)
 class _Evidence:
-    """What is gathered of a run on the way."""
+    """Evidence that is gathered of a run on the way."""
 
     log: TrialLog
-    passes: list[Pass] = field(default_factory=list)
+    passes: list[ProgramPass] = field(default_factory=list)
     command: Mapping[str, Array] = field(default_factory=dict)
     why: str = ""
     """Reason why the run does not count."""
