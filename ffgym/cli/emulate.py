@@ -13,7 +13,6 @@ from ffgym.core.types import Array
 from ffgym.deployment.plan import SetpointPlan, read_plan
 from ffgym.deployment.streams.emulators import DirectTorque, EmulatedController, EmulatedRobot, Faults
 from ffgym.deployment.streams.emulators.live import serve_live
-from ffgym.deployment.streams.ports import format_address, parse_address
 from ffgym.deployment.streams.protocols import axes_of, protocol_named
 from ffgym.deployment.streams.session import sample_plan
 from ffgym.envs.machines import load_described_robot
@@ -47,10 +46,8 @@ def run(config: Emulate) -> None:
     scales = DirectTorque(viscous_scale=config.viscous_scale, coulomb_scale=config.coulomb_scale)
     controller = EmulatedController(emulated, wire, direct_torque=scales if wire.torques else None)
     faults = _faults(config)
-    address = parse_address(config.address or "127.0.0.1", protocol.port)
-    what = f"{protocol.title} of {robot.name}, {emulated.response.describe()}"
-    print(f"{what}; {'serves' if protocol.robot_serves else 'sends to'} {format_address(address)}", flush=True)
-    port, receiver = protocol.open_emulator(address, config.longest_s)
+    print(f"{protocol.title} of {robot.name}, {emulated.response.describe()}", flush=True)
+    port, receiver = protocol.open_emulator(config.address, config.longest_s)
     with closing(port):
         late = serve_live(controller, port, receiver, to_stream=faults, to_controller=faults, longest=config.longest_s)
     told = {

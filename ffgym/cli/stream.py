@@ -11,7 +11,6 @@ from ffgym.core.errors import FFGymError, check_choice, check_number
 from ffgym.deployment.plan import SetpointPlan, read_plan
 from ffgym.deployment.streams.envelope import Envelope
 from ffgym.deployment.streams.live import Timing, run_live
-from ffgym.deployment.streams.ports import format_address, parse_address
 from ffgym.deployment.streams.protocols import axes_of, protocol_named
 from ffgym.deployment.streams.recording import record_session, summarise
 from ffgym.deployment.streams.session import StreamSession
@@ -31,12 +30,8 @@ def run(config: Stream) -> None:
     protocol = protocol_named(config.protocol)
     wire = protocol.make_wire(axes_of(robot))
     session = StreamSession(plan, wire, _envelope(config, robot), robot.drive)
-    if protocol.robot_serves and config.address is None:
-        raise FFGymError(f"{protocol.title}: say where the robot is: --address HOST.")
-    address = parse_address(config.address or "0.0.0.0", protocol.port)
-    with closing(protocol.open_stream(address)) as port:
-        where = f"{'connected to' if protocol.robot_serves else 'waiting at'} {format_address(address)}"
-        print(f"{plan.name} with {plan.law}, {plan.t[-1]:g} s; {where}, {protocol.title}")
+    with closing(protocol.open_stream(config.address)) as port:
+        print(f"{plan.name} with {plan.law}, {plan.t[-1]:g} s; waits for {protocol.title}")
         if session.cut_share > 0:
             print(f"note: the plan exceeds the limits of the correction by {session.cut_share:.0%}, and is cut to them")
         timing = run_live(session, port, wait=config.wait_s)

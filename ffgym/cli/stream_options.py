@@ -8,7 +8,7 @@ import tyro
 
 from ffgym.cli.options import Numbers
 
-ProtocolName = Literal["egm", "rsi", "rsi_12ms", "rtde", "rtde_torque"]
+ProtocolName = Literal["egm", "rsi", "rsi_12ms", "rtde", "rtde_torque", "ros2", "ros2_effort"]
 """Protocols, as ffgym.deployment has them."""
 
 
@@ -20,10 +20,11 @@ class Stream:
     """Plan of set-points, .npz."""
     protocol: ProtocolName = "egm"
     """egm: ABB Externally Guided Motion; rsi and rsi_12ms: KUKA Robot Sensor Interface, cycle of 4 or 12 ms; rtde and
-    rtde_torque: Universal Robots, positions by servoj or torques by direct_torque."""
+    rtde_torque: Universal Robots, positions by servoj or torques by direct_torque; ros2 and ros2_effort: ROS 2 joint
+    trajectory controller, positions alone or with effort."""
     address: str | None = None
     """Address of this computer that the controller sends to, host:port; absent is every address, usual port. For
-    rtde that of the robot."""
+    rtde that of the robot; for ros2 the topic of the controller."""
     robot: str | None = None
     """Built-in robot or path to a description, for gear ratios and limits; absent is the robot that the plan names."""
     out: Path | None = None
@@ -53,14 +54,16 @@ class Emulate:
 
     protocol: tyro.conf.Positional[ProtocolName]
     """egm: ABB Externally Guided Motion; rsi and rsi_12ms: KUKA Robot Sensor Interface, cycle of 4 or 12 ms; rtde and
-    rtde_torque: Universal Robots, positions by servoj or torques by direct_torque."""
+    rtde_torque: Universal Robots, positions by servoj or torques by direct_torque; ros2 and ros2_effort: ROS 2 joint
+    trajectory controller, positions alone or with effort."""
     robot: str = "irb4600_60_205"
     """Built-in robot, or a path that ends in .toml to a description or a machine file."""
     plan: Path | None = None
     """Plan of set-points at whose first pose the robot stands, and whose program a controller runs that gets
     corrections alone (rsi); absent is the robot's home, or 0 if it has none."""
     address: str | None = None
-    """Address of the stream, host:port; absent is this computer, usual port. For rtde that of the emulator."""
+    """Address of the stream, host:port; absent is this computer, usual port. For rtde that of the emulator; for
+    ros2 the topic."""
     delay_ms: float = 9.3
     """Time from a set-point to the servo; at least a cycle."""
     cutoff_hz: float | None = None

@@ -14,6 +14,7 @@ from .streams import Axes as Axes
 from .streams import EgmWire as EgmWire
 from .streams import Envelope as Envelope
 from .streams import Guard as Guard
+from .streams import Ros2Wire as Ros2Wire
 from .streams import RsiWire as RsiWire
 from .streams import RtdeWire as RtdeWire
 from .streams import ServoProgram as ServoProgram

@@ -3,6 +3,7 @@ from .envelope import Envelope as Envelope
 from .envelope import Guard as Guard
 from .recording import record_session as record_session
 from .recording import summarise as summarise
+from .ros2 import Ros2Wire as Ros2Wire
 from .rsi import RsiWire as RsiWire
 from .rtde import RtdeWire as RtdeWire
 from .session import StreamSession as StreamSession

@@ -13,8 +13,6 @@ from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
 from ffgym.deployment.streams.wire import Axes, Command, Feedback, PacketError
 
-PORT = 6510
-"""UDP port on which a PC listens by ABB's default (UCdevice)."""
 _MOST_JOINTS = 6
 """Joints of a robot in EgmJoints; a seventh and external axes travel elsewhere."""
 _CYCLE = 0.004

@@ -4,13 +4,13 @@ from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from functools import partial
 
-from ffgym.core.errors import check_choice
-from ffgym.deployment.streams.ports import Port, UdpPort
+from ffgym.core.errors import FFGymError, check_choice
+from ffgym.deployment.streams.ports import Port, UdpPort, parse_address
 from ffgym.deployment.streams.wire import Axes, Wire
 from ffgym.robot import RobotDescription
 
 Connection = tuple[Port, Hashable]
-"""Port, and the address that an emulator sends to."""
+"""Port, and the address to which its packets go."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -19,16 +19,12 @@ class StreamProtocol:
 
     title: str
     """Name in full."""
-    port: int
-    """Usual port."""
     make_wire: Callable[[Axes], Wire]
     """Function that makes its packets for a robot."""
-    open_stream: Callable[[tuple[str, int]], Port]
-    """Function that opens the port of a stream at an address, this computer's, or that of a robot that serves."""
-    open_emulator: Callable[[tuple[str, int], float], Connection]
-    """Function that opens the port of an emulator for such an address, and waits for a stream at most so long [s]."""
-    robot_serves: bool = False
-    """True if the address is that of the robot, and streams connect to it."""
+    open_stream: Callable[[str | None], Port]
+    """Function that opens the port of a stream for an address as users write it; None is the usual one."""
+    open_emulator: Callable[[str | None, float], Connection]
+    """Function that opens the port of an emulator, and waits for a stream at most so long [s]."""
 
 
 def _egm(axes: Axes) -> Wire:
@@ -49,40 +45,62 @@ def _rtde(axes: Axes, torques: bool) -> Wire:
     return RtdeWire(axes, torques=torques)
 
 
-def _connect_rtde(address: tuple[str, int]) -> Port:
+def _ros2(axes: Axes, torques: bool) -> Wire:
+    from ffgym.deployment.streams.ros2 import Ros2Wire
+
+    return Ros2Wire(axes, torques=torques)
+
+
+def _connect_rtde(address: str | None) -> Port:
     from ffgym.deployment.streams.rtde_ports import connect_rtde
 
-    return connect_rtde(address)
+    if address is None:
+        raise FFGymError("Say where the robot is that serves RTDE: --address HOST.")
+    return connect_rtde(parse_address(address, _RTDE_PORT))
 
 
-def _accept_rtde(address: tuple[str, int], longest: float) -> Connection:
+def _accept_rtde(address: str | None, longest: float) -> Connection:
     from ffgym.deployment.streams.rtde_ports import accept_rtde
 
-    return accept_rtde(address, longest), None
+    return accept_rtde(parse_address(address or "", _RTDE_PORT), longest), None
+
+
+def _join_ros(topic: str | None) -> Port:
+    from ffgym.deployment.streams.dds import TOPIC, DdsPort
+
+    return DdsPort(topic or TOPIC)
+
+
+def _join_ros_as_controller(topic: str | None, longest: float) -> Connection:
+    from ffgym.deployment.streams.dds import TOPIC, DdsPort
+
+    return DdsPort(topic or TOPIC, is_controller=True), None
 
 
 def _over_udp(title: str, port: int, make_wire: Callable[[Axes], Wire]) -> StreamProtocol:
     """Make a protocol in which the controller sends to the stream's UDP port."""
     return StreamProtocol(
         title=title,
-        port=port,
         make_wire=make_wire,
-        open_stream=UdpPort,
-        open_emulator=lambda address, longest: (UdpPort(), address),
+        open_stream=lambda address: UdpPort(parse_address(address or "0.0.0.0", port)),
+        open_emulator=lambda address, longest: (UdpPort(), parse_address(address or "", port)),
     )
 
 
 def _over_rtde(title: str, torques: bool) -> StreamProtocol:
     """Make a protocol in which the stream connects to the robot's RTDE."""
-    return StreamProtocol(
-        title=title,
-        port=30004,
-        make_wire=partial(_rtde, torques=torques),
-        open_stream=_connect_rtde,
-        open_emulator=_accept_rtde,
-        robot_serves=True,
-    )
+    wire = partial(_rtde, torques=torques)
+    return StreamProtocol(title=title, make_wire=wire, open_stream=_connect_rtde, open_emulator=_accept_rtde)
 
+
+def _over_ros(title: str, torques: bool) -> StreamProtocol:
+    """Make a protocol of topics of ROS 2."""
+    wire = partial(_ros2, torques=torques)
+    return StreamProtocol(title=title, make_wire=wire, open_stream=_join_ros, open_emulator=_join_ros_as_controller)
+
+
+_RTDE_PORT = 30004
+"""Port of RTDE on a robot."""
 
 PROTOCOLS = {
     "egm": _over_udp("ABB Externally Guided Motion", 6510, _egm),
@@ -90,6 +108,8 @@ PROTOCOLS = {
     "rsi_12ms": _over_udp("KUKA Robot Sensor Interface, 12 ms", 59152, partial(_rsi, cycle=0.012)),
     "rtde": _over_rtde("Universal Robots RTDE, servoj", False),
     "rtde_torque": _over_rtde("Universal Robots RTDE, direct_torque", True),
+    "ros2": _over_ros("ROS 2 joint trajectory controller, positions", False),
+    "ros2_effort": _over_ros("ROS 2 joint trajectory controller, positions and effort", True),
 }
 """Every protocol."""
 
@@ -106,4 +126,4 @@ def protocol_named(name: str) -> StreamProtocol:
 def axes_of(robot: RobotDescription) -> Axes:
     """Describe the joints of a robot for packets."""
     low, high = robot.kinematics.range.T
-    return Axes(units=robot.kinematics.units, low=low, high=high)
+    return Axes(names=robot.joints, units=robot.kinematics.units, low=low, high=high)

@@ -14,8 +14,6 @@ from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
 from ffgym.deployment.streams.wire import Axes, Command, Feedback, PacketError
 
-PORT = 59152
-"""UDP port in KUKA's example of an Ethernet configuration, on which the PC listens."""
 RUN = "Run"
 """Element that says that the program moves."""
 _MOST_JOINTS = 6

@@ -13,8 +13,6 @@ from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
 from ffgym.deployment.streams.wire import Axes, Command, Feedback, PacketError
 
-PORT = 30004
-"""TCP port of RTDE on the robot."""
 _JOINTS = 6
 _CYCLE = 0.002
 DATA = ord("U")

@@ -97,6 +97,8 @@ class Wire(Protocol):
 class Axes:
     """Joints as packets have them."""
 
+    names: tuple[str, ...]
+    """Names of the joints."""
     units: tuple[str, ...]
     """Unit of each joint, rad or m."""
     low: Array

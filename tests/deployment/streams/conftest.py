@@ -13,7 +13,7 @@ from ffgym.robot import RobotDescription
 def axes(irb4600: RobotDescription) -> Axes:
     """Joints of the six-axis robot, as packets have them."""
     low, high = irb4600.kinematics.range.T
-    return Axes(units=irb4600.kinematics.units, low=low, high=high)
+    return Axes(names=irb4600.joints, units=irb4600.kinematics.units, low=low, high=high)
 
 
 @pytest.fixture(scope="session")

@@ -139,6 +139,6 @@ def test_a_robot_at_another_pose_is_not_moved(
 
 
 def test_robots_of_more_than_six_joints_are_refused(axes: Axes) -> None:
-    seven = replace(axes, units=("rad",) * 7, low=-np.ones(7), high=np.ones(7))
+    seven = replace(axes, names=tuple("abcdefg"), units=("rad",) * 7, low=-np.ones(7), high=np.ones(7))
     with pytest.raises(FFGymError, match="EGM sends 6 joints"):
         EgmWire(seven)

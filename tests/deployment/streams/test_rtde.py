@@ -172,7 +172,10 @@ def test_the_program_of_the_robot_reads_the_registers_and_ends_in_silence(progra
             lambda: TorqueProgram(stiffness=[1.0] * 6, damping=[1.0] * 6, viscous_scale=[1.5] * 6),
             "viscous_scale = .* must be within",
         ),
-        (lambda: RtdeWire(Axes(units=("rad",), low=np.array([-1.0]), high=np.array([1.0]))), "robots of 6 hinges"),
+        (
+            lambda: RtdeWire(Axes(names=("a",), units=("rad",), low=np.array([-1.0]), high=np.array([1.0]))),
+            "robots of 6 hinges",
+        ),
     ],
 )
 def test_programs_and_robots_that_cannot_be_are_refused(make, message: str) -> None:
