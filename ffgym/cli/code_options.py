@@ -6,7 +6,7 @@ from typing import Literal
 
 import tyro
 
-from ffgym.cli.options import Numbers, Procedure, Threads
+from ffgym.cli.options import Cycles, Inputs, Numbers, Procedure, Threads
 
 
 @dataclass(frozen=True)
@@ -22,6 +22,8 @@ class ExportCode:
     path: tyro.conf.Positional[str]
     """Built-in motion, or a file: .toml (motion), .csv (poses or joint positions), .mod (RAPID)."""
     entry: Procedure = None
+    inputs: Inputs = ()
+    cycles: Cycles = 1
     out: Path = Path("code")
     """Folder to write; it must be empty or not exist."""
     feedforward: str = "elastic"
@@ -68,6 +70,8 @@ class ExportTable:
     plan: Path | None = None
     """Plan of set-points (.npz), in place of robot, motion and law."""
     entry: Procedure = None
+    inputs: Inputs = ()
+    cycles: Cycles = 1
     out: Path = Path("table")
     """Folder to write; it must be empty or not exist."""
     feedforward: str = "elastic"
@@ -91,6 +95,8 @@ class ExportFmu:
     path: tyro.conf.Positional[str]
     """Built-in motion, or a file: .toml (motion), .csv (poses or joint positions), .mod (RAPID)."""
     entry: Procedure = None
+    inputs: Inputs = ()
+    cycles: Cycles = 1
     out: Path = Path("fmu")
     """Folder to write; it must be empty or not exist."""
     feedforward: str = "elastic"

@@ -7,12 +7,13 @@ from typing import Any, Protocol
 from ffgym.cli.laws import check_laws, make_laws, setting_for
 from ffgym.cli.motion_options import Export
 from ffgym.cli.outputs import check_outputs, given_options, print_places, provenance, write_numbers
+from ffgym.cli.program_motion import ProgramOptions, list_events, read_motion, tell_events
 from ffgym.cli.progress import progress_bar
 from ffgym.control import FeedForwardLaw
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import check_vacant
 from ffgym.envs.machines import load_described_robot
-from ffgym.paths.motions import Motion, load_motion
+from ffgym.paths.motions import Motion
 from ffgym.robot import ModelOptions, RigidArm, RobotDescription, physics_fingerprint
 from ffgym.simulation import Run, SimulatedRig
 from ffgym.simulation.export import ReferenceForm, export_model, export_run
@@ -80,17 +81,15 @@ def _export_motion(
     fingerprint = recording.header.provenance["physics_fingerprint"]
     info = provenance("ffgym export", config, arm.robot.name, fingerprint, seed=None)
     info |= {"motion": motion.reference.name, "duration": motion.reference.duration, "notes": list(motion.notes)}
+    info["events"] = list_events(motion)
     rows = f"{motion.reference.duration:g} s, {len(recording)} recorded rows"
-    lines = [f"{motion.reference.name} with {law.name}: {rows}", *(f"note: {note}" for note in motion.notes)]
+    notes = [f"note: {note}" for note in motion.notes]
+    lines = [f"{motion.reference.name} with {law.name}: {rows}", *notes, *tell_events(motion)]
     return lines, info | {"feedforward_law": law.name}
 
 
-class MotionOptions(Protocol):
+class MotionOptions(ProgramOptions, Protocol):
     """Options of a command that prepares a motion under a law."""
-
-    @property
-    def entry(self) -> str | None:
-        """Procedure of a program."""
 
     @property
     def feedforward(self) -> str:
@@ -131,7 +130,7 @@ def prepare_motion(
     Raises:
         FFGymError: if the motion or the law cannot be made, or the motion brings a tool that the machine cannot take.
     """
-    motion = load_motion(arm, path, entry=config.entry)
+    motion = read_motion(config, arm, path)
     if motion.reference.robot is not arm.robot:  # the motion brings its own tool
         if machine.robot is not arm.robot:
             raise FFGymError(f"{path} brings a tool of its own, but that of {robot} cannot be changed.")

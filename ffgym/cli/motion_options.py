@@ -9,9 +9,11 @@ import tyro
 from ffgym.cli.options import (
     RECORD_DT_MS,
     TEST_SPEEDS_MM_S,
+    Cycles,
     Elastic,
     Friction,
     Gravity,
+    Inputs,
     Numbers,
     PageFile,
     Procedure,
@@ -52,8 +54,10 @@ class Simulate:
     robot: tyro.conf.Positional[str]
     """Built-in robot, a path that ends in .toml to a description or a machine file, or workcell:<name or seed>."""
     path: tyro.conf.Positional[str]
-    """Built-in motion, or a file: .toml (motion), .csv (poses or joint positions), .mod (RAPID)."""
+    """Built-in motion, or a file: .toml (motion), .csv (poses or joint positions), .mod or .pgf (RAPID)."""
     entry: Procedure = None
+    inputs: Inputs = ()
+    cycles: Cycles = 1
     feedforward: tuple[str, ...] = ("none", "lugre_dynamic")
     """Names of docs/agents, model:<machine file>, files of laws or policies, trained rows of the leaderboard (first
     seed), families of the curve of adaptation (after one lap), or submissions (.zip). Laws that learn are trained
@@ -130,8 +134,11 @@ class Export:
     robot: tyro.conf.Positional[str]
     """Built-in robot, or a path that ends in .toml to a description or a machine file."""
     path: tyro.conf.Positional[str | None] = None
-    """Built-in motion, or a file: .toml (motion), .csv (poses or joint positions), .mod (RAPID); none is the model."""
+    """Built-in motion, or a file: .toml (motion), .csv (poses or joint positions), .mod or .pgf (RAPID); none is the
+    model."""
     entry: Procedure = None
+    inputs: Inputs = ()
+    cycles: Cycles = 1
     out: Path = Path("export")
     """Folder to write; it must be empty or not exist."""
     feedforward: str = "none"

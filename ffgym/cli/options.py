@@ -38,6 +38,15 @@ Procedure = Annotated[
 ]
 """Option `--entry`."""
 
+Inputs = Annotated[
+    tuple[str, ...],
+    tyro.conf.arg(help="Values of inputs of a RAPID program, NAME=VALUE each; others are 0 until it waits for them."),
+]
+"""Option `--inputs`."""
+
+Cycles = Annotated[int, tyro.conf.arg(help="Passes through a loop of a RAPID program that never ends.")]
+"""Option `--cycles`."""
+
 Elastic = Annotated[bool, tyro.conf.arg(help="Elastic joints; no-flexible makes them rigid.")]
 """Option `--flexible`."""
 

@@ -7,10 +7,10 @@ from typing import Any
 from ffgym.cli.laws import check_laws, record_agents, refuse_with_policies, setting_for
 from ffgym.cli.motion_options import Simulate
 from ffgym.cli.outputs import check_outputs, file_of_each, given_options, print_places, provenance, write_numbers
+from ffgym.cli.program_motion import list_events, read_motion, tell_events
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.files import write_text
 from ffgym.envs.machines import find_controller, is_workcell, make_rig
-from ffgym.paths.motions import load_motion
 from ffgym.recordings import write_recording
 from ffgym.recordings.io import FORMATS
 from ffgym.report import format_motion, render_motion_page
@@ -25,7 +25,7 @@ def run(config: Simulate) -> None:
     is_measured = config.sensors or is_workcell(config.robot)
     recordings = _check(config, is_measured)
     rig = _rig(config)
-    motion = load_motion(rig.arm, config.path, entry=config.entry)
+    motion = read_motion(config, rig.arm, config.path)
     if motion.reference.robot is not rig.robot:  # the motion brings its own tool
         if not isinstance(rig, SimulatedRig) or rig.machine is not None:
             raise FFGymError(f"{config.path} brings a tool of its own, but that of {config.robot} cannot be changed.")
@@ -47,9 +47,10 @@ def run(config: Simulate) -> None:
     seed = config.seed if is_measured else None  # null where nothing is random
     info = provenance("ffgym simulate", config, study.robot.name, study.fingerprint, seed)
     info |= {"motion": motion.reference.name, "duration": motion.reference.duration}
+    info["events"] = list_events(motion)
     notes = [*motion.notes, *study.overloads]
     _write(config, study, recordings, info, notes)
-    print("\n".join([format_motion(study), *(f"note: {note}" for note in notes)]))
+    print("\n".join([format_motion(study), *(f"note: {note}" for note in notes), *tell_events(motion)]))
     for place in recordings.values():
         print_places(recording=place)
     print_places(report=config.report, numbers=config.json)

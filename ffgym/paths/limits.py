@@ -139,18 +139,19 @@ def tool_bounds(speed: Speed | None, s: Array, course: Course, limits: MotionLim
     _, tangent, bend, _ = course.path
     moving, across = (np.linalg.norm(part, axis=1)[:, None] for part in (tangent, bend))  # 1, or 0 where it only turns
     programmed = np.inf if speed is None else speed.tcp
+    shares = (1.0, 1.0) if speed is None else (speed.acceleration, speed.jerk)
     cap = Bounds(
         speed=np.minimum(_least(programmed, moving), np.sqrt(_least(limits.normal_acceleration, across))),
-        acceleration=_least(limits.acceleration, moving),
-        jerk=_least(limits.jerk, moving),
+        acceleration=_least(limits.acceleration * shares[0], moving),
+        jerk=_least(limits.jerk * shares[1], moving),
     )
     if course.turned is None:
         return cap
     turn = np.inf if speed is None else speed.turn
     axis = Bounds(
         speed=np.array([turn]),
-        acceleration=np.array([limits.turn_acceleration]),
-        jerk=np.array([limits.turn_jerk]),
+        acceleration=np.array([limits.turn_acceleration * shares[0]]),
+        jerk=np.array([limits.turn_jerk * shares[1]]),
     )
     _, rate, change = course.turned
     slopes = (rate, change, slope_of(change, s))

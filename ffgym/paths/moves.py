@@ -38,10 +38,16 @@ class Speed:
     """Speed of the tool centre point [m/s], > 0."""
     turn: float = np.deg2rad(500.0)
     """Speed of the tool's orientation [rad/s], > 0; 500 deg/s is that of RAPID's predefined speeds."""
+    acceleration: float = 1.0
+    """Share of the limits of acceleration along the path that the move uses, in (0, 1]."""
+    jerk: float = 1.0
+    """Share of the limits of jerk along the path that it uses, in (0, 1]."""
 
     def __post_init__(self) -> None:
         check_number("speed", self.tcp, unit="m/s", low=0.0, high=FASTEST, open_low=True)
         check_number("turning speed", self.turn, unit="rad/s", low=0.0, high=FASTEST, open_low=True)
+        for name in ("acceleration", "jerk"):
+            check_number(f"share of {name}", getattr(self, name), low=0.0, high=1.0, open_low=True)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,6 +66,22 @@ class Zone:
         return self.radius == 0
 
 
+@dataclass(frozen=True, kw_only=True)
+class PathEvent:
+    """Something that a program does on the way beside moving, such as setting an output."""
+
+    text: str
+    """The instruction, e.g. 'SetDO doLaser, 1'."""
+    where: str = ""
+    """Place in the program, e.g. 'cut.mod:12:5'."""
+    distance: float = 0.0
+    """Length along the path [m] before the target of its move at which it happens, >= 0."""
+    from_start: bool = False
+    """True if `distance` counts from the start of the move instead."""
+    lead: float = 0.0
+    """Time [s] by which it happens before the tool is there."""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Move:
     """One instruction. Members differ in what lies between the last target and this one."""
@@ -69,6 +91,8 @@ class Move:
     """Name of the target, for phases and messages."""
     where: str = ""
     """Place in the program, e.g. 'cut.mod:12:5', that starts error messages; empty if there is none."""
+    events: tuple[PathEvent, ...] = ()
+    """What happens on the way, or at the target before the next move."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

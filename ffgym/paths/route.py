@@ -2,7 +2,7 @@
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 
 import numpy as np
@@ -268,7 +268,8 @@ def _corner(before: Leg, after: Leg, first: Leg, second: Leg, cut: float) -> Leg
 
 
 def slower(first: Speed | None, second: Speed | None) -> Speed | None:
-    """The lower of two programmed speeds, in both of its parts."""
+    """The lower of two programmed speeds, in each of its parts."""
     if first is None or second is None:
         return first or second
-    return Speed(tcp=min(first.tcp, second.tcp), turn=min(first.turn, second.turn))
+    parts = (field.name for field in fields(Speed))
+    return Speed(**{name: min(getattr(first, name), getattr(second, name)) for name in parts})

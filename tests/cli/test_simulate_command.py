@@ -198,7 +198,7 @@ def test_another_procedure_of_a_program_can_be_run(here, capsys):
         assert run("irb4600_60_205", "two.mod", *entry, "--feedforward", "none", "--json", "two.json") == 0
         assert json.loads((here / "two.json").read_text())["results"][0]["path"][-1]["label"] == label
     assert run("irb4600_60_205", "circles", "--entry", "short") == 1
-    assert "entry = 'short' is a procedure of a program" in read_error(capsys)
+    assert "entry = 'short' is for a program" in read_error(capsys)
 
 
 def test_a_wrong_program_is_named_with_its_place(here, capsys):

@@ -1,6 +1,7 @@
 """Moves between targets as one joint reference: what a controller's motion planner does."""
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
@@ -13,8 +14,9 @@ from ffgym.paths import Reference, cartesian_reference, joint_reference
 from ffgym.paths.circles import DWELL
 from ffgym.paths.limits import MotionLimits
 from ffgym.paths.motion import JointPath
+from ffgym.paths.motions.events import MotionEvent, locate_events
 from ffgym.paths.motions.joint_run import check_range, joint_steps, run_joints
-from ffgym.paths.motions.rows import APART, ReferencePiece, join_pieces, rest, split_steps
+from ffgym.paths.motions.rows import APART, ReferencePiece, join_pieces, join_spans, rest, split_steps
 from ffgym.paths.motions.tool_run import run_tool, tool_runs
 from ffgym.paths.moves import (
     JointMove,
@@ -29,7 +31,7 @@ from ffgym.paths.moves import (
     Wait,
     locate_error,
 )
-from ffgym.paths.rapid import load_program, on_branches
+from ffgym.paths.rapid import find_unreachable, join_errors, load_program, on_branches
 from ffgym.robot import RigidArm, solve_pose
 
 
@@ -41,6 +43,8 @@ class Motion:
     """Its `robot` is the one it is for: a program may bring its own tool."""
     notes: tuple[str, ...] = ()
     """Differences from the requested motion, and their reasons, e.g. a stop where a corner cannot be rounded."""
+    events: tuple[MotionEvent, ...] = ()
+    """What else happens on the way, such as outputs that a program sets, in the order of time."""
 
 
 def _space_of(move: Move) -> Literal["tool", "joints"] | None:
@@ -73,7 +77,7 @@ class Planner:
             self.q = self._start(first)
             group = group if isinstance(first, MoveSpline | MoveJointSpline) else group[1:]
         if isinstance(first, Wait):
-            self._add([rest(self.q, first.duration, self.arm.robot.servo.control_dt, first.label)])
+            self._add([rest(self.q, first.duration, self.arm.robot.servo.control_dt, first.label, first)])
         elif _space_of(first) == "joints":
             self._run_joints([move for move in group if isinstance(move, JointMove)], self.q)
         else:
@@ -208,7 +212,9 @@ def compose(
         if _space_of(last) and not last.zone.stops
     ]
     pieces = _with_rests(planner.pieces, planner.q, dwell, arm.robot.servo.control_dt)
-    return Motion(reference=join_pieces(name, arm.robot, pieces), notes=(*planner.notes, *stops))
+    reference = join_pieces(name, arm.robot, pieces)
+    events = locate_events(arm, labelled, join_spans(pieces, arm.robot.servo.control_dt), reference)
+    return Motion(reference=reference, notes=(*planner.notes, *stops), events=events)
 
 
 def _with_rests(pieces: Sequence[ReferencePiece], q: Array | None, dwell: float, dt: float) -> list[ReferencePiece]:
@@ -225,12 +231,34 @@ def _with_rests(pieces: Sequence[ReferencePiece], q: Array | None, dwell: float,
 
 
 def rapid_motion(
-    arm: RigidArm, path: str | Path, *, entry: str | None = None, limits: MotionLimits | None = None
+    arm: RigidArm,
+    path: str | Path,
+    *,
+    entry: str | None = None,
+    limits: MotionLimits | None = None,
+    inputs: Mapping[str, float] | None = None,
+    cycles: int = 1,
 ) -> Motion:
-    """Motion of procedure `entry` of a program, for the robot with its tool; it starts at the first target."""
-    execution = load_program(path).execute(arm.robot, entry)
+    """Motion of procedure `entry` of a program, for the robot with its tool; it starts at the first target.
+
+    Args:
+        arm: the robot.
+        path: a program, or the list of its modules.
+        entry: name of the procedure; None takes main, or the only one.
+        limits: of speed, acceleration and jerk; None takes the defaults.
+        inputs: values of inputs by name; others are 0 until the program waits for them.
+        cycles: passes through a loop that never ends.
+
+    Raises:
+        FFGymError: if the program cannot be read or run, or the robot cannot make its moves; a line for each error.
+    """
+    execution = load_program(path).execute(arm.robot, entry, inputs=inputs, cycles=cycles)
     if execution.robot is not arm.robot:
         arm = RigidArm(execution.robot)
     moves, notes = on_branches(arm, execution)
-    motion = compose(arm, moves, limits=limits, name=Path(path).stem)
-    return Motion(reference=motion.reference, notes=(*notes, *motion.notes))
+    try:
+        motion = compose(arm, moves, limits=limits, name=Path(path).stem)
+    except FFGymError as error:
+        raise join_errors([error, *find_unreachable(arm, moves, error)]) from error
+    counts = Counter((*execution.notes, *notes, *motion.notes))
+    return replace(motion, notes=tuple(note if n == 1 else f"{note} ({n} times)" for note, n in counts.items()))

@@ -77,7 +77,8 @@ def run_joints(arm: RigidArm, steps: Sequence[Step], limits: MotionLimits) -> Re
         return position * unit, first * unit, second * unit
 
     phases: list[tuple[str, PhaseKind]] = [(step.move.label, "motion") for step in steps]
-    return rows_along(law, path, targets, phases, arm.robot.servo.control_dt)
+    passed = [(step.move, float(target)) for step, target in zip(steps, targets, strict=True)]
+    return rows_along(law, path, targets, phases, passed, arm.robot.servo.control_dt)
 
 
 def _zone(arm: RigidArm, before: Step, after: Step) -> float:
@@ -120,5 +121,10 @@ def _bounds(arm: RigidArm, leg: Leg, s: Array, limits: MotionLimits) -> Bounds:
         fastest = MARGIN * np.minimum(
             leg.speed.tcp / np.maximum(moved, tiny), leg.speed.turn / np.maximum(turned, tiny)
         )
-    cap = Bounds(speed=fastest, acceleration=still + limits.joint_rise, jerk=still + limits.joint_rise_jerk)
+    shares = (1.0, 1.0) if leg.speed is None else (leg.speed.acceleration, leg.speed.jerk)
+    cap = Bounds(
+        speed=fastest,
+        acceleration=still + limits.joint_rise * shares[0],
+        jerk=still + limits.joint_rise_jerk * shares[1],
+    )
     return axis_bounds(slopes, limits.of_joints(unit), cap)

@@ -111,7 +111,7 @@ def _moves(arm: RigidArm, tree: Mapping[str, Any], where: str, folder: Path) -> 
     return moves
 
 
-PROGRAMS = (".mod", ".prg")
+PROGRAMS = (".mod", ".prg", ".pgf")
 """Suffixes of files with procedures."""
 
 READERS = (".toml", ".csv", *PROGRAMS)
@@ -132,36 +132,47 @@ def builtin_files() -> dict[str, Traversable]:
     return {Path(file.name).stem: file for file in files if Path(file.name).suffix in READERS}
 
 
-def load_motion(arm: RigidArm, source: str | Path, *, entry: str | None = None) -> Motion:
+def load_motion(
+    arm: RigidArm,
+    source: str | Path,
+    *,
+    entry: str | None = None,
+    inputs: Mapping[str, float] | None = None,
+    cycles: int = 1,
+) -> Motion:
     """Motion for a robot, from a built-in name or from a file.
 
     Args:
         arm: the robot.
         source: a name of `list_motions`, or a path whose suffix is one of READERS.
         entry: procedure of a RAPID program that is run; None takes main, or the only one.
+        inputs: values of inputs of a program by name; others are 0 until it waits for them.
+        cycles: passes through a loop of a program that never ends.
 
     Raises:
         FFGymError: if there is no such motion or file, it has no procedure `entry`, or the robot cannot make it.
     """
+    how = {"entry": entry, "inputs": inputs or None, "cycles": cycles if cycles != 1 else None}
+    program = {name: value for name, value in how.items() if value is not None}
     path = Path(source)
     if path.suffix.lower() in READERS:
-        return _read(arm, path, str(path), entry)
+        return _read(arm, path, str(path), program)
     if path.suffix or path.name != str(source):
         raise FFGymError(f"{source}: a motion file must end in {', '.join(READERS)}.")
     file = builtin_files()[check_choice("motion", str(source), list_motions())]
     with resources.as_file(file) as path:
-        return _read(arm, path, file.name, entry)
+        return _read(arm, path, file.name, program)
 
 
-def _read(arm: RigidArm, path: Path, where: str, entry: str | None) -> Motion:
-    """Motion of a file that `where` names in messages, from procedure `entry` on if one is given."""
+def _read(arm: RigidArm, path: Path, where: str, program: dict[str, Any]) -> Motion:
+    """Motion of a file that `where` names in messages; `program` says how a program is run."""
     suffix = path.suffix.lower()
     if suffix in PROGRAMS:
-        return rapid_motion(arm, path, entry=entry)
-    if entry is not None:
+        return rapid_motion(arm, path, **program)
+    if program:
+        name, value = next(iter(program.items()))
         raise FFGymError(
-            f"entry = {entry!r} is a procedure of a program ({', '.join(PROGRAMS)}), which {path.name} is not; "
-            "leave it out."
+            f"{name} = {value!r} is for a program ({', '.join(PROGRAMS)}), which {path.name} is not; leave it out."
         )
     if suffix == ".toml":
         return parse_motion(arm, read_text(path), where=where, name=path.stem, folder=path.parent)

@@ -11,7 +11,7 @@ from ffgym.core.types import Array
 from ffgym.paths import Reference
 from ffgym.paths.curves import Still
 from ffgym.paths.motion import MAX_STEPS
-from ffgym.paths.moves import JointMove, MoveJointSpline, MoveSpline, ToolMove, locate_error
+from ffgym.paths.moves import JointMove, Move, MoveJointSpline, MoveSpline, ToolMove, locate_error
 from ffgym.paths.route import SHARPEST, Leg, corner_angle
 from ffgym.paths.timing import TimeLaw
 from ffgym.recordings import Phase, PhaseKind
@@ -20,6 +20,17 @@ from ffgym.robot import RobotDescription
 APART = 1e-6
 """Largest step between the end of a piece and the start of the next [rad or m], and [rad/s or m/s] of their speeds;
 chosen: inverse kinematics leave 1e-10 m, and a step of 1e-6 rad lies below what a motor resolver sees."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MoveSpan:
+    """Times of a move in a motion."""
+
+    move: Move
+    start: float
+    """Time [s] at which the target before it is passed."""
+    end: float
+    """Time [s] at which its own target is passed."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -34,6 +45,8 @@ class ReferencePiece:
     """Shape (T, N)."""
     phases: tuple[Phase, ...]
     """Phases on the clock of the piece."""
+    spans: tuple[MoveSpan, ...] = ()
+    """Times of its moves on the clock of the piece; moves that go nowhere have none."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -80,12 +93,13 @@ def _no_corner(before: Step, after: Step) -> str:
     return ""
 
 
-def rest(q: Array, duration: float, dt: float, label: str) -> ReferencePiece:
-    """Rest at `q` (N,) for `duration` [s], up to the next sample."""
+def rest(q: Array, duration: float, dt: float, label: str, move: Move | None = None) -> ReferencePiece:
+    """Rest at `q` (N,) for `duration` [s], up to the next sample; `move` is what asks for it, if it is one."""
     count = _sample_count(duration, dt)
     still = np.zeros((count, len(q)))
     phase = Phase(label=label, kind="standstill", start=0.0, end=(count - 1) * dt)
-    return ReferencePiece(q=still + q, dq=still, ddq=still, phases=(phase,))
+    spans = () if move is None else (MoveSpan(move=move, start=0.0, end=phase.end),)
+    return ReferencePiece(q=still + q, dq=still, ddq=still, phases=(phase,), spans=spans)
 
 
 def _sample_count(duration: float, dt: float) -> int:
@@ -101,17 +115,20 @@ def rows_along(
     path: Callable[[Array], tuple[Array, Array, Array]],
     targets: Array,
     phases: Sequence[tuple[str, PhaseKind]],
+    passed: Sequence[tuple[Move, float]],
     dt: float,
 ) -> ReferencePiece:
     """Samples of a path that is run by a time law, up to the first at or after its end.
 
     `path` gives joint positions and their first two derivatives by path length, (T, N) each. Each of the `phases`, a
-    label and a kind, ends where the path passes its target, at path lengths of shape (L,).
+    label and a kind, ends where the path passes its target, at path lengths of shape (L,). `passed` are all moves with
+    the path lengths at their targets.
     """
     t = np.arange(_sample_count(law.duration, dt), dtype=np.float64) * dt
     s, speed, acceleration = law.at(t)
     q, first, second = path(s)
     times = [0.0, *(law.time_of(float(target)) for target in targets[:-1]), float(t[-1])]
+    marks = [0.0, *(law.time_of(float(length)) for _, length in passed)]
     return ReferencePiece(
         q=q,
         dq=first * speed[:, None],
@@ -120,7 +137,20 @@ def rows_along(
             Phase(label=label, kind=kind, start=start, end=end)
             for (label, kind), start, end in zip(phases, times, times[1:], strict=False)
         ),
+        spans=tuple(
+            MoveSpan(move=move, start=start, end=end)
+            for (move, _), start, end in zip(passed, marks, marks[1:], strict=False)
+        ),
     )
+
+
+def join_spans(pieces: Sequence[ReferencePiece], dt: float) -> list[MoveSpan]:
+    """Times of all moves on the clock of the pieces one after the other."""
+    spans, count = [], 0
+    for piece in pieces:
+        spans += [replace(s, start=s.start + count * dt, end=s.end + count * dt) for s in piece.spans]
+        count += len(piece.q) - 1
+    return spans
 
 
 def join_pieces(name: str, robot: RobotDescription, pieces: Sequence[ReferencePiece]) -> Reference:

@@ -47,6 +47,8 @@ class ToolRun:
     moves: tuple[Move, ...]
     """One for each target."""
     kinds: tuple[PhaseKind, ...]
+    passed: tuple[tuple[Move, float], ...]
+    """All moves with the path lengths at their targets, those of a full circle among them."""
 
 
 def run_tool(arm: RigidArm, run: ToolRun, q: Array, limits: MotionLimits) -> ReferencePiece:
@@ -54,7 +56,7 @@ def run_tool(arm: RigidArm, run: ToolRun, q: Array, limits: MotionLimits) -> Ref
     law = time_law(stretches(*_bounds(arm, run, q, limits)))
     phases = [(move.label, kind) for move, kind in zip(run.moves, run.kinds, strict=True)]
     dt = arm.robot.servo.control_dt
-    return rows_along(law, lambda s: _follow(arm, run.route.at(s), q), run.targets, phases, dt)
+    return rows_along(law, lambda s: _follow(arm, run.route.at(s), q), run.targets, phases, run.passed, dt)
 
 
 def _follow(arm: RigidArm, course: Course, q: Array) -> tuple[Array, Array, Array]:
@@ -219,7 +221,13 @@ def _run(steps: Sequence[Step]) -> ToolRun:
         i += max(count, 1)
         last.append(i - 1)
         kinds.append("circle" if count else "motion")
-    return ToolRun(route=route, targets=targets[last], moves=tuple(steps[i].move for i in last), kinds=tuple(kinds))
+    return ToolRun(
+        route=route,
+        targets=targets[last],
+        moves=tuple(steps[i].move for i in last),
+        kinds=tuple(kinds),
+        passed=tuple((step.move, float(target)) for step, target in zip(steps, targets, strict=True)),
+    )
 
 
 def _arcs_of_circle(curves: Sequence[Curve]) -> int:

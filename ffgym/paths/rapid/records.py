@@ -1,12 +1,12 @@
-"""Data types of RAPID, and the data that every program can use without declaring them."""
+"""Data types of RAPID."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any, TypeAlias
 
 Value: TypeAlias = Any
-"""float for num, bool, str, or a tuple of values for a record."""
+"""float for num, bool, str, a tuple of values for a record or an array, or another object."""
 
 
 @dataclass(frozen=True)
@@ -15,28 +15,55 @@ class Type:
 
     name: str
     fields: "tuple[tuple[str, Type], ...]" = ()
-    """Components in their order; none for num, bool and string."""
+    """Components of a record in their order; none for other types."""
+    dimensions: tuple[int, ...] = ()
+    """Sizes of an array, 0 where any size will do; none for other types."""
+    loose: bool = False
+    """True if a value may be any aggregate, as components depend on the version of the controller."""
 
     def default(self) -> Value:
         """Value of a VAR without one."""
+        if self.dimensions:
+            return (self.element.default(),) * self.dimensions[0]
         if self.fields:
             return tuple(kind.default() for _, kind in self.fields)
-        return {"num": 0.0, "bool": False, "string": ""}[self.name]
+        return {"num": 0.0, "bool": False, "string": ""}.get(self.name)
 
     def field(self, name: str) -> int:
         """Index of a component, whatever its case; -1 if there is none."""
-        names = [field for field, _ in self.fields]
+        names = [field.lower() for field, _ in self.fields]
         return names.index(name.lower()) if name.lower() in names else -1
+
+    @property
+    def element(self) -> "Type":
+        """Type of what the first index of an array gives: an element, or an array of one dimension less."""
+        return replace(self, dimensions=self.dimensions[1:])
+
+    def takes(self, other: "Type") -> bool:
+        """Tell if a value of another type is one of this one."""
+        if ANY in (self, other):
+            return True
+        if len(self.dimensions) != len(other.dimensions) or self.name != other.name:
+            return False
+        return all(size in (0, given) for size, given in zip(self.dimensions, other.dimensions, strict=True))
 
     @property
     def shape(self) -> str:
         """Its components as an aggregate, e.g. '[x, y, z]'."""
         return f"[{', '.join(name for name, _ in self.fields)}]" if self.fields else self.name
 
+    def __str__(self) -> str:
+        sizes = ",".join(str(size or "*") for size in self.dimensions)
+        return f"{self.name}{{{sizes}}}" if sizes else self.name
+
 
 NUM = Type("num")
 BOOL = Type("bool")
 STRING = Type("string")
+SIGNAL = Type("signal")
+"""Input or output of the controller; its value is its name."""
+ANY = Type("any")
+"""Argument of an instruction that does not move the arm, of whatever type."""
 
 
 def _of(kind: Type, names: str) -> "tuple[tuple[str, Type], ...]":
@@ -59,65 +86,22 @@ WOBJDATA = Type(
     "wobjdata", (("robhold", BOOL), ("ufprog", BOOL), ("ufmec", STRING), ("uframe", POSE), ("oframe", POSE))
 )
 
-TYPES = {
-    kind.name: kind
-    for kind in (
-        *(NUM, BOOL, STRING, POS, ORIENT, POSE, CONFDATA, EXTJOINT, ROBJOINT, ROBTARGET, JOINTTARGET),
-        *(SPEEDDATA, ZONEDATA, LOADDATA, TOOLDATA, WOBJDATA),
-    )
-}
-"""Types that data can be declared with, as the RAPID reference manual (ABB 3HAC16581-1) lays them out."""
+TRIGGDATA = Type("triggdata")
+CLOCK = Type("clock")
+SEAMDATA, WELDDATA, WEAVEDATA = (Type(name, loose=True) for name in ("seamdata", "welddata", "weavedata"))
+STOPPOINTDATA = Type("stoppointdata", loose=True)
 
-
-_SPEEDS = (
-    *(5, 10, 20, 30, 40, 50, 60, 80, 100, 150, 200, 300, 400, 500, 600, 800),
-    *(1000, 1500, 2000, 2500, 3000, 4000, 5000, 6000, 7000),
-)
-"""TCP speeds [mm/s] of v5 to v7000; RAPID reference manual (ABB 3HAC16581-1), speeddata."""
-
-_LARGEST_SPEED = 7000
-"""TCP speed [mm/s] of vmax; chosen: there it is the robot's own, which its joints' limits set here anyway."""
-
-_ORIENT_SPEED, _LINEAR_AXES_SPEED, _ROTATING_AXES_SPEED = 500, 5000, 1000
-"""[deg/s], [mm/s], [deg/s] of every predefined speed; same table."""
-
-_ZONES = {
-    **{0: (0.3, 0.3, 0.3, 0.03, 0.3, 0.03), 1: (1, 1, 1, 0.1, 1, 0.1), 5: (5, 8, 8, 0.8, 8, 0.8)},
-    **{10: (10, 15, 15, 1.5, 15, 1.5), 15: (15, 23, 23, 2.3, 23, 2.3), 20: (20, 30, 30, 3.0, 30, 3.0)},
-    **{30: (30, 45, 45, 4.5, 45, 4.5), 40: (40, 60, 60, 6.0, 60, 6.0), 50: (50, 75, 75, 7.5, 75, 7.5)},
-    **{60: (60, 90, 90, 9.0, 90, 9.0), 80: (80, 120, 120, 12, 120, 12), 100: (100, 150, 150, 15, 150, 15)},
-    **{150: (150, 225, 225, 23, 225, 23), 200: (200, 300, 300, 30, 300, 30)},
-}
-"""Zones z0 to z200: TCP, orientation and external axes [mm], orientation [deg], linear [mm], rotating axes [deg];
-RAPID reference manual (ABB 3HAC16581-1), zonedata."""
-
-_NOWHERE = ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0))
-"""Pose without displacement and turn."""
-
-TOOL0: Value = (True, _NOWHERE, (0.001, (0.0, 0.0, 0.001), (1.0, 0.0, 0.0, 0.0), 0.0, 0.0, 0.0))
-"""The flange itself, with the load of a gram that the manual gives it."""
-
-WOBJ0: Value = (False, True, "", _NOWHERE, _NOWHERE)
-"""The world."""
-
-DESCRIBED_TOOL: Value = (True, _NOWHERE, (0.0, (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0), 0.0, 0.0, 0.0))
-"""tRobot, the tool of the robot's description, which RAPID does not have: its frame is turned as tool0. That it weighs
-nothing tells it from tools that a program may declare."""
-
-
-def _speed(tcp: float) -> Value:
-    return tuple(float(v) for v in (tcp, _ORIENT_SPEED, _LINEAR_AXES_SPEED, _ROTATING_AXES_SPEED))
-
-
-PREDEFINED: Mapping[str, tuple[Type, Value]] = MappingProxyType(
+TYPES: Mapping[str, Type] = MappingProxyType(
     {
-        **{f"v{v}": (SPEEDDATA, _speed(v)) for v in _SPEEDS},
-        "vmax": (SPEEDDATA, _speed(_LARGEST_SPEED)),
-        "fine": (ZONEDATA, (True, *(0.0,) * 6)),
-        **{f"z{z}": (ZONEDATA, (False, *(float(v) for v in sizes))) for z, sizes in _ZONES.items()},
-        "tool0": (TOOLDATA, TOOL0),
-        "trobot": (TOOLDATA, DESCRIBED_TOOL),
-        "wobj0": (WOBJDATA, WOBJ0),
+        kind.name: kind
+        for kind in (
+            *(NUM, BOOL, STRING, POS, ORIENT, POSE, CONFDATA, EXTJOINT, ROBJOINT, ROBTARGET, JOINTTARGET),
+            *(SPEEDDATA, ZONEDATA, LOADDATA, TOOLDATA, WOBJDATA, TRIGGDATA, CLOCK),
+            *(SEAMDATA, WELDDATA, WEAVEDATA, STOPPOINTDATA),
+        )
     }
+    | dict.fromkeys(("dnum", "byte", "errnum", "intnum", "dionum"), NUM)
+    | {f"signal{kind}": SIGNAL for kind in ("di", "do", "gi", "go", "ai", "ao")}
 )
-"""Type and value by name in lower case."""
+"""Types that data can be declared with, as the RAPID reference manual (ABB 3HAC16581-1) lays them out. All numbers are
+one type; seam, weld and weave data are those of Arc (ABB 3HAC16588-1)."""

@@ -41,20 +41,23 @@ class Literal(NamedTuple):
     place: SourceLocation
 
 
+class Indices(NamedTuple):
+    """Indices of an element of an array, from 1."""
+
+    items: "tuple[Expression, ...]"
+
+
 class VariableReference(NamedTuple):
-    """Data by name, or a component of it, e.g. `p10.trans.z`."""
+    """Data by name, or a part of it, e.g. `p10.trans.z` or `pick{2}.rot`."""
 
-    parts: tuple[str, ...]
+    name: str
+    parts: tuple[str | Indices, ...]
+    """Components by name, and elements."""
     place: SourceLocation
-
-    @property
-    def name(self) -> str:
-        """The whole, as it was written."""
-        return ".".join(self.parts)
 
 
 class Aggregate(NamedTuple):
-    """Components between brackets."""
+    """Components or elements between brackets."""
 
     items: "tuple[Expression, ...]"
     place: SourceLocation
@@ -65,7 +68,7 @@ class OperatorChain(NamedTuple):
 
     first: "Expression"
     rest: "tuple[tuple[str, Expression], ...]"
-    """Sign ('+', '-', '*' or '/') and operand."""
+    """Operator, a sign or a word in upper case, and operand."""
 
     @property
     def place(self) -> SourceLocation:
@@ -81,34 +84,42 @@ class Signed(NamedTuple):
     place: SourceLocation
 
 
+class Negated(NamedTuple):
+    """A truth value behind NOT."""
+
+    operand: "Expression"
+    place: SourceLocation
+
+
 class Option(NamedTuple):
     r"""Optional argument, e.g. `\WObj:=wobj1`, or a switch, e.g. `\NoEOffs`."""
 
     name: str
     value: "Expression | None"
     place: SourceLocation
-
-
-class Argument(NamedTuple):
-    """Required argument, with the optional ones that follow it; None where only optional ones stand."""
-
-    value: "Expression | None"
-    options: tuple[Option, ...]
-
-    def names(self) -> list[str]:
-        """Names of its options in lower case."""
-        return [option.name.lower() for option in self.options]
+    passed_on: bool = False
+    r"""True for `\WObj?wobj`, which gives it if the parameter `wobj` is present."""
 
 
 class Call(NamedTuple):
     """Function, instruction or procedure with its arguments."""
 
     name: str
-    arguments: tuple[Argument, ...]
+    values: "tuple[Expression, ...]"
+    """Required arguments in their order."""
+    options: tuple[Option, ...]
+    place: SourceLocation
+    text: str = ""
+    """An instruction as it was written, on one line."""
+
+
+class Missing(NamedTuple):
+    """An expression that could not be read."""
+
     place: SourceLocation
 
 
-Expression: TypeAlias = Literal | VariableReference | Aggregate | OperatorChain | Signed | Call
+Expression: TypeAlias = Missing | Literal | VariableReference | Aggregate | OperatorChain | Signed | Negated | Call
 
 
 class Declaration(NamedTuple):
@@ -117,8 +128,10 @@ class Declaration(NamedTuple):
     kind: str
     type_name: str
     name: str
+    dimensions: tuple[Expression, ...]
     value: Expression | None
     place: SourceLocation
+    local: bool = False
 
 
 class Assignment(NamedTuple):
@@ -133,20 +146,119 @@ class Assignment(NamedTuple):
         return self.target.place
 
 
-Statement: TypeAlias = Assignment | Call
+class LateCall(NamedTuple):
+    """Procedure whose name is found when the program runs, e.g. `%"cut" + part%;`."""
+
+    name: Expression
+    call: Call
+
+    @property
+    def place(self) -> SourceLocation:
+        """Location of its start."""
+        return self.call.place
 
 
-class Procedure(NamedTuple):
-    """PROC without arguments."""
+class Goto(NamedTuple):
+    """Jump to a label."""
 
-    name: str
-    declarations: tuple[Declaration, ...]
-    statements: tuple[Statement, ...]
+    label: str
     place: SourceLocation
 
 
-class Module(NamedTuple):
-    """Everything in a file."""
+class Label(NamedTuple):
+    """Target of GOTO."""
 
+    name: str
+    place: SourceLocation
+
+
+class Return(NamedTuple):
+    """End of a routine, with the value of a function."""
+
+    value: Expression | None
+    place: SourceLocation
+
+
+class If(NamedTuple):
+    """The first branch whose condition holds, or the last block."""
+
+    branches: "tuple[tuple[Expression, tuple[Statement, ...]], ...]"
+    otherwise: "tuple[Statement, ...]"
+    place: SourceLocation
+
+
+class For(NamedTuple):
+    """A block that is repeated while a number counts."""
+
+    variable: str
+    first: Expression
+    last: Expression
+    step: Expression | None
+    block: "tuple[Statement, ...]"
+    place: SourceLocation
+
+
+class While(NamedTuple):
+    """A block that is repeated as long as a condition holds."""
+
+    condition: Expression
+    block: "tuple[Statement, ...]"
+    place: SourceLocation
+
+
+class Test(NamedTuple):
+    """The first case that has the value, or the last block."""
+
+    value: Expression
+    cases: "tuple[tuple[tuple[Expression, ...], tuple[Statement, ...]], ...]"
+    otherwise: "tuple[Statement, ...]"
+    place: SourceLocation
+
+
+Statement: TypeAlias = Assignment | Call | LateCall | Goto | Label | Return | If | For | While | Test
+
+
+class RoutineParameter(NamedTuple):
+    """Parameter of a routine."""
+
+    name: str
+    type_name: str
+    mode: str
+    """INOUT, VAR or PERS for data of the caller that may be changed; empty for a value."""
+    dimensions: int
+    """Number of dimensions of an array, 0 for none."""
+    optional: bool
+    place: SourceLocation
+
+
+class Routine(NamedTuple):
+    """PROC, FUNC or TRAP. Its error handler is left out: nothing goes wrong in a plan."""
+
+    kind: str
+    name: str
+    type_name: str
+    """Type of a function, empty for others."""
+    parameters: tuple[RoutineParameter, ...]
     declarations: tuple[Declaration, ...]
-    procedures: tuple[Procedure, ...]
+    statements: tuple[Statement, ...]
+    place: SourceLocation
+    local: bool = False
+
+
+class RecordDeclaration(NamedTuple):
+    """Type with components, or another name for a type (ALIAS), which has one component without a name."""
+
+    name: str
+    components: tuple[tuple[str, str, SourceLocation], ...]
+    """Type, name and place of each."""
+    place: SourceLocation
+    local: bool = False
+
+
+class Module(NamedTuple):
+    """Everything in a module."""
+
+    name: str
+    records: tuple[RecordDeclaration, ...]
+    declarations: tuple[Declaration, ...]
+    routines: tuple[Routine, ...]

@@ -9,7 +9,8 @@ import scipy
 from ffgym.core.errors import FFGymError, check_whole
 from ffgym.core.types import Array, BoolArray
 from ffgym.paths.moves import Pose, Speed, Zone
-from ffgym.paths.rapid.records import DESCRIBED_TOOL, EXTJOINT, TOOL0, Value
+from ffgym.paths.rapid.predefined import DESCRIBED_TOOL, TOOL0
+from ffgym.paths.rapid.records import EXTJOINT, Value
 from ffgym.robot import RobotDescription
 from ffgym.robot.parts import Tool, point_mass_inertia
 
@@ -35,6 +36,10 @@ class Frame:
     def place(self, inner: "Frame") -> "Frame":
         """A frame that is given in this one, in the system in which this one is given."""
         return Frame(position=self.position + self.rotation @ inner.position, rotation=self.rotation @ inner.rotation)
+
+    def inverse(self) -> "Frame":
+        """The other system in this frame."""
+        return Frame(position=-self.rotation.T @ self.position, rotation=self.rotation.T)
 
 
 def point(pos: Value) -> Array:
@@ -68,13 +73,18 @@ UNUSED_AXIS = 9e9
 def pose(target: Value, name: str, tool: Frame, work_object: Value) -> Pose:
     """Compute the poses of TCP and flange of a robtarget in a work object; `tool` is the tool's frame in tool0."""
     check_external_axes(target[3], name)
+    placed = object_frame(work_object).place(frame(target[:2], name))
+    return Pose(position=placed.position, rotation=placed.rotation @ tool.rotation.T)
+
+
+def object_frame(work_object: Value) -> Frame:
+    """Frame of the object in a wobjdata, which must not move, in the world."""
     robhold, ufprog, ufmec, uframe, oframe = work_object
     if robhold or not ufprog or ufmec:
         raise FFGymError(
             "the work object moves (robhold is TRUE, ufprog FALSE or ufmec not empty); only fixed ones are supported."
         )
-    placed = frame(uframe, "uframe").place(frame(oframe, "oframe")).place(frame(target[:2], name))
-    return Pose(position=placed.position, rotation=placed.rotation @ tool.rotation.T)
+    return frame(uframe, "uframe").place(frame(oframe, "oframe"))
 
 
 def joint_positions(target: Value, sliding: BoolArray, name: str) -> Array:
@@ -101,16 +111,35 @@ def quarter_turns(target: Value, name: str) -> Configuration:
 
 
 def check_external_axes(external: Value, name: str) -> None:
-    """Refuse external axes."""
-    used = [axis for (axis, _), value in zip(EXTJOINT.fields, external, strict=True) if value != UNUSED_AXIS]
+    """Refuse external axes that move; 0 is what programs write for axes that are not there, beside 9E9."""
+    used = [axis for (axis, _), value in zip(EXTJOINT.fields, external, strict=True) if value not in (0.0, UNUSED_AXIS)]
     if used:
         raise FFGymError(f"{name} uses external axes ({', '.join(used)}), which are not supported; write 9E9 for each.")
 
 
-def speed(data: Value, tcp: float | None) -> Speed:
-    """Programmed speed of a speeddata; `tcp` [mm/s], if given, is used in place of its v_tcp."""
+@dataclass(frozen=True)
+class MotionSettings:
+    """Settings by VelSet and AccSet for the moves that follow."""
+
+    override: float = 1.0
+    """Share of the programmed speeds."""
+    fastest: float = np.inf
+    """Largest speed of the TCP [m/s]."""
+    acceleration: float = 1.0
+    """Share of the ordinary acceleration."""
+    ramp: float = 1.0
+    """Share of the ordinary jerk."""
+
+
+def speed(data: Value, tcp: float | None, settings: MotionSettings) -> Speed:
+    """Programmed speed of a speeddata under settings; `tcp` [mm/s], if given, is used in place of its v_tcp."""
     v_tcp, v_ori, *_ = data
-    return Speed(tcp=(v_tcp if tcp is None else tcp) * MILLIMETRE, turn=float(np.deg2rad(v_ori)))
+    return Speed(
+        tcp=min((v_tcp if tcp is None else tcp) * MILLIMETRE * settings.override, settings.fastest),
+        turn=float(np.deg2rad(v_ori)) * settings.override,
+        acceleration=settings.acceleration,
+        jerk=settings.acceleration * settings.ramp,
+    )
 
 
 def zone(data: Value, tcp: float | None) -> Zone:

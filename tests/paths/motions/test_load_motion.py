@@ -13,7 +13,15 @@ IN_JOINT_SPACE = ("ladder", "multisine", "sine", "triangle")
 
 def test_the_built_in_motions_are_there():
     beyond = {"rounded_square", "spiral", "tilted_circles", "low_circles"}
-    assert set(list_motions()) == {"circles", "square", *beyond, *IN_JOINT_SPACE, "cut_bracket", "thesis_circles"}
+    assert set(list_motions()) == {
+        "circles",
+        "square",
+        *beyond,
+        *IN_JOINT_SPACE,
+        "cut_bracket",
+        "laser_plate",
+        "thesis_circles",
+    }
 
 
 def test_the_built_in_circles_are_the_circle_test_bit_for_bit(arm, irb4600):
@@ -76,5 +84,5 @@ def test_a_procedure_of_a_program_is_run_alone(arm):
 
 @pytest.mark.parametrize("source", ["circles", "points.csv", "cut.toml"])
 def test_only_programs_have_procedures(arm, source):
-    with pytest.raises(FFGymError, match=r"entry = 'main' is a procedure of a program \(.mod, .prg\), which .* is not"):
+    with pytest.raises(FFGymError, match=r"entry = 'main' is for a program \(.mod, .prg, .pgf\), which .* is not"):
         load_motion(arm, source, entry="main")

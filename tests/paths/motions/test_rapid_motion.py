@@ -146,9 +146,9 @@ def test_a_file_is_found_by_its_suffix_and_names_its_motion(arm, tmp_path):
 
 
 def test_another_procedure_can_be_the_entry(arm, tmp_path):
-    path = written(tmp_path, HOME.format("fine", "SetDO doJet, 1;"))
+    path = written(tmp_path, HOME.format("fine", "PDispOff;"))
     assert rapid_motion(arm, path, entry="Wrist").reference.duration > 1
-    with pytest.raises(FFGymError, match=r"^cut.mod:3:1: SetDO is not supported"):
+    with pytest.raises(FFGymError, match=r"^cut.mod:3:1: PDispOff is not supported"):
         rapid_motion(arm, path)
 
 
@@ -168,7 +168,6 @@ def test_the_robot_of_the_motion_holds_the_tool_of_the_program(arm, tmp_path):
 
 
 CORNERS = {
-    "a zone before a rest": ("z10", "WaitTime 1;", r"3:1: WaitTime needs a robot that stands still"),
     "out of reach": ("fine", "MoveL {far}, v100, fine, tRobot;", r"3:1: .*reach"),
     "points on a line": ("fine", "MoveL {a}, v100, fine, tRobot; MoveC {b}, {c}, v100, fine, tRobot;", "3:89: .*line"),
     "a joint limit": ("fine", "MoveAbsJ {beyond}, v100, fine, tool0;", "3:1: .*range"),

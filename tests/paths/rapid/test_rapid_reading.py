@@ -10,8 +10,7 @@ from rapid_samples import ARITHMETIC, EXPORTED, GOLDEN, WORK_OBJECT, moves, move
 
 from ffgym.core.errors import FFGymError
 from ffgym.paths.rapid import load_program, parse_program
-from ffgym.paths.rapid.reader import RESERVED
-from ffgym.paths.rapid.records import PREDEFINED
+from ffgym.paths.rapid.predefined import PREDEFINED
 
 
 def same(a, b):
@@ -62,8 +61,8 @@ def test_names_may_have_the_letters_of_a_controller_in_either_case(irb4600, tmp_
 
 def test_places_count_lines_the_same_with_every_line_end(irb4600):
     for end in ("\n", "\r\n", "\r"):
-        with pytest.raises(FFGymError, match=r"^cut.mod:6:1: SetDO is not supported"):
-            moves(irb4600, program("SetDO doJet, 1;").replace("\n", end))
+        with pytest.raises(FFGymError, match=r"^cut.mod:6:1: PDispOff is not supported"):
+            moves(irb4600, program("PDispOff;").replace("\n", end))
 
 
 def test_a_file_that_is_not_there_is_one_error(tmp_path):
@@ -124,13 +123,6 @@ def test_arithmetic_is_that_of_python(irb4600, expression):
     if abs(value) < 1e14:  # positions beyond 1000 m are refused
         (move,) = moves_of(irb4600, f"MoveL Offs(p, ({text}) * 1E-9, 0, 0), v10, fine, tRobot;")
         assert move.to.position[0] - 1.3 == pytest.approx(value * 1e-12, rel=1e-9, abs=1e-15 + 1e-15 * abs(value))
-
-
-def test_every_reserved_word_that_is_not_read_is_named_as_not_supported(irb4600):
-    for word in ("FOR", "While", "IF", "test", "GOTO", "RETURN", "FUNC", "Trap", "RECORD"):
-        assert word.upper() in RESERVED
-        with pytest.raises(FFGymError, match=rf"^cut.mod:6:1: {word.upper()} is not supported"):
-            moves(irb4600, program(f"{word} x"))
 
 
 @pytest.mark.parametrize("count", [500, pytest.param(10_000, marks=pytest.mark.slow)])
