@@ -43,6 +43,7 @@ def test_it_holds_one_package_with_its_agents_and_all_their_files(wheel):
     names = zipfile.ZipFile(wheel).namelist()
     tops = {name.split("/")[0] for name in names}
     assert {top for top in tops if not top.endswith(".dist-info")} == {"ffgym"}
+    assert "ffgym/deployment/code/templates/law.c" in names
     files = [path for path in (ROOT / "agents").rglob("*") if path.is_file() and "__pycache__" not in path.parts]
     assert not {f"ffgym/agents/{path.relative_to(ROOT / 'agents').as_posix()}" for path in files} - set(names)
 

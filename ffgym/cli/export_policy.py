@@ -42,13 +42,13 @@ def _find_policy(name: str) -> ResidualPolicy:
     if name.endswith(".npz"):
         return load_policy(name)
     names = [
-        known for known in (*RESIDUALS, "servo_gains", "servo_gains_drives", "servo_gains_stable") if _trained(known)
+        known for known in (*RESIDUALS, "servo_gains", "servo_gains_drives", "servo_gains_stable") if _locate(known)
     ]
-    return load_policy(_trained(check_choice("trained policy", name, names)) or name)
+    return load_policy(_locate(check_choice("trained policy", name, names)) or name)
 
 
-def _trained(name: str) -> Path | None:
-    """Place of the first trained policy of a name; None if there is none."""
+def _locate(name: str) -> Path | None:
+    """Locate the first trained policy of a name; None if there is none."""
     manifest = read_manifest(name)
     for artefact in () if manifest is None else manifest.artefacts:
         if artefact.plant == ANYWHERE:

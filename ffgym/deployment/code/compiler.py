@@ -1,10 +1,12 @@
-"""The C compiler of this computer, which files of C are checked with."""
+"""Files of C: templates, and the compiler of this computer, which they are checked with."""
 
 import os
 import shutil
 import subprocess
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from importlib import resources
 from pathlib import Path
+from string import Template
 
 from ffgym.core.errors import FFGymError
 
@@ -46,3 +48,9 @@ def compile_c(compiler: str, sources: Sequence[Path], out: Path, *options: str) 
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         raise FFGymError(f"{sources[0].name} does not compile with {compiler}: {done.stderr.strip()[:500]}")
+
+
+def fill_template(template: str, known: Mapping[str, str]) -> str:
+    """Fill in a file of C that leaves parts open as `$name`."""
+    text = (resources.files("ffgym.deployment.code") / "templates" / template).read_text(encoding="utf-8")
+    return Template(text).substitute(known)

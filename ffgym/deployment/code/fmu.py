@@ -6,15 +6,9 @@ torques of one motion under a feed-forward law, as C makes them. Outputs of the 
 
 import os
 import platform
-import re
-import zipfile
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from hashlib import sha256
-from importlib import resources
 from pathlib import Path
-from string import Template
-from tempfile import TemporaryDirectory
 from typing import get_args
 
 import mujoco
@@ -26,11 +20,12 @@ from ffgym.core.files import new_folder, write_bytes, write_text
 from ffgym.core.provenance import is_installed
 from ffgym.core.types import Array
 from ffgym.core.version import __version__
-from ffgym.deployment.code.compiler import compile_c, need_compiler
+from ffgym.deployment.code.compiler import fill_template, need_compiler
+from ffgym.deployment.code.fmu_build import FmuParts, build_fmu
 from ffgym.deployment.code.fmu_check import FmuCheck, compare_with_simulation, validate
 from ffgym.deployment.code.law import write_law_files
 from ffgym.deployment.code.law_text import number_rows
-from ffgym.deployment.code.model_description import ModelDescription, Variable, Version, description_text
+from ffgym.deployment.code.model_description import ModelDescription, Variable, Version
 from ffgym.paths import Reference
 from ffgym.recordings import Recording
 from ffgym.robot import ModelOptions, RigidArm, model_bytes
@@ -38,22 +33,7 @@ from ffgym.simulation import Run, simulate
 from ffgym.simulation.export.model import add_rest, in_engine, missing_text, plant_of, spec_with_home
 from ffgym.simulation.plant import Machine
 
-_FOLDERS: Mapping[Version, str] = {"2.0": "linux64", "3.0": "x86_64-linux"}
-"""Folders of binaries by version of the standard."""
 _TOOL = f"ffgym {__version__}"
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class FmuParts:
-    """What an FMU is made of."""
-
-    description: ModelDescription
-    sources: Mapping[str, str]
-    """Text of C files by name, beside those that all FMUs have."""
-    libraries: tuple[Path, ...] = ()
-    """Shared libraries that are shipped beside the binary."""
-    resources: Mapping[str, bytes]
-    """Files of the resources by name."""
 
 
 def write_fmus(
@@ -98,7 +78,7 @@ def write_fmus(
         for version in versions:
             files = [folder / f"{part.description.name}_fmi{version[0]}.fmu" for part in parts]
             for file, part in zip(files, parts, strict=True):
-                write_bytes(file, _build(part, version, compiler))
+                write_bytes(file, build_fmu(part, version, compiler))
                 validate(file)
             checks.append(compare_with_simulation(files, version, recording, reference))
         write_text(folder / "README.txt", _readme(parts, machine, reference, law))
@@ -161,7 +141,7 @@ def plant_parts(machine: Machine, reference: Reference, torque: Array) -> FmuPar
         f"{robot.title} under its servos; inputs are set-points for the end of the next step. {missing_text(machine)}"
     )
     names = ", ".join(f'"{joint}"' for joint in joints)
-    source = _fill("plant.c", {"joints": str(len(joints)), "names": names})
+    source = fill_template("plant.c", {"joints": str(len(joints)), "names": names})
     description = _describe("plant", about, variables, reference, source, model)
     (library,) = Path(mujoco.__file__).parent.glob("libmujoco.so.*")
     return FmuParts(
@@ -175,7 +155,7 @@ def program_parts(law: FeedForwardLaw, reference: Reference, rigid: Array) -> Fm
     files = write_law_files(law, reference, "law", checked=True)
     tables = [reference.q, reference.motor_q, reference.motor_dq, reference.motor_ddq, rigid]
     text = ",\n".join("{\n" + number_rows(table) + "}" for table in tables)
-    source = _fill("program.c", {"name": "law", "upper": "LAW", "reference": text})
+    source = fill_template("program.c", {"name": "law", "upper": "LAW", "reference": text})
     kinds = {
         "position": ("rad", "Set-point of motor {} at the end of the next step."),
         "velocity": ("rad/s", "Set-point of motor {} at the end of the next step."),
@@ -211,85 +191,6 @@ def _describe(
         stop=float(reference.t[-1]),
         step=reference.robot.servo.control_dt,
     )
-
-
-def _fill(template: str, known: Mapping[str, str]) -> str:
-    text = (resources.files("ffgym.deployment.code") / "templates" / template).read_text(encoding="utf-8")
-    return Template(text).substitute(known)
-
-
-def _build(parts: FmuParts, version: Version, compiler: str) -> bytes:
-    """Compile an FMU and pack it; equal parts give equal bytes, but for those of the compiler."""
-    import fmpy
-
-    headers, name = Path(fmpy.__file__).parent / "c-code", parts.description.name
-    face = _fill(f"fmi{version[0]}.c", {})
-    sources = dict(parts.sources) | {
-        "fmu.h": _fill("fmu.h", {}),
-        "fmu.c": _fill("fmu.c", {}),
-        "face.c": face,
-        "fmu_data.c": _data_text(parts.description),
-        "rest.c": _rest_text(face, headers / f"fmi{version[0]}Functions.h"),
-    }
-    includes = (headers, Path(mujoco.__file__).parent / "include")
-    options = ["-shared", "-fPIC", "-Wl,-rpath,$ORIGIN", *(f"-I{place}" for place in includes)]
-    files = {"modelDescription.xml": description_text(parts.description, version)}
-    binaries = f"binaries/{_FOLDERS[version]}"
-    with TemporaryDirectory() as place:
-        folder = Path(place)
-        for file, text in sources.items():
-            write_text(folder / file, text)
-        code = [folder / file for file in sources if file.endswith(".c")]
-        compile_c(compiler, [*code, *parts.libraries], folder / f"{name}.so", *options)
-        files[f"{binaries}/{name}.so"] = (folder / f"{name}.so").read_bytes()
-    files |= {f"{binaries}/{library.name}": library.read_bytes() for library in parts.libraries}
-    files |= {f"resources/{file}": data for file, data in parts.resources.items()}
-    return _pack(files)
-
-
-def _data_text(description: ModelDescription) -> str:
-    """Constants of a model in C."""
-    variables = description.variables
-    starts = ", ".join(repr(variable.start or 0.0) for variable in variables)
-    return "\n".join(
-        [
-            '#include "fmu.h"',
-            f'const char fmu_token[] = "{description.token}";',
-            f"const size_t fmu_inputs = {description.n_inputs}, fmu_outputs = {len(variables) - description.n_inputs};",
-            f"const double fmu_start_values[] = {{{starts}}};\n",
-        ]
-    )
-
-
-_QUIET = ("SetupExperiment", "EnterInitializationMode", "Terminate", "SetDebugLogging", "EnterStepMode")
-"""Functions of the standard that have nothing to do here."""
-
-
-def _rest_text(face: str, header: Path) -> str:
-    """Functions of the standard that an FMU must have, and this one has no use for."""
-    declared = re.findall(r"^\s*FMI\d_Export\s+\w+TYPE\s+(fmi\d(\w+));", header.read_text(encoding="utf-8"), flags=re.M)
-    lines = ["#include <stddef.h>"]
-    for name, short in declared:
-        if re.search(rf"\b{name}\(", face):
-            continue
-        if short.startswith("Instantiate"):
-            lines.append(f"void *{name}(void) {{ return NULL; }}")
-        elif short in _QUIET:
-            lines.append(f"int {name}(void) {{ return 0; }}")
-        else:  # an error, but for no variables at all
-            arguments = "void *c, void *references, size_t n"
-            lines.append(f"int {name}({arguments}) {{ (void)c, (void)references; return n == 0 ? 0 : 3; }}")
-    return "\n".join(lines) + "\n"
-
-
-def _pack(files: Mapping[str, bytes]) -> bytes:
-    """Pack files as a ZIP archive with one date."""
-    with TemporaryDirectory() as place:
-        target = Path(place) / "packed"
-        with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
-            for name, data in files.items():
-                archive.writestr(zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0)), data, zipfile.ZIP_DEFLATED)
-        return target.read_bytes()
 
 
 def _readme(parts: Sequence[FmuParts], machine: Machine, reference: Reference, law: FeedForwardLaw) -> str:

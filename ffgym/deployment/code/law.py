@@ -80,7 +80,7 @@ def write_law_files(law: FeedForwardLaw, reference: Reference, name: str, *, che
     return law_files(
         trace_law(law, reference),
         reference,
-        (law.torque(reference), *law.own_errors(reference)),
+        (law.torque(reference), *CausalLaw.own_errors(law, reference)),  # step by step, as the code has them
         name=name,
         checked=said,
         share=TOLERANCE,
@@ -128,7 +128,8 @@ def check_law_files(files: dict[str, str], name: str, what: str, motion: str) ->
     )
     if not check.agrees:
         raise FFGymError(
-            f"{what} differs from the simulation by {check.largest_difference:.3g} N m along {motion}, may by "
-            f"{TOLERANCE:g} of its largest torque; nothing is written. Please report it, with robot and motion."
+            f"{what} differs from the simulation by {check.largest_difference:.3g} N m along {motion}, and by "
+            f"{check.largest_own_difference:.3g} rad in the errors that the law asks for, may by {TOLERANCE:g} of the "
+            "largest of each; nothing is written. Please report it, with robot and motion."
         )
     return check

@@ -1,8 +1,6 @@
 """Text of the files of a law in C99."""
 
 from collections.abc import Sequence
-from importlib import resources
-from string import Template
 
 import numpy as np
 
@@ -10,6 +8,7 @@ from ffgym.control import Window
 from ffgym.core.files import csv_rows
 from ffgym.core.types import Array
 from ffgym.core.version import __version__
+from ffgym.deployment.code.compiler import fill_template
 from ffgym.deployment.code.rolling import Output, count_gathered, literal, write_step
 from ffgym.deployment.code.tracing import TracedLaw, no_form, tabulate_program
 from ffgym.paths import Reference
@@ -50,13 +49,8 @@ def law_files(
         "repetitions": str(repetitions),
     }
     files = {f"{name}.h": "law.h", f"{name}.c": "law.c", "check.c": "check.c"}
-    found = {file: _fill(template, known) for file, template in files.items()}
+    found = {file: fill_template(template, known) for file, template in files.items()}
     return found | {"reference.csv": _reference_text(reference, wanted)}
-
-
-def _fill(template: str, known: dict[str, str]) -> str:
-    text = (resources.files("ffgym.deployment.code") / "templates" / template).read_text(encoding="utf-8")
-    return Template(text).substitute(known)
 
 
 def _describe(traced: TracedLaw, reference: Reference, name: str) -> dict[str, str]:

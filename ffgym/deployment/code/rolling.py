@@ -5,6 +5,7 @@ loop; rows of nodes that differ from joint to joint (coupled drives) are gathere
 single statements alternate in phases, so that each has what it needs.
 """
 
+import math
 from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -135,7 +136,7 @@ def literal(value: float) -> str:
     if value != value:
         raise Untraceable("a number that is none")
     text = repr(abs(value)).replace("inf", "INFINITY")
-    return f"(-{text})" if value < 0 else text
+    return f"(-{text})" if math.copysign(1.0, value) < 0 else text
 
 
 class _Rolled:

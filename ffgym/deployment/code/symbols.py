@@ -57,7 +57,7 @@ class Symbols(np.ndarray[Any, Any]):
     @staticmethod
     def _each(values: "Symbols", kind: str) -> "Symbols":
         found = [values.graph.cast(node_of(values.graph, value), kind) for value in values.flat]
-        return _filled(values.graph, found, values.shape)
+        return _fill(values.graph, found, values.shape)
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any) -> Any:
         """Record a function of numpy, element by element; sums and the like are taken in their order."""
@@ -105,7 +105,7 @@ def _with_graph(graph: Graph, found: Any) -> Any:
     return found
 
 
-def _filled(graph: Graph, nodes: Sequence[Any], shape: tuple[int, ...]) -> Symbols:
+def _fill(graph: Graph, nodes: Sequence[Any], shape: tuple[int, ...]) -> Symbols:
     """Array of a shape with nodes in C order."""
     array = np.empty(len(nodes), dtype=object)
     array[:] = nodes
@@ -119,18 +119,18 @@ def _elementwise(graph: Graph, ufunc: np.ufunc, inputs: Sequence[Any]) -> Symbol
         return np.minimum(np.maximum(inputs[0], inputs[1]), inputs[2])
     arrays = [np.asarray(each, dtype=object) for each in inputs]
     each = np.broadcast_arrays(*arrays)
-    if (same := _unchanged(name, arrays)) is not None:
-        return _filled(graph, list(each[same].flat), each[same].shape)
+    if (same := _find_result(name, arrays)) is not None:
+        return _fill(graph, list(each[same].flat), each[same].shape)
     found = [_record(graph, ufunc, name, values) for values in zip(*(array.flat for array in each), strict=True)]
-    return _filled(graph, found, each[0].shape)
+    return _fill(graph, found, each[0].shape)
 
 
 _NEUTRAL = {"add": (0.0, (0, 1)), "subtract": (0.0, (1,)), "multiply": (1.0, (0, 1)), "divide": (1.0, (1,))}
 """Number that leaves the other argument as it is, and the places where it does."""
 
 
-def _unchanged(name: str, arrays: Sequence[Any]) -> int | None:
-    """Place of the argument that is the result, since the other one is neutral for all elements; None if none is."""
+def _find_result(name: str, arrays: Sequence[Any]) -> int | None:
+    """Find the argument that is the result, since the other one is neutral for all elements; None if none is."""
     number, places = _NEUTRAL.get(name, (0.0, ()))
     for place in places:
         if all(not isinstance(value, Node) and value == number for value in arrays[place].flat):
@@ -165,7 +165,7 @@ def _where(graph: Graph, condition: Any, yes: Any, no: Any) -> Symbols:
         graph.choose(*(node_of(graph, value) for value in values))
         for values in zip(*(array.flat for array in each), strict=True)
     ]
-    return _filled(graph, found, each[0].shape)
+    return _fill(graph, found, each[0].shape)
 
 
 def _take_along_last_axis(graph: Graph, array: Any, indices: Any, axis: int = -1) -> Symbols:
@@ -179,4 +179,4 @@ def _take_along_last_axis(graph: Graph, array: Any, indices: Any, axis: int = -1
         for row, chosen in [(rows[place], np.asarray(indices, dtype=object)[place])]
         for index in chosen
     ]
-    return _filled(graph, found, indices.shape)
+    return _fill(graph, found, indices.shape)

@@ -1,5 +1,6 @@
 """FMUs are valid, run in FMPy, and give what the simulation gives; others are not written."""
 
+import ctypes
 import platform
 import zipfile
 from dataclasses import replace
@@ -12,7 +13,7 @@ from ffgym.agents.lugre import dynamic_lugre
 from ffgym.control import NoCompensation, Setpoints, rigid_feedforward
 from ffgym.core.errors import FFGymError
 from ffgym.deployment import write_fmus
-from ffgym.deployment.code import fmu as module
+from ffgym.deployment.code import fmu, fmu_build
 from ffgym.deployment.code.compiler import find_compiler
 from ffgym.deployment.code.fmu_check import TOLERANCE, Slave
 from ffgym.paths.motions import load_motion
@@ -125,20 +126,31 @@ def test_an_archive_has_what_the_standard_asks_for_and_needs_nothing_else(writte
         names = zipfile.ZipFile(folder / f"plant_fmi{version}.fmu").namelist()
         assert {"modelDescription.xml", f"binaries/{place}/plant.so", "resources/model.mjb"} < set(names)
         assert sum(name.startswith(f"binaries/{place}/libmujoco.so") for name in names) == 1
+        assert "documentation/licenses/mujoco_LICENSE" in names
+
+
+def test_a_binary_shows_functions_of_the_standard_alone(written, tmp_path):
+    folder, _ = written
+    for version, place in (("2", "linux64"), ("3", "x86_64-linux")):
+        file = zipfile.ZipFile(folder / f"program_fmi{version}.fmu").extract(f"binaries/{place}/program.so", tmp_path)
+        library = ctypes.CDLL(file)
+        assert hasattr(library, f"fmi{version}DoStep")
+        assert hasattr(library, f"fmi{version}SetDebugLogging")
+        assert not any(hasattr(library, name) for name in ("fmu_step", "law_step"))
 
 
 def test_fmus_that_differ_or_are_invalid_are_not_written(robot, reference, tmp_path, monkeypatch):
-    fill = module._fill
+    fill = fmu.fill_template
 
     def changed(template, known):
         return fill(template, known).replace("(cube * x + square) * x", "(cube * x + square) * x * 1.001")
 
-    monkeypatch.setattr(module, "_fill", changed)
+    monkeypatch.setattr(fmu, "fill_template", changed)
     with pytest.raises(FFGymError, match=r"of the FMU \(FMI 2.0\) differs from the simulation by"):
         write_fmus(tmp_path / "fmu", dynamic_lugre(robot), reference, versions=["2.0"])
-    monkeypatch.setattr(module, "_fill", fill)
-    text = module.description_text
-    monkeypatch.setattr(module, "description_text", lambda *given: text(*given).replace(b'"rad/s"', b'"rad/x"', 1))
+    monkeypatch.setattr(fmu, "fill_template", fill)
+    text = fmu_build.description_text
+    monkeypatch.setattr(fmu_build, "description_text", lambda *given: text(*given).replace(b'"rad/s"', b'"rad/x"', 1))
     with pytest.raises(FFGymError, match="FMPy finds"):
         write_fmus(tmp_path / "fmu", dynamic_lugre(robot), reference, versions=["2.0"])
     assert not [*tmp_path.iterdir()]
