@@ -118,6 +118,14 @@ def test_a_reset_begins_the_motion_again(written):
             assert not np.array_equal(slave.get("position"), first)
             slave._fmu.reset()
             assert np.array_equal(slave.get("position"), first)
+        with Slave(folder / f"plant_fmi{version}.fmu") as slave:
+            first, rest = slave.get("position"), slave.get("motor_position")
+            slave.set("position", first + 0.1)
+            slave.step(0.0, 0.004)
+            assert not np.array_equal(slave.get("motor_position"), rest)
+            slave._fmu.reset()
+            assert np.array_equal(slave.get("position"), first)
+            assert np.array_equal(slave.get("motor_position"), rest)
 
 
 def test_an_archive_has_what_the_standard_asks_for_and_needs_nothing_else(written):

@@ -8,6 +8,7 @@ import pytest
 
 from ffgym.agents.residual.actor import LSTM, Actor, LinearLayer
 from ffgym.agents.residual.policy import ResidualPolicy
+from ffgym.control import ObservationLayout
 from ffgym.core.errors import FFGymError
 from ffgym.deployment import write_policy_onnx
 from ffgym.deployment.code import policy as module
@@ -67,6 +68,27 @@ def test_a_policy_in_onnx_agrees_with_the_simulation_in_closed_loop(kind, robot,
     assert check.decisions == len(reference.t) - 1
     assert check.largest_difference <= TOLERANCE
     onnx.checker.check_model(str(tmp_path / "policy.onnx"), full_check=True)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_policy_in_onnx_decides_as_its_agent_on_any_readings_and_forgets_where_a_motion_begins(kind, robot):
+    policy, rng = policy_of(**KINDS[kind]), np.random.default_rng(7)
+    session = onnxruntime.InferenceSession(encode_onnx(policy, robot), providers=["CPUExecutionProvider"])
+    layout = ObservationLayout(robot, policy.preview, policy.action_scale * robot.friction.static)
+    agent, state = policy.agent(robot, layout), None
+    kept = {i.name: np.zeros(i.shape) for i in session.get_inputs() if i.name in ("past", "residual", "network")}
+    names = [output.name for output in session.get_outputs()]
+    for k in range(12):
+        begins = k in (0, 7)
+        observation = rng.normal(size=(1, layout.size)) * rng.choice(
+            [0.05, 20.0]
+        )  # small, and beyond where it is clipped
+        own = (np.zeros((1, 1)),) * 2 if state is None or begins else state.memory.own
+        _, state = agent.predict(observation, state, np.array([begins]))
+        readings = module._readings(observation, own, agent.composition)
+        found = dict(zip(names, session.run(None, {**readings, **kept, "begins": np.array([begins])}), strict=True))
+        kept = {name: found[f"{name}_next"] for name in kept}
+        assert np.abs(found["torque"] / (policy.bound * robot.friction.static) - state.residual).max() < 1e-12
 
 
 def test_readings_go_in_with_units_and_the_largest_torque_stands_in_the_file(robot):
