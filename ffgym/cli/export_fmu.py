@@ -37,11 +37,9 @@ def run(config: ExportFmu) -> None:
     info = provenance("ffgym export fmu", config, ready.arm.robot.name, fingerprint, seed=None)
     info |= {"motion": ready.motion.reference.name, "feedforward_law": ready.law.name}
     write_numbers(config, info | {"checks": [asdict(check) for check in checks]})
+    print(f"{ready.law.name} for {ready.motion.reference.name}, {checks[0].steps} steps")
     for check in checks:
-        said = f"valid, largest difference from the simulation {check.largest_difference:.2g} (SI units)"
-        print(
-            f"FMI {check.version}: {check.steps} steps of {ready.motion.reference.name} with {ready.law.name}, {said}"
-        )
+        print(f"FMI {check.version}: valid, {check.largest_difference:.2g} at most from the simulation (SI units)")
     notes = [*ready.motion.notes, missing_text(ready.machine)]
     print("".join(f"note: {note}\n" for note in notes if note), end="")
     print_places(folder=config.out, origin=config.json)

@@ -1,4 +1,4 @@
-"""Code and tables for machines that cannot run Python: laws in C99, tables of torques."""
+"""Code for machines without Python: laws in C99, tables, policies as ONNX, robots and programs as FMUs."""
 
 import lazy_loader
 

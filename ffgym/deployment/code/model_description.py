@@ -71,7 +71,11 @@ def description_text(model: ModelDescription, version: Version) -> bytes:
         root,
         "CoSimulation",
         {"modelIdentifier": model.name, "canHandleVariableCommunicationStepSize": "true"}
-        | ({"canNotUseMemoryManagementFunctions": "true"} if version == "2.0" else {}),
+        | (
+            {"canNotUseMemoryManagementFunctions": "true", "canGetAndSetFMUstate": "true"}
+            if version == "2.0"
+            else {"canGetAndSetFMUState": "true"}
+        ),
     )
     units = Xml.SubElement(root, "UnitDefinitions")
     for unit in sorted({variable.unit for variable in model.variables} | {"s"}):

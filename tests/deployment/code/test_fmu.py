@@ -128,6 +128,34 @@ def test_a_reset_begins_the_motion_again(written):
             assert np.array_equal(slave.get("motor_position"), rest)
 
 
+def test_a_state_that_is_set_again_repeats_the_steps_after_it_bit_for_bit(written):
+    folder, _ = written
+    for version in "23":
+        for name, quantity in (("plant", "motor_position"), ("program", "torque")):
+            with Slave(folder / f"{name}_fmi{version}.fmu") as slave:
+                fmu = slave._fmu
+                get, put, free = (
+                    getattr(fmu, f"{verb}FMU{'s' if version == '2' else 'S'}tate") for verb in ("get", "set", "free")
+                )
+
+                def run(slave=slave, name=name, quantity=quantity):
+                    if name == "plant":
+                        slave.set("position", slave.get("motor_position") + 0.05)
+                    found = []
+                    for k in range(40):
+                        slave.step(0.004 * k, 0.004)
+                        found.append(slave.get(quantity))
+                    return np.array(found)
+
+                run()
+                state = get()
+                first = run()
+                assert not np.array_equal(run(), first)
+                put(state)
+                assert np.array_equal(run(), first)
+                free(state)
+
+
 def test_an_archive_has_what_the_standard_asks_for_and_needs_nothing_else(written):
     folder, _ = written
     for version, place in (("2", "linux64"), ("3", "x86_64-linux")):

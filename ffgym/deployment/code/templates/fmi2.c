@@ -97,3 +97,14 @@ fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Rea
     *value = ((instance *)c)->model->time;
     return kind == fmi2LastSuccessfulTime ? fmi2OK : fmi2Discard;
 }
+
+fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state) { return told(c, fmu_save(((instance *)c)->model, state)); }
+fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) { return told(c, fmu_load(((instance *)c)->model, state)); }
+
+fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state)
+{
+    (void)c;
+    if (state != NULL)
+        fmu_drop(state);
+    return fmi2OK;
+}

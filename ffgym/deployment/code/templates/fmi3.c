@@ -71,3 +71,14 @@ fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 time, fmi3Float64 step, fmi3Bo
 }
 
 const char *fmi3GetVersion(void) { return fmi3Version; }
+
+fmi3Status fmi3GetFMUState(fmi3Instance c, fmi3FMUState *state) { return told(c, fmu_save(((instance *)c)->model, state)); }
+fmi3Status fmi3SetFMUState(fmi3Instance c, fmi3FMUState state) { return told(c, fmu_load(((instance *)c)->model, state)); }
+
+fmi3Status fmi3FreeFMUState(fmi3Instance c, fmi3FMUState *state)
+{
+    (void)c;
+    if (state != NULL)
+        fmu_drop(state);
+    return fmi3OK;
+}

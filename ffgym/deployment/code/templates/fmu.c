@@ -69,3 +69,53 @@ int fmu_advance(fmu_model *model, double step)
     model->time += step;
     return 0;
 }
+
+typedef struct {
+    double time, *values;
+    void *own;
+} saved;
+
+void fmu_drop(void **state)
+{
+    saved *one = *state;
+    if (one != NULL) {
+        if (one->own != NULL)
+            fmu_discard(one->own);
+        free(one->values);
+        free(one);
+    }
+    *state = NULL;
+}
+
+int fmu_save(fmu_model *model, void **state)
+{
+    const size_t size = (fmu_inputs + fmu_outputs) * sizeof(double);
+    saved *one = calloc(1, sizeof *one);
+    fmu_drop(state);
+    *state = one;
+    snprintf(model->message, sizeof model->message, "there is no memory for a state");
+    if (one == NULL)
+        return 1;
+    one->time = model->time;
+    one->values = malloc(size);
+    one->own = fmu_copy(model);
+    if (one->values == NULL || one->own == NULL) {
+        fmu_drop(state);
+        return 1;
+    }
+    memcpy(one->values, model->values, size);
+    return 0;
+}
+
+int fmu_load(fmu_model *model, const void *state)
+{
+    const saved *one = state;
+    if (one == NULL) {
+        snprintf(model->message, sizeof model->message, "there is no state to set");
+        return 1;
+    }
+    model->time = one->time;
+    memcpy(model->values, one->values, (fmu_inputs + fmu_outputs) * sizeof(double));
+    fmu_restore(model, one->own);
+    return 0;
+}

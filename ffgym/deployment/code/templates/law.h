@@ -37,8 +37,9 @@ void ${name}_start(${name}_state *state);
 int ${name}_step(${name}_state *state, const double q[${upper}_WINDOW], const double motor_dq[${upper}_WINDOW],
     const double motor_ddq[${upper}_WINDOW], double torque[${upper}_JOINTS]);
 
-/* Computes the errors that the law itself asks for at the sample of the next step, motor side [rad], [rad/s]: reference -
- * motor, where motors lead the arm. A policy above the law takes them from the errors that it sees. */
+/* Computes the errors that the law itself asks for at the sample whose torque the next step computes, motor side [rad],
+ * [rad/s]: reference - motor, where motors lead the arm. A policy above the law takes them from the errors that it sees
+ * at that sample. */
 void ${name}_own_error(const ${name}_state *state, double position[${upper}_JOINTS], double speed[${upper}_JOINTS]);
 
 #endif

@@ -122,3 +122,33 @@ void fmu_close(fmu_model *fmu)
         free(own);
     }
 }
+
+typedef struct {
+    mjData *data;
+    double last[3 * N];
+} kept;
+
+void *fmu_copy(const fmu_model *fmu)
+{
+    const plant *own = fmu->own;
+    kept *copied = calloc(1, sizeof *copied);
+    if (copied == NULL)
+        return NULL;
+    copied->data = mj_copyData(NULL, own->model, own->data);
+    memcpy(copied->last, own->last, sizeof own->last);
+    return copied;
+}
+
+void fmu_restore(fmu_model *fmu, const void *copied)
+{
+    const kept *from = copied;
+    plant *own = fmu->own;
+    mj_copyData(own->data, own->model, from->data);
+    memcpy(own->last, from->last, sizeof own->last);
+}
+
+void fmu_discard(void *copied)
+{
+    mj_deleteData(((kept *)copied)->data);
+    free(copied);
+}

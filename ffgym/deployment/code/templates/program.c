@@ -85,3 +85,14 @@ void fmu_close(fmu_model *fmu)
 {
     free(fmu->own);
 }
+
+void *fmu_copy(const fmu_model *fmu)
+{
+    program *copied = malloc(sizeof *copied);
+    if (copied != NULL)
+        memcpy(copied, fmu->own, sizeof *copied);
+    return copied;
+}
+
+void fmu_restore(fmu_model *fmu, const void *copied) { memcpy(fmu->own, copied, sizeof(program)); }
+void fmu_discard(void *copied) { free(copied); }
