@@ -70,8 +70,9 @@ class Emulate:
     """Cut-off or natural frequency of the controller's filter; absent is no filter."""
     damping: float | None = None
     """Damping ratio of a filter of second order; absent is one of first order."""
-    feedforward: bool = True
-    """Rigid feed-forward in the controller."""
+    feedforward: Literal["setpoints", "program", "none"] = "setpoints"
+    """What the controller computes its rigid feed-forward from: all of the set-points, its own program alone (rsi), or
+    nothing."""
     missing: Literal["hold", "extrapolate"] = "hold"
     """What the controller does in a cycle without a set-point."""
     viscous_scale: float = 0.0

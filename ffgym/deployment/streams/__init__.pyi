@@ -1,6 +1,7 @@
 from .egm import EgmWire as EgmWire
 from .envelope import Envelope as Envelope
 from .envelope import Guard as Guard
+from .protocols import axes_of as axes_of
 from .recording import record_session as record_session
 from .recording import summarise as summarise
 from .ros2 import Ros2Wire as Ros2Wire

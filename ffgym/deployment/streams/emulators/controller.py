@@ -105,11 +105,12 @@ class EmulatedController:
         """Simulate the cycle with the set-point that came, if one did."""
         answer, self._answer = self._answer, None
         self._silent = 0 if answer is not None else self._silent + 1
+        taken = None if self.stopped else answer
+        self.robot.advance(None if taken is None else taken.position, self._torque(taken))
+        # a program begins with a cycle whose packet says so
         if self.wire.needs_answers and self.begun:
             self._answered += answer is not None
             self.robot.runs = self._answered > _ANSWERS and not (self.stopped or self.robot.has_ended)
-        taken = None if self.stopped else answer
-        self.robot.advance(None if taken is None else taken.position, self._torque(taken))
 
     def _torque(self, answer: Command | None) -> Array | None:
         """Compute the torque of a cycle beside that of the servo, motor side [N m]."""

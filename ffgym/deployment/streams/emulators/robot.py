@@ -1,28 +1,27 @@
-r"""Robot of an emulator: a simulated machine behind the delay and the filter of a controller.
+"""Robot of an emulator: a simulated machine behind a controller.
 
-A set-point that the controller gets at t reaches the servo as
-
-.. math:: \theta_{ref}(t) = F \{ G q_{set} \}(t), \quad F(s) = e^{-d s} / (1 + a_1 s + a_2 s^2)
-
-straight between set-points; the speed reference is its derivative. The rigid feed-forward of the controller is that of
-`ffgym.control.rigid_feedforward`, computed from this reference.
+The rigid feed-forward of the controller is that of `ffgym.control.rigid_feedforward`, computed from the reference that
+the controller itself makes.
 """
 
-from typing import Literal, final
+from dataclasses import replace
+from typing import Literal, final, get_args
 
 import numpy as np
-from scipy import signal
+from scipy.interpolate import make_interp_spline
 
 from ffgym.control import SetpointResponse
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.types import Array
+from ffgym.deployment.streams.emulators.reference import ControllerReference, Missing
 from ffgym.deployment.streams.recording import header_of
-from ffgym.recordings import Recording
+from ffgym.paths import Reference
+from ffgym.recordings import Phase, Recording, clip_phases
 from ffgym.robot import ModelOptions, RigidArm, RobotDescription
 from ffgym.simulation.plant import Machine, Plant
 
-Missing = Literal["hold", "extrapolate"]
-"""What a controller does in a cycle without a set-point: keep the last one, or go on at its speed."""
+FeedForward = Literal["setpoints", "program", "none"]
+"""What a controller computes its rigid feed-forward from."""
 
 
 @final
@@ -37,7 +36,7 @@ class EmulatedRobot:
         cycle: float,
         response: SetpointResponse,
         arm: RigidArm | None = None,
-        feedforward: bool = True,
+        feedforward: FeedForward = "setpoints",
         missing: Missing = "hold",
         program: Array | None = None,
         options: ModelOptions | None = None,
@@ -51,7 +50,9 @@ class EmulatedRobot:
             response: delay and filter of the controller; a delay is at least a cycle, since set-points are joined by
                 straight lines.
             arm: rigid dynamics that the controller knows; None takes those of the machine's robot.
-            feedforward: True if the controller computes rigid feed-forward.
+            feedforward: what the controller computes its rigid feed-forward from: from all of the set-points, from
+                its own program alone, or not at all. A controller that gets positions cannot tell corrections from
+                the program, so that theirs comes on top of what the servo makes of them.
             missing: what it does in a cycle without a set-point.
             program: joint positions at each cycle of a program that the controller runs by itself, link side, shape
                 (T, N), which begins at `start`; set-points are then corrections of it, and they alone are delayed and
@@ -61,39 +62,36 @@ class EmulatedRobot:
         Raises:
             FFGymError: if times do not fit.
         """
-        check_choice("behaviour without set-point", missing, ("hold", "extrapolate"))
+        check_choice("feed-forward of a controller", feedforward, get_args(FeedForward))
+        if feedforward == "program" and program is None:
+            raise FFGymError(
+                "Feed-forward of the program alone needs a controller that runs it and gets corrections; choose "
+                "'setpoints' or 'none'."
+            )
         self.plant = Plant(machine, 1, options=options, n_threads=1)
         self.robot, self.cycle, self.response = self.plant.robot, cycle, response
         self._step = self.plant.physics_dt
-        self._acceleration = np.zeros(len(start))
-        self._substeps = round(cycle / self._step)
-        if abs(self._substeps * self._step - cycle) > 1e-9:
-            raise FFGymError(f"The physics step of {self._step} s must divide the cycle of {cycle} s.")
-        if response.delay < cycle - 1e-12:
-            raise FFGymError(
-                f"delay = {1e3 * response.delay:g} ms must be at least the cycle of {1e3 * cycle:g} ms: the controller "
-                f"joins set-points by straight lines."
-            )
-        self._arm = (arm or RigidArm(self.robot)) if feedforward else None
-        self._missing = missing
-        self.plant.rest(start[None])
-        # set-points so far, oldest first, one a cycle; at rest before the start
-        self._program = program
-        rest = start if program is None else np.zeros_like(start)
-        kept = int(np.ceil(response.delay / cycle)) + 2
-        self._received = [rest.copy() for _ in range(kept)]
-        self._filter = _StreamingFilter(response, self._step, rest)
-        self._run_cycles = 0
-        self.runs = False
-        """True while the controller runs its program; set it to begin."""
-        self._reference = np.tile(self.robot.drive.motor_angle(start), (2, 1))
-        self._rates = np.zeros((2, len(start)))
+        self._reference = ControllerReference(
+            self.robot.drive,
+            start,
+            cycle=cycle,
+            step=self._step,
+            response=response,
+            missing=missing,
+            program=program,
+        )
+        self._arm, self._source, self._delays_all = arm or RigidArm(self.robot), feedforward, program is None
         self._feedforward = np.zeros(len(start))
+        self.plant.rest(start[None])
         self._rows: list[tuple[Array, Array, Array, Array, Array]] = []
+        self.runs = False
+        """True while the controller runs its own program; set it to begin."""
         self.cycles = 0
         """Cycles so far."""
         self.missed = 0
         """Cycles without a set-point."""
+        self.began: float | None = None
+        """Time of the first set-point, or of the beginning of the controller's own program [s]; None before it."""
 
     @property
     def time(self) -> float:
@@ -113,12 +111,12 @@ class EmulatedRobot:
     @property
     def planned(self) -> Array:
         """Set-point that the servo tracks now, link side [rad or m], shape (N,)."""
-        return self.robot.drive.joint_angle(self._reference[-1])
+        return self.robot.drive.joint_angle(self._reference.position[-1])
 
     @property
     def has_ended(self) -> bool:
         """True once the controller has come to the end of its program."""
-        return self._program is not None and self._run_cycles >= len(self._program) - 1
+        return self._reference.has_ended
 
     def advance(self, setpoint: Array | None, torque: Array | None = None) -> None:
         """Simulate a cycle.
@@ -131,107 +129,82 @@ class EmulatedRobot:
             FFGymError: if the robot becomes unstable.
         """
         self.missed += setpoint is None
-        self._received = [*self._received[1:], self._fill() if setpoint is None else setpoint]
-        reference, speed = self._reference_of_cycle()
-        controls = np.empty((1, self._substeps, 3 * self.robot.n_joints))
-        position, velocity, effort = self.plant.split_controls(controls)
-        position[0], velocity[0] = reference[:-1], speed[:-1]
-        effort[0] = self._torques(reference, speed) + (0.0 if torque is None else torque)
-        states = self.plant.advance(controls)
-        self._note(reference[1:], states)
-        self._reference, self.cycles = reference, self.cycles + 1
+        if self.began is None and (setpoint is not None if self._delays_all else self.runs):
+            self.began = self.time
+        self._reference.advance(setpoint, self.runs)
+        position, speed = self._reference.position, self._reference.speed
+        controls = np.empty((1, len(position) - 1, 3 * self.robot.n_joints))
+        positions, speeds, torques = self.plant.split_controls(controls)
+        positions[0], speeds[0] = position[:-1], speed[:-1]
+        torques[0] = self._rigid_torques() + (0.0 if torque is None else torque)
+        qpos, qvel, act = (part[0].copy() for part in self.plant.advance(controls))
+        self._rows.append((position[1:], speed[1:], qpos, qvel, act))
+        self.cycles += 1
 
-    def truth(self, segment: str) -> Recording:
+    def _rigid_torques(self) -> Array:
+        """Compute the rigid feed-forward at the steps of a cycle, motor side [N m], (S, N), straight over the cycle."""
+        before, reference = self._feedforward, self._reference
+        if self._source != "none":
+            drive = self.robot.drive
+            change = reference.own_change + (reference.change if self._source == "setpoints" else 0.0)
+            q, dq = (drive.joint_angle(values[-1:]) for values in (reference.position, reference.speed))
+            links = self._arm.inverse_dynamics(q, dq, change[None])[0]
+            self._feedforward = drive.motor_torque(links) + drive.rotor_inertia * drive.motor_angle(change)
+        steps = len(reference.position) - 1
+        share = (np.arange(steps) / steps)[:, None]
+        torques: Array = (1 - share) * before + share * self._feedforward
+        return torques
+
+    def truth(self, segment: str, reference: Reference | None = None) -> Recording:
         """Make the recording of all cycles so far, with the true states, at every physics step.
 
         Times count from the start of the robot. `reference.*` is what the servo tracked.
+
+        Args:
+            segment: name of the motion.
+            reference: motion that was meant; the recording then has its phases and its tool path, as late as the
+                controller was, so that path errors can be computed.
+
+        Raises:
+            FFGymError: if the robot has not moved yet.
         """
         if not self._rows:
             raise FFGymError("The robot has not moved yet; run it before its truth is asked for.")
-        reference, speed, qpos, qvel, act = (np.concatenate(part) for part in zip(*self._rows, strict=True))
+        position, speed, qpos, qvel, act = (np.concatenate(part) for part in zip(*self._rows, strict=True))
         state = self.plant.unpack(qpos, qvel, act)
         families = {
-            "reference.position": reference,
+            "reference.position": position,
             "reference.velocity": speed,
             "motor.position": state.motor_position,
             "motor.velocity": state.motor_velocity,
             "link.position": state.link_position,
             "link.velocity": state.link_velocity,
         }
-        joints = self.robot.joints
-        columns: dict[str, Array] = {"timestamp": np.arange(1, len(qpos) + 1, dtype=np.float64) * self._step}
+        joints, t = self.robot.joints, np.arange(1, len(qpos) + 1, dtype=np.float64) * self._step
+        columns: dict[str, Array] = {"timestamp": t}
         columns |= {f"{name}.{joint}": x[:, j] for name, x in families.items() for j, joint in enumerate(joints)}
+        phases: tuple[Phase, ...] = ()
         if self.robot.tool is not None:
             moved = self.plant.tcp_position(0, qpos)
-            tcp = RigidArm(self.robot).tcp_position(state.link_position) if moved is None else moved
-            columns |= {f"tcp.position.{axis}": tcp[:, k] for k, axis in enumerate("xyz")}
+            tcp = {"tcp.position": self._arm.tcp_position(state.link_position) if moved is None else moved}
+            if reference is not None:
+                meant, phases = self._delay(reference, t)
+                tcp["tcp_reference.position"] = self._arm.tcp_position(meant)
+            columns |= {f"{name}.{axis}": xyz[:, k] for name, xyz in tcp.items() for k, axis in enumerate("xyz")}
         provenance = {
             "simulated": True,
             "physics_fingerprint": self.plant.fingerprint(),
             "physics_dt": self._step,
         }
-        return Recording(columns=columns, header=header_of(self.robot, segment, provenance=provenance))
+        header = replace(header_of(self.robot, segment, provenance=provenance), phases=phases)
+        return Recording(columns=columns, header=header)
 
-    def _fill(self) -> Array:
-        """Set-point of a cycle in which none came."""
-        last, before = self._received[-1], self._received[-2]
-        return last + (last - before) if self._missing == "extrapolate" else last
-
-    def _reference_of_cycle(self) -> tuple[Array, Array]:
-        """Compute position and speed references at the physics steps of a cycle and its end, motor side."""
-        times = np.arange(1, self._substeps + 1) * self._step - self.response.delay
-        # the last set-point came at the beginning of this cycle, time 0
-        places = np.minimum(times / self.cycle + len(self._received) - 1, len(self._received) - 1)
-        below = np.minimum(places.astype(np.int64), len(self._received) - 2)
-        received = np.stack(self._received)
-        share = (places - below)[:, None]
-        late = (1 - share) * received[below] + share * received[below + 1]
-        drive = self.robot.drive
-        reached = self._filter.next(late) + self._advance_program()
-        reference = np.vstack([self._reference[-1:], drive.motor_angle(reached)])
-        speed = np.vstack([self._rates[-1:], np.diff(reference, axis=0) / self._step])
-        self._rates, before = speed, self._rates
-        self._acceleration = (speed[-1] - before[-1]) / self.cycle
-        return reference, speed
-
-    def _advance_program(self) -> Array:
-        """Run the controller's own program for a cycle; returns its positions at the physics steps, link side."""
-        if self._program is None:
-            return np.zeros(self.robot.n_joints)
-        k = min(self._run_cycles, len(self._program) - 1)
-        following = min(k + 1, len(self._program) - 1) if self.runs else k
-        self._run_cycles = following
-        share = (np.arange(1, self._substeps + 1) / self._substeps)[:, None]
-        return (1 - share) * self._program[k] + share * self._program[following]
-
-    def _torques(self, reference: Array, speed: Array) -> Array:
-        """Compute the rigid feed-forward at the physics steps of a cycle, motor side [N m], straight over the cycle."""
-        before = self._feedforward
-        if self._arm is not None:
-            drive = self.robot.drive
-            q, dq, ddq = (drive.joint_angle(x)[None] for x in (reference[-1], speed[-1], self._acceleration))
-            links = self._arm.inverse_dynamics(q, dq, ddq)[0]
-            self._feedforward = drive.motor_torque(links) + drive.rotor_inertia * self._acceleration
-        share = (np.arange(self._substeps) / self._substeps)[:, None]
-        return (1 - share) * before + share * self._feedforward
-
-    def _note(self, reference: Array, states: tuple[Array, Array, Array]) -> None:
-        speed = self._rates[1:]
-        qpos, qvel, act = (part[0].copy() for part in states)
-        self._rows.append((reference, speed, qpos, qvel, act))
-
-
-class _StreamingFilter:
-    """Filter of a controller, fed piece by piece; as `SetpointResponse.filter` does at once."""
-
-    def __init__(self, response: SetpointResponse, dt: float, start: Array) -> None:
-        self._start = start
-        self._coefficients = response.discretise(dt)
-        _, a = self._coefficients
-        self._memory = np.zeros((len(a) - 1, len(start)))
-
-    def next(self, values: Array) -> Array:
-        """Filter the next values (S, N)."""
-        b, a = self._coefficients
-        filtered, self._memory = signal.lfilter(b, a, values - self._start, axis=0, zi=self._memory)
-        return np.asarray(filtered) + self._start
+    def _delay(self, reference: Reference, t: Array) -> tuple[Array, tuple[Phase, ...]]:
+        """Sample a motion that was meant at times `t` [s] of the robot, as late as the controller is, link side."""
+        if self.began is None:
+            raise FFGymError("No set-point came; there is nothing to compare with what was meant.")
+        late = self.began + (self.response.total_delay if self._delays_all else 0.0)
+        places = np.clip(t - late, 0.0, reference.t[-1])
+        phases = [replace(phase, start=phase.start + late, end=phase.end + late) for phase in reference.phases]
+        meant = np.asarray(make_interp_spline(reference.t, reference.q, k=3)(places), dtype=np.float64)
+        return meant, clip_phases(phases, float(t[0]), float(t[-1]))
