@@ -28,7 +28,7 @@ def circle(request, irb4600: RobotDescription, arm: RigidArm) -> Reference:
 
 
 def stream(
-    wire: Wire, circle: Reference, program: np.ndarray, correction: np.ndarray, response, envelope, arm, **options
+    wire: Wire, circle: Reference, planned: np.ndarray, correction: np.ndarray, response, envelope, arm, **options
 ) -> float:
     """Stream a correction to an emulated robot; returns the RMS path error [m]."""
     robot = circle.robot
@@ -39,13 +39,13 @@ def stream(
         joints=robot.joints,
         units=robot.kinematics.units,
         dt=0.004,
-        program=program,
+        program=planned,
         correction=correction,
         torque=np.zeros_like(correction),
     )
     session = StreamSession(plan, wire, envelope, robot.drive)
     assert session.cut_share == 0.0
-    emulated = EmulatedRobot(robot, program[0], cycle=wire.cycle, response=response, arm=arm, **options)
+    emulated = EmulatedRobot(robot, planned[0], cycle=wire.cycle, response=response, arm=arm, **options)
     run_in_lock_step(session, EmulatedController(emulated, wire))
     return path_errors(emulated.truth("circle", circle))[0].rms
 
