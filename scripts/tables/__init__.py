@@ -25,6 +25,7 @@ from scripts.tables import (
     recorded,
     recorded_friction,
     setpoints,
+    trial,
 )
 from scripts.tables.page import DOCS, DPI, Contents
 
@@ -32,6 +33,7 @@ DEFINED: Mapping[str, Callable[[], Contents]] = {
     "api.md": package_pages.names,
     "architecture.md": package_pages.architecture,
     "column_maps.md": definitions.column_maps,
+    "deployment/trial.md": trial.coverage,
     "motion_files.md": definitions.motion_files,
     "protocols.md": definitions.protocols,
     "quality.md": definitions.quality,

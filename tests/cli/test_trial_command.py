@@ -4,9 +4,11 @@ import json
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from ffgym.cli.main import main
+from ffgym.recordings import read_recording
 from tests.cli.errors import read_error
 
 PLAN = ["trial", "plan", "one_axis", "sine.toml", "--runs", "12", "--seed", "3", "--warm-up", "1", "--out", "trial"]
@@ -16,6 +18,17 @@ kind = "sine"
 frequency = 2.0
 amplitude = 0.002
 duration = 1.0
+"""
+
+MAP = """
+[log]
+robot = "one_axis"
+position_side = "link"
+
+[columns]
+timestamp = { source = "time_ms", unit = "ms" }
+"motor.position" = { source = ["actual"], unit = "rad" }
+"reference.position" = { source = ["target"], unit = "rad" }
 """
 
 
@@ -93,6 +106,27 @@ def test_a_log_that_cannot_be_read_and_one_that_is_missing_cost_their_pairs(insi
     assert "Run 4" in printed
     assert "Run 13" in printed
     assert "8 of 12 runs count" in printed or "10 of 12 runs count" in printed
+
+
+def test_logs_of_another_tool_are_read_by_a_column_map(inside, capsys, tmp_path):
+    logs = tmp_path / "traces"
+    logs.mkdir()
+    for file in sorted(Path("trial/logs").iterdir()):
+        recording = read_recording(file)
+        ratio = recording.header.gear_ratio[0]
+        columns = [
+            recording.t * 1e3,
+            recording["motor.position.j1"] / ratio,
+            recording["reference.position.j1"] / ratio,
+        ]
+        rows = "\n".join(",".join(f"{value:.9f}" for value in row) for row in np.stack(columns, axis=1))
+        (logs / f"{file.stem}.txt").write_text(f"time_ms,actual,target\n{rows}\n")
+    (tmp_path / "map.toml").write_text(MAP)
+    assert main(["trial", "read", "trial", str(logs), "--columns", str(tmp_path / "map.toml")]) == 0
+    by_map = capsys.readouterr().out
+    assert main(["trial", "read", "trial", "trial/logs"]) == 0
+    assert by_map.splitlines()[0].split("(")[0] == capsys.readouterr().out.splitlines()[0].split("(")[0]
+    assert "no command in the logs differs" in " ".join(by_map.split())  # as torque is not among them
 
 
 @pytest.mark.parametrize(

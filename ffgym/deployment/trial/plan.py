@@ -111,13 +111,7 @@ def plan_trial(
         raise FFGymError(f"{pairs} pairs of {len(names)} programs are more than {MOST_RUNS} runs; take fewer.")
     laps = check_whole("laps", laps, low=1, high=100)
     for program in programs:
-        if laps > 1 and not program.is_closed:
-            raise FFGymError(
-                f"Program {program.name!r} does not end where it begins, so that laps cannot follow each other. Take "
-                f"one lap, or add a move back to its start."
-            )
-        if not program.scored.any():
-            raise FFGymError(f"Program {program.name!r} is all standstill, so that it has no error to score.")
+        _check_program(program, laps)
     return TrialPlan(
         robot=robot,
         programs=tuple(programs),
@@ -126,6 +120,17 @@ def plan_trial(
         laps=laps,
         seed=check_whole("seed", seed, low=0),
     )
+
+
+def _check_program(program: TrialProgram, laps: int) -> None:
+    """Check that a program moves, and can be run so many times in a row."""
+    if laps > 1 and not program.is_closed:
+        raise FFGymError(
+            f"Program {program.name!r} does not end where it begins, so that laps cannot follow each other. Take one "
+            f"lap, or add a move back to its start."
+        )
+    if not program.scored.any():
+        raise FFGymError(f"Program {program.name!r} is all standstill, so that it has no error to score.")
 
 
 def _draw_runs(names: Sequence[str], pairs: int, warm_up: int, seed: int) -> tuple[PlannedRun, ...]:

@@ -2,11 +2,10 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
-from itertools import islice
 
 import numpy as np
 
-from ffgym.control import FeedForwardLaw, NoCompensation, SetpointChannel
+from ffgym.control import FeedForwardLaw, SetpointChannel
 from ffgym.core.errors import check_number, check_whole
 from ffgym.deployment.trial.matching import TrialLog
 from ffgym.deployment.trial.plan import TrialPlan
@@ -61,31 +60,27 @@ def rehearse(
     check_number("variation from run to run", variation, low=0.0, high=0.3)
     rng = np.random.default_rng(check_whole("seed", seed, low=0))
     own = rig.machine or Machine.of(rig.robot)
+    # each planned run with its own time, friction and noise
     references = {program.name: program.make_reference(rig.arm, plan.laps) for program in plan.programs}
+    any_one = next(iter(references.values()))
+    kinds = {False: Run(reference=any_one), True: Run(reference=any_one, law=law, channel=channel)}
     starts = compute_starts(plan, begin=begin, pause=pause)
     machines = [vary_friction(own, variation, rng) for _ in plan.runs]
     streams = rng.spawn(len(plan.runs))
-    runs, done = iter(plan.runs), 0.0
-    count = max(1, int(_BATCH / max(reference.duration for reference in references.values())))
-    while batch := list(islice(runs, count)):
-        places = [run.number - 1 for run in batch]
+    size = max(1, int(_BATCH / max(reference.duration for reference in references.values())))
+    for first in range(0, len(plan.runs), size):
+        part = slice(first, first + size)
         recordings = rig.run(
-            [
-                Run(reference=references[run.program], law=law, channel=channel)
-                if run.corrected
-                else Run(reference=references[run.program], law=NoCompensation())
-                for run in batch
-            ],
-            seed=[streams[k] for k in places],
-            started=[starts[k] for k in places],
-            machines=[machines[k] for k in places],
+            [replace(kinds[run.corrected], reference=references[run.program]) for run in plan.runs[part]],
+            seed=streams[part],
+            started=starts[part],
+            machines=machines[part],
             n_threads=n_threads,
         )
-        for run, recording in zip(batch, recordings, strict=True):
-            yield TrialLog(run.log, _on_one_clock(recording, starts[run.number - 1] - begin))
-        done += len(batch)
+        for run, start, recording in zip(plan.runs[part], starts[part], recordings, strict=True):
+            yield TrialLog(run.log, _on_one_clock(recording, start - begin))
         if progress is not None:
-            progress(done / len(plan.runs) * plan.seconds, plan.seconds)
+            progress(min(first + size, len(plan.runs)) / len(plan.runs) * plan.seconds, plan.seconds)
 
 
 def compute_starts(plan: TrialPlan, *, begin: float = 0.0, pause: float = PAUSE) -> list[float]:
