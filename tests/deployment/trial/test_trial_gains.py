@@ -1,5 +1,7 @@
 """Gains from pairs of errors: values by hand, and claims that are made as seldom by chance as they should be."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 import scipy
@@ -32,6 +34,15 @@ def test_the_interval_of_one_place_is_that_of_the_paired_t_test_and_p_counts_sig
     assert gain.p == 2 / 2**8
     assert gain.claim == "gain"
     assert gain.without == pytest.approx(scipy.stats.gmean(errors[:, 0]))
+
+
+def test_p_is_the_share_of_throws_of_the_coins_that_are_as_far_from_zero():
+    errors = draw_pairs(np.random.default_rng(8), 6, 0.02, 0.05)
+    (gain,) = estimate_gains({"a": errors})
+    ratios = np.log(errors[:, 1] / errors[:, 0])
+    throws = np.array([np.dot(signs, ratios) for signs in product((1, -1), repeat=6)])
+    assert gain.p == pytest.approx(np.mean(np.abs(throws) >= abs(ratios.sum()) - 1e-12))
+    assert 0.05 < gain.p < 0.9
 
 
 def test_a_correction_that_harms_is_called_worse():

@@ -65,14 +65,16 @@ class Machine:
     """True if logs hold the commanded positions, in which the correction is seen."""
     dt: float = 0.004
     lag: float = 0.005
+    wait: float = 0.5
+    """Time from the begin of a log to that of its program [s]."""
 
     def run(
         self, program: TrialProgram, corrected: bool, *, rng: np.random.Generator, begin: float = 0.0, laps: int = 1
     ) -> Recording:
-        """Log of one run, of a clock that shows `begin` [s] half a second before the program begins."""
+        """Log of one run, on a clock that shows `begin` [s] when it begins."""
         span = program.duration
         t = np.arange(round((laps * span + 1.0) / self.dt)) * self.dt
-        within = np.where((t > 0.5) & (t < 0.5 + laps * span), (t - 0.5) % span, 0.0)
+        within = np.where((t > self.wait) & (t < self.wait + laps * span), (t - self.wait) % span, 0.0)
         size = (self.corrected if corrected else self.without) * np.exp(self.scatter * rng.standard_normal())
         own = program.recording
         joints = {joint: np.interp(within, own.t, program.joints[:, j]) for j, joint in enumerate(HEADER.joints)}
