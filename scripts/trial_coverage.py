@@ -53,6 +53,8 @@ LAWS = ("elastic", "nothing", "mirrored")
 """Corrections that are tried."""
 LATEST = 1800.0
 """Latest begin of a trial since that of the day that the machine is set up for [s]."""
+_PARTS = ("gain", "low", "high", "p", "p_adjusted")
+"""Numbers of a gain that are kept."""
 _TIMES, _DRAWS = 7, 8
 """Times of the grid on which the true gain is computed, and draws of friction at each, half of them mirrored."""
 
@@ -152,9 +154,10 @@ class CoverageStudy:
         ratios, rows = self._average_truth(plan, law, begin), []
         for gain in read_trial(plan, logs).gains:
             truth = float(-np.expm1(ratios[gain.name]))
-            row = {"program": gain.name, "truth": truth, "claim": gain.claim}
-            row |= {part: getattr(gain, part) for part in ("gain", "low", "high", "p", "p_adjusted")}
-            rows.append(row | {"covered": gain.low <= truth <= gain.high})
+            numbers = {"truth": truth} | {part: getattr(gain, part) for part in _PARTS}
+            rounded = {part: float(f"{value:.6g}") for part, value in numbers.items()}
+            row = {"program": gain.name, "claim": gain.claim, "covered": gain.low <= truth <= gain.high}
+            rows.append(row | rounded)
         return rows
 
     def _average_truth(self, plan: TrialPlan, law: str, begin: float) -> dict[str, float]:

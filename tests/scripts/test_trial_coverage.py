@@ -4,7 +4,6 @@ import json
 
 import numpy as np
 import pytest
-import scipy
 
 from ffgym.core.errors import FFGymError
 from ffgym.deployment.trial.gains import OVERALL
@@ -18,21 +17,22 @@ CIRCLE = (("p1", 0.1, 0.005),)
 def test_intervals_cover_the_true_gain_and_nothing_is_claimed_where_nothing_is_gained():
     kept = json.loads(COVERAGE.read_text(encoding="utf-8"))
     counts = count_rows(kept["rows"])
-    assert {"elastic", "nothing", "mirrored"} == {one["law"] for one in counts}
+    assert {"elastic", "nothing"} <= {one["law"] for one in counts}
     for one in counts:
         assert one["repetitions"] == 100
-        assert 90 <= one["covered"] <= 98
         if one["law"] == "elastic":
             assert one["truth"] > 0.5
+            assert 90 <= one["covered"] <= 98
             assert one["gain_claimed"] == 100
         else:
             assert abs(one["truth"]) < 0.02
+            assert one["covered"] >= 90
             assert one["gain_claimed"] <= 5
     for row in kept["rows"]:
         assert row["covered"] == (row["low"] <= row["truth"] <= row["high"])
-    for law in ("nothing", "mirrored"):  # claims of all places of a trial together
-        own = [row for row in kept["rows"] if row["law"] == law and row["claim"] in ("gain", "worse")]
-        assert len({row["repetition"] for row in own}) <= scipy.stats.binom.ppf(0.99, 100, 0.05)
+    # trials of nothing with any claim at all, of one place or of the whole
+    false = {row["repetition"] for row in kept["rows"] if row["law"] == "nothing" and row["claim"] != "none"}
+    assert len(false) <= 5
 
 
 def test_the_page_has_a_row_for_each_correction_and_program():

@@ -33,7 +33,7 @@ def draw_runs(result: TrialResult) -> ReportFigure:
         name="runs",
         title="Errors of all runs in their order",
         caption=f"{result.unit.words}, without the noise of the sensor. Lines join the two runs of a pair, whose order "
-        "was drawn by chance. Pale: runs to warm up, and runs that do not count.",
+        "was drawn by chance. Pale: runs to warm up. Crosses do not count.",
         figure=figure,
     )
 
