@@ -25,10 +25,10 @@ from ffgym.deployment.code.fmu_build import FmuParts, build_fmu
 from ffgym.deployment.code.fmu_check import FmuCheck, compare_with_simulation, validate
 from ffgym.deployment.code.law import write_law_files
 from ffgym.deployment.code.law_text import number_rows
-from ffgym.deployment.code.model_description import ModelDescription, Variable, Version
+from ffgym.deployment.code.model_description import FmuVariable, ModelDescription, Version
 from ffgym.paths import Reference
 from ffgym.recordings import Recording
-from ffgym.robot import ModelOptions, RigidArm, model_bytes
+from ffgym.robot import ModelOptions, RigidArm, RobotDescription, model_bytes
 from ffgym.simulation import Run, simulate
 from ffgym.simulation.export.model import add_rest, in_engine, missing_text, plant_of, spec_with_home
 from ffgym.simulation.plant import Machine
@@ -109,6 +109,7 @@ def _record(law: FeedForwardLaw, reference: Reference, machine: Machine, arm: Ri
 def plant_parts(machine: Machine, reference: Reference, torque: Array) -> FmuParts:
     """Make the parts of the plant: the exported model, which rests at the start of a motion under `torque` (N,)."""
     robot = machine.robot
+    # model with a keyframe that rests at the start
     plant = plant_of(machine, None)
     spec = spec_with_home(plant, machine, ModelOptions(looks=False))
     start = np.concatenate([reference.motor_q[0], reference.motor_dq[0], torque])
@@ -117,6 +118,19 @@ def plant_parts(machine: Machine, reference: Reference, torque: Array) -> FmuPar
         part[:] = values
     add_rest(spec, plant, "start", reference.q[0], reference.dq[0], controls)
     model = model_bytes(spec.compile())
+    # description, and code with the names of the joints
+    about = f"{robot.title} under its servos. {missing_text(machine)}"
+    names = ", ".join(f'"{joint}"' for joint in robot.joints)
+    source = fill_template("plant.c", {"joints": str(robot.n_joints), "names": names})
+    description = _describe("plant", about, _plant_variables(robot, start), reference, source, model)
+    (library,) = Path(mujoco.__file__).parent.glob("libmujoco.so.*")
+    return FmuParts(
+        description=description, sources={"plant.c": source}, libraries=(library,), resources={"model.mjb": model}
+    )
+
+
+def _plant_variables(robot: RobotDescription, start: Array) -> list[FmuVariable]:
+    """List inputs, which begin with `start` (3 N,), and outputs of the plant, in the order of plant.c."""
     joints, lengths = robot.joints, robot.kinematics.units
     inputs = {
         "position": ("rad", "Set-point of motor {} for the end of the next step."),
@@ -124,29 +138,20 @@ def plant_parts(machine: Machine, reference: Reference, torque: Array) -> FmuPar
         "torque": ("N.m", "Feed-forward torque of motor {} for the end of the next step."),
     }
     variables = [
-        Variable(f"{name}.{joint}", unit, meaning.format(joint), float(value))
+        FmuVariable(f"{name}.{joint}", unit, meaning.format(joint), float(value))
         for (name, (unit, meaning)), values in zip(inputs.items(), np.split(start, 3), strict=True)
         for joint, value in zip(joints, values, strict=True)
     ]
-    variables += [Variable(f"motor_position.{joint}", "rad", f"Angle of motor {joint}.") for joint in joints]
-    variables += [Variable(f"motor_velocity.{joint}", "rad/s", f"Speed of motor {joint}.") for joint in joints]
+    variables += [FmuVariable(f"motor_position.{joint}", "rad", f"Angle of motor {joint}.") for joint in joints]
+    variables += [FmuVariable(f"motor_velocity.{joint}", "rad/s", f"Speed of motor {joint}.") for joint in joints]
     for name, meaning, per in (("link_position", "Position", ""), ("link_velocity", "Speed", "/s")):
         variables += [
-            Variable(f"{name}.{joint}", f"{unit}{per}", f"{meaning} of joint {joint}, behind its spring.")
+            FmuVariable(f"{name}.{joint}", f"{unit}{per}", f"{meaning} of joint {joint}, behind its spring.")
             for joint, unit in zip(joints, lengths, strict=True)
         ]
     if robot.tool is not None:
-        variables += [Variable(f"tcp.{axis}", "m", f"{axis} of the tool centre point.") for axis in "xyz"]
-    about = (
-        f"{robot.title} under its servos; inputs are set-points for the end of the next step. {missing_text(machine)}"
-    )
-    names = ", ".join(f'"{joint}"' for joint in joints)
-    source = fill_template("plant.c", {"joints": str(len(joints)), "names": names})
-    description = _describe("plant", about, variables, reference, source, model)
-    (library,) = Path(mujoco.__file__).parent.glob("libmujoco.so.*")
-    return FmuParts(
-        description=description, sources={"plant.c": source}, libraries=(library,), resources={"model.mjb": model}
-    )
+        variables += [FmuVariable(f"tcp.{axis}", "m", f"{axis} of the tool centre point.") for axis in "xyz"]
+    return variables
 
 
 def program_parts(law: FeedForwardLaw, reference: Reference, rigid: Array) -> FmuParts:
@@ -163,7 +168,7 @@ def program_parts(law: FeedForwardLaw, reference: Reference, rigid: Array) -> Fm
         "added_torque": ("N.m", f"Part of the torque of motor {{}} that the law {law.name} adds."),
     }
     variables = [
-        Variable(f"{kind}.{joint}", unit, meaning.format(joint))
+        FmuVariable(f"{kind}.{joint}", unit, meaning.format(joint))
         for kind, (unit, meaning) in kinds.items()
         for joint in robot.joints
     ]
@@ -174,7 +179,7 @@ def program_parts(law: FeedForwardLaw, reference: Reference, rigid: Array) -> Fm
 
 
 def _describe(
-    name: str, about: str, variables: Sequence[Variable], reference: Reference, *contents: str | bytes
+    name: str, about: str, variables: Sequence[FmuVariable], reference: Reference, *contents: str | bytes
 ) -> ModelDescription:
     """Describe a model; its token is a hash of all that it is made of."""
     found = sha256()

@@ -9,7 +9,7 @@ Version = Literal["2.0", "3.0"]
 
 
 @dataclass(frozen=True)
-class Variable:
+class FmuVariable:
     """Number that goes in or out."""
 
     name: str
@@ -29,7 +29,7 @@ class ModelDescription:
     tool: str
     token: str
     """Text by which description and binary know each other."""
-    variables: tuple[Variable, ...]
+    variables: tuple[FmuVariable, ...]
     """Inputs, then outputs; their places are their value references, and the time has the next one."""
     stop: float
     """Time at which the experiment ends [s]."""
@@ -88,7 +88,7 @@ def description_text(model: ModelDescription, version: Version) -> bytes:
     return Xml.tostring(root, encoding="UTF-8", xml_declaration=True) + b"\n"
 
 
-def _attributes(variable: Variable, reference: int) -> dict[str, str]:
+def _attributes(variable: FmuVariable, reference: int) -> dict[str, str]:
     return {
         "name": variable.name,
         "valueReference": str(reference),
@@ -98,7 +98,7 @@ def _attributes(variable: Variable, reference: int) -> dict[str, str]:
     }
 
 
-def _number(variable: Variable) -> dict[str, str]:
+def _number(variable: FmuVariable) -> dict[str, str]:
     return {"unit": variable.unit} | ({} if variable.start is None else {"start": repr(variable.start)})
 
 

@@ -5,6 +5,7 @@ the reference ahead go in, torque [N m] comes out. The law itself runs beside it
 """
 
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -85,15 +86,7 @@ def encode_onnx(policy: ResidualPolicy, robot: RobotDescription, *, single: bool
     n, graph = robot.n_joints, OnnxGraph(np.float32 if single else np.float64)
     given = {name: graph.give(name, shape) for name, shape in _input_shapes(agent).items()}
     begins = graph.give("begins", (1,), np.bool_)
-    # physical readings in the scales of observations
-    layout = agent.composition.features.layout
-    observation = _Observation(layout)
-    for name in ERRORS:
-        observation.add(name, np.clip(given[name] / layout[name].scale, -BOUND, BOUND))
-    for k, samples in enumerate(AHEAD):
-        for name in ("reference_velocity", "reference_acceleration"):
-            entry = ahead(name, samples)
-            observation.add(entry, np.clip(given[name][:, k] / layout[entry].scale, -BOUND, BOUND))
+    observation = _Observation.of(given, agent.composition.features.layout)
     # features at the beginning of a motion, or after the last residual; then the network
     own = tuple(given[f"law_{name}"] for name in ERRORS)
     symbols: Any = {"own": own, "past": given["past"]}
@@ -143,9 +136,20 @@ class _Observation:
     def __init__(self, layout: ObservationLayout) -> None:
         self._layout, self._known = layout, dict[int, Any]()
 
-    def add(self, name: str, value: Any) -> None:
-        """Set an entry."""
-        self._known[self._layout[name].slice.start] = value
+    @classmethod
+    def of(cls, given: Mapping[str, Any], layout: ObservationLayout) -> "_Observation":
+        """Bring physical readings to the scales of observations."""
+        found = cls(layout)
+        for name in ERRORS:
+            found._add(name, given[name])
+        for k, samples in enumerate(AHEAD):
+            for name in ("reference_velocity", "reference_acceleration"):
+                found._add(ahead(name, samples), given[name][:, k])
+        return found
+
+    def _add(self, name: str, value: Any) -> None:
+        entry = self._layout[name]
+        self._known[entry.slice.start] = np.clip(value / entry.scale, -BOUND, BOUND)
 
     def __len__(self) -> int:
         return 1
