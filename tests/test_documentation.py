@@ -25,6 +25,7 @@ EXECUTED = [
     "docs/simulate.md",
     "docs/torque_prediction.md",
     "docs/deployment/setpoints.md",
+    "docs/deployment/streams.md",
     "docs/agents/README.md",
     "docs/agents/bspline.md",
     "docs/agents/learning_stability.md",

@@ -20,6 +20,7 @@ from .streams import RtdeWire as RtdeWire
 from .streams import ServoProgram as ServoProgram
 from .streams import StreamSession as StreamSession
 from .streams import TorqueProgram as TorqueProgram
+from .streams import axes_of as axes_of
 from .streams import record_session as record_session
 from .streams import write_urscript as write_urscript
 from .streams.emulators import DirectTorque as DirectTorque
