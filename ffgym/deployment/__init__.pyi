@@ -10,10 +10,10 @@ from .code import write_table as write_table
 from .plan import SetpointPlan as SetpointPlan
 from .plan import read_plan as read_plan
 from .plan import write_plan as write_plan
-from .streams import Axes as Axes
 from .streams import EgmWire as EgmWire
 from .streams import Envelope as Envelope
 from .streams import Guard as Guard
+from .streams import JointAxes as JointAxes
 from .streams import Ros2Wire as Ros2Wire
 from .streams import RsiWire as RsiWire
 from .streams import RtdeWire as RtdeWire

@@ -11,8 +11,8 @@ from .session import StreamSession as StreamSession
 from .urscript import ServoProgram as ServoProgram
 from .urscript import TorqueProgram as TorqueProgram
 from .urscript import write_urscript as write_urscript
-from .wire import Axes as Axes
-from .wire import Command as Command
 from .wire import Feedback as Feedback
+from .wire import JointAxes as JointAxes
 from .wire import PacketError as PacketError
+from .wire import StreamCommand as StreamCommand
 from .wire import Wire as Wire

@@ -39,7 +39,7 @@ class Duration(IdlStruct, typename="builtin_interfaces::msg::dds_::Duration_"):
 
 
 @dataclass
-class Header(IdlStruct, typename="std_msgs::msg::dds_::Header_"):
+class StdHeader(IdlStruct, typename="std_msgs::msg::dds_::Header_"):
     """std_msgs/Header."""
 
     stamp: Time
@@ -62,7 +62,7 @@ class JointTrajectoryPoint(IdlStruct, typename="trajectory_msgs::msg::dds_::Join
 class JointState(IdlStruct, typename="sensor_msgs::msg::dds_::JointState_"):
     """sensor_msgs/JointState."""
 
-    header: Header
+    header: StdHeader
     name: sequence[str]
     position: sequence[float64]
     velocity: sequence[float64]
@@ -74,6 +74,6 @@ class JointState(IdlStruct, typename="sensor_msgs::msg::dds_::JointState_"):
 class JointTrajectory(IdlStruct, typename="trajectory_msgs::msg::dds_::JointTrajectory_"):
     """trajectory_msgs/JointTrajectory."""
 
-    header: Header
+    header: StdHeader
     joint_names: sequence[str]
     points: sequence[JointTrajectoryPoint]

@@ -11,7 +11,7 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
-from ffgym.deployment.streams.wire import Axes, Command, Feedback, PacketError
+from ffgym.deployment.streams.wire import Feedback, JointAxes, PacketError, StreamCommand
 
 _MOST_JOINTS = 6
 """Joints of a robot in EgmJoints; a seventh and external axes travel elsewhere."""
@@ -44,7 +44,7 @@ class EgmWire:
     number_step = _CYCLE
     wrap = _UINT32
 
-    def __init__(self, axes: Axes) -> None:
+    def __init__(self, axes: JointAxes) -> None:
         """Prepare packets for a robot with `axes`, six at most."""
         if axes.n > _MOST_JOINTS:
             raise FFGymError(f"EGM sends {_MOST_JOINTS} joints of a robot, this one has {axes.n}.")
@@ -64,7 +64,7 @@ class EgmWire:
         header = message.header
         return Feedback(sequence=header.seqno, time=1e-3 * header.tm, position=position, ready=ready)
 
-    def encode_command(self, command: Command) -> bytes:
+    def encode_command(self, command: StreamCommand) -> bytes:
         """Write an EgmSensor message with joint positions."""
         message = self._messages.EgmSensor()
         message.header.seqno = command.sequence % _UINT32
@@ -91,12 +91,12 @@ class EgmWire:
         data: bytes = message.SerializeToString()
         return data
 
-    def decode_command(self, data: bytes) -> Command:
+    def decode_command(self, data: bytes) -> StreamCommand:
         """Read an EgmSensor message with joint positions."""
         message = self._parse(self._messages.EgmSensor(), data)
         self._check_header(message.header, self._messages.EgmHeader.MSGTYPE_CORRECTION)
         none = np.zeros(self.axes.n)
-        return Command(
+        return StreamCommand(
             sequence=message.header.seqno,
             time=1e-3 * message.header.tm,
             position=self.axes.from_degrees(message.planned.joints.joints),

@@ -18,7 +18,7 @@ _LONGEST_WAIT = 0.1
 
 @dataclass(eq=False)
 class Timing:
-    """How fast answers were."""
+    """Speed of the answers."""
 
     answers: list[float] = field(default_factory=list)
     """Time from a packet to its answer [s], each."""

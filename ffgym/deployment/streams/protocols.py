@@ -6,7 +6,7 @@ from functools import partial
 
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.deployment.streams.ports import Port, UdpPort, parse_address
-from ffgym.deployment.streams.wire import Axes, Wire
+from ffgym.deployment.streams.wire import JointAxes, Wire
 from ffgym.robot import RobotDescription
 
 Connection = tuple[Port, Hashable]
@@ -19,7 +19,7 @@ class StreamProtocol:
 
     title: str
     """Name in full."""
-    make_wire: Callable[[Axes], Wire]
+    make_wire: Callable[[JointAxes], Wire]
     """Function that makes its packets for a robot."""
     open_stream: Callable[[str | None], Port]
     """Function that opens the port of a stream for an address as users write it; None is the usual one."""
@@ -27,25 +27,25 @@ class StreamProtocol:
     """Function that opens the port of an emulator, and waits for a stream at most so long [s]."""
 
 
-def _egm(axes: Axes) -> Wire:
+def _egm(axes: JointAxes) -> Wire:
     from ffgym.deployment.streams.egm import EgmWire
 
     return EgmWire(axes)
 
 
-def _rsi(axes: Axes, cycle: float) -> Wire:
+def _rsi(axes: JointAxes, cycle: float) -> Wire:
     from ffgym.deployment.streams.rsi import RsiWire
 
     return RsiWire(axes, cycle=cycle)
 
 
-def _rtde(axes: Axes, torques: bool) -> Wire:
+def _rtde(axes: JointAxes, torques: bool) -> Wire:
     from ffgym.deployment.streams.rtde import RtdeWire
 
     return RtdeWire(axes, torques=torques)
 
 
-def _ros2(axes: Axes, torques: bool) -> Wire:
+def _ros2(axes: JointAxes, torques: bool) -> Wire:
     from ffgym.deployment.streams.ros2 import Ros2Wire
 
     return Ros2Wire(axes, torques=torques)
@@ -77,7 +77,7 @@ def _join_ros_as_controller(topic: str | None, longest: float) -> Connection:
     return DdsPort(topic or TOPIC, is_controller=True), None
 
 
-def _over_udp(title: str, port: int, make_wire: Callable[[Axes], Wire]) -> StreamProtocol:
+def _over_udp(title: str, port: int, make_wire: Callable[[JointAxes], Wire]) -> StreamProtocol:
     """Make a protocol in which the controller sends to the stream's UDP port."""
     return StreamProtocol(
         title=title,
@@ -123,7 +123,7 @@ def protocol_named(name: str) -> StreamProtocol:
     return PROTOCOLS[check_choice("protocol", name, tuple(PROTOCOLS))]
 
 
-def axes_of(robot: RobotDescription) -> Axes:
+def axes_of(robot: RobotDescription) -> JointAxes:
     """Describe the joints of a robot for packets."""
     low, high = robot.kinematics.range.T
-    return Axes(names=robot.joints, units=robot.kinematics.units, low=low, high=high)
+    return JointAxes(names=robot.joints, units=robot.kinematics.units, low=low, high=high)

@@ -11,7 +11,7 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError, check_number
 from ffgym.core.types import Array
-from ffgym.deployment.streams.wire import Axes, Command, Feedback, PacketError
+from ffgym.deployment.streams.wire import Feedback, JointAxes, PacketError, StreamCommand
 
 STATE, TRAJECTORY = "sensor_msgs/msg/JointState", "trajectory_msgs/msg/JointTrajectory"
 """Types of the messages."""
@@ -32,7 +32,7 @@ class Ros2Wire:
     clock_step = _TICK
     wrap = 2**62
 
-    def __init__(self, axes: Axes, *, cycle: float = 0.004, torques: bool = False) -> None:
+    def __init__(self, axes: JointAxes, *, cycle: float = 0.004, torques: bool = False) -> None:
         """Prepare messages.
 
         Args:
@@ -65,7 +65,7 @@ class Ros2Wire:
         position = self.axes.check(np.array([message.position[places[name]] for name in self.joints]))
         return Feedback(sequence=round(clock / _TICK), time=clock, position=position)
 
-    def encode_command(self, command: Command) -> bytes:
+    def encode_command(self, command: StreamCommand) -> bytes:
         """Write a JointTrajectory of one point."""
         point = self._types["trajectory_msgs/msg/JointTrajectoryPoint"](
             positions=command.position,
@@ -92,7 +92,7 @@ class Ros2Wire:
         )
         return self._write(state, STATE)
 
-    def decode_command(self, data: bytes) -> Command:
+    def decode_command(self, data: bytes) -> StreamCommand:
         """Read a JointTrajectory of one point for our joints."""
         message = self._read(data, TRAJECTORY)
         if message.joint_names != self.joints or len(message.points) != 1:
@@ -109,7 +109,7 @@ class Ros2Wire:
             raise PacketError("no sequence number or time") from None
         if not 0 <= time < _LATEST:
             raise PacketError("no sequence number or time")
-        return Command(
+        return StreamCommand(
             sequence=round(time / _TICK),
             time=time,
             position=self.axes.check(np.asarray(point.positions)),

@@ -12,7 +12,7 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
-from ffgym.deployment.streams.wire import Axes, Command, Feedback, PacketError
+from ffgym.deployment.streams.wire import Feedback, JointAxes, PacketError, StreamCommand
 
 RUN = "Run"
 """Element that says that the program moves."""
@@ -32,7 +32,7 @@ class RsiWire:
     number_step = 0.001
     wrap = _UINT32
 
-    def __init__(self, axes: Axes, *, cycle: float = 0.004) -> None:
+    def __init__(self, axes: JointAxes, *, cycle: float = 0.004) -> None:
         """Prepare telegrams for a robot with `axes`, six at most; `cycle` [s] is 0.004 or 0.012."""
         if axes.n > _MOST_JOINTS:
             raise FFGymError(f"RSI sends {_MOST_JOINTS} axes of a robot in AIPos, this one has {axes.n}.")
@@ -49,7 +49,7 @@ class RsiWire:
             raise PacketError("no Run")
         return Feedback(sequence=clock, time=1e-3 * clock, position=position, started=run.strip() == "1", token=clock)
 
-    def encode_command(self, command: Command) -> bytes:
+    def encode_command(self, command: StreamCommand) -> bytes:
         """Write a <Sen> telegram with the correction."""
         return (
             f'<Sen Type="ImFree"><AKorr {self._write_axes(command.correction)}/><IPOC>{command.token}</IPOC></Sen>'
@@ -63,7 +63,7 @@ class RsiWire:
             f'<Delay D="0"/><{RUN}>{int(feedback.started)}</{RUN}><IPOC>{ipoc}</IPOC></Rob>'
         ).encode()
 
-    def decode_command(self, data: bytes) -> Command:
+    def decode_command(self, data: bytes) -> StreamCommand:
         """Read a <Sen> telegram; what it holds is a correction."""
         root = _parse(data, "Sen")
         clock = _read_ipoc(root)
@@ -71,7 +71,7 @@ class RsiWire:
         if len(numbers) != self.axes.n or not np.isfinite(numbers).all():
             raise PacketError("not finite")
         correction, none = numbers / self.axes.scale, np.zeros(self.axes.n)
-        return Command(
+        return StreamCommand(
             sequence=clock,
             time=1e-3 * clock,
             position=correction,

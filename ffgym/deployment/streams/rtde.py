@@ -11,7 +11,7 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
-from ffgym.deployment.streams.wire import Axes, Command, Feedback, PacketError
+from ffgym.deployment.streams.wire import Feedback, JointAxes, PacketError, StreamCommand
 
 _JOINTS = 6
 _CYCLE = 0.002
@@ -50,7 +50,7 @@ class RtdeWire:
     clock_step = 1e-6
     wrap = 2**31
 
-    def __init__(self, axes: Axes, *, torques: bool = False) -> None:
+    def __init__(self, axes: JointAxes, *, torques: bool = False) -> None:
         """Prepare packages for a robot with `axes`, six hinges; with `torques` for a program that takes these."""
         if axes.n != _JOINTS or set(axes.units) != {"rad"}:
             raise FFGymError(f"RTDE is for robots of {_JOINTS} hinges, this one has joints in {', '.join(axes.units)}.")
@@ -66,7 +66,7 @@ class RtdeWire:
         position = self.axes.check(np.array(fields[1:7]))
         return Feedback(sequence=round(clock / _CYCLE), time=clock, position=position, ready=ready)
 
-    def encode_command(self, command: Command) -> bytes:
+    def encode_command(self, command: StreamCommand) -> bytes:
         """Write a data package with position, speed and torque."""
         values = (*command.position.tolist(), *command.velocity.tolist(), *command.effort.tolist())
         number = (round(command.time / _CYCLE) + 1) % self.wrap  # 0 is that of a register nobody wrote
@@ -78,14 +78,14 @@ class RtdeWire:
         positions = (*feedback.position.tolist(), *planned.tolist())
         return _OUTPUT.pack(_OUTPUT.size, DATA, _RECIPE, feedback.time, *positions, _RUNNING, _NORMAL, takes)
 
-    def decode_command(self, data: bytes) -> Command:
+    def decode_command(self, data: bytes) -> StreamCommand:
         """Read a data package as the robot does."""
         number, *values = _unpack(_INPUT, data)
         position, velocity, effort = np.array(values).reshape(3, _JOINTS)
         self.axes.check(position)
         if not np.isfinite([velocity, effort]).all():
             raise PacketError("not finite")
-        return Command(
+        return StreamCommand(
             sequence=int(number),
             time=(number - 1) * _CYCLE,
             position=position,

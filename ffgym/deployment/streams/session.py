@@ -12,7 +12,7 @@ from ffgym.core.types import Array
 from ffgym.deployment.plan import SetpointPlan
 from ffgym.deployment.streams.envelope import Envelope, Guard
 from ffgym.deployment.streams.validity import FIRST, Order
-from ffgym.deployment.streams.wire import Command, Feedback, Wire
+from ffgym.deployment.streams.wire import Feedback, StreamCommand, Wire
 from ffgym.robot.drive import Drive
 
 State = Literal["waiting", "running", "ended", "refused", "lost"]
@@ -168,7 +168,7 @@ class StreamSession:
         """Answer without a correction a controller that needs answers before it begins."""
         if self.is_over or not self.wire.needs_answers:
             return None
-        kept = Command(
+        kept = StreamCommand(
             sequence=self.sent,
             time=0.0,
             position=self._program[0],
@@ -197,7 +197,7 @@ class StreamSession:
             f"{self.envelope.start_tolerance:g} {unit} apart is allowed. Move the robot there; nothing was sent."
         )
 
-    def _command(self, now: float, token: object) -> tuple[bytes, Command]:
+    def _command(self, now: float, token: object) -> tuple[bytes, StreamCommand]:
         """Make the set-point of the present sample."""
         last = len(self._program) - 1
         k = min(self._index, last)
@@ -209,7 +209,7 @@ class StreamSession:
         else:
             correction = self._guard.correct(self._correction[k], self._index - self._corrected, now)
         self._corrected = self._index
-        command = Command(
+        command = StreamCommand(
             sequence=self.sent,
             time=self._index * self.wire.cycle,
             position=self._program[k] + correction,

@@ -1,4 +1,4 @@
-"""What streams and emulators say to each other, whatever the protocol: feedback, set-points, packets that are none."""
+"""Words of streams and emulators to each other, in any protocol: feedback, set-points, packets that are none."""
 
 from dataclasses import dataclass, field
 from typing import Any, Protocol
@@ -14,7 +14,7 @@ class PacketError(Exception):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Feedback:
-    """What a controller says once in a cycle."""
+    """Message of a controller, once in a cycle."""
 
     sequence: int
     """Number of the packet."""
@@ -31,8 +31,8 @@ class Feedback:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Command:
-    """What a stream sends once in a cycle."""
+class StreamCommand:
+    """Message to a controller, once in a cycle."""
 
     sequence: int
     """Number of the packet."""
@@ -76,7 +76,7 @@ class Wire(Protocol):
         """
         ...
 
-    def encode_command(self, command: Command) -> bytes:
+    def encode_command(self, command: StreamCommand) -> bytes:
         """Write a packet for the controller."""
         ...
 
@@ -84,7 +84,7 @@ class Wire(Protocol):
         """Write what a controller sends that measures `feedback` and has planned positions (N,), link side."""
         ...
 
-    def decode_command(self, data: bytes) -> Command:
+    def decode_command(self, data: bytes) -> StreamCommand:
         """Read a set-point as the controller does.
 
         Raises:
@@ -94,7 +94,7 @@ class Wire(Protocol):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Axes:
+class JointAxes:
     """Joints as packets have them."""
 
     names: tuple[str, ...]

@@ -5,15 +5,15 @@ import pytest
 
 from ffgym.control import CorrectionLimits
 from ffgym.deployment import SetpointPlan
-from ffgym.deployment.streams import Axes, Envelope
+from ffgym.deployment.streams import Envelope, JointAxes
 from ffgym.robot import RobotDescription
 
 
 @pytest.fixture(scope="session")
-def axes(irb4600: RobotDescription) -> Axes:
+def axes(irb4600: RobotDescription) -> JointAxes:
     """Joints of the six-axis robot, as packets have them."""
     low, high = irb4600.kinematics.range.T
-    return Axes(names=irb4600.joints, units=irb4600.kinematics.units, low=low, high=high)
+    return JointAxes(names=irb4600.joints, units=irb4600.kinematics.units, low=low, high=high)
 
 
 @pytest.fixture(scope="session")

@@ -9,12 +9,12 @@ from ffgym.control import SetpointResponse
 from ffgym.core.errors import FFGymError
 from ffgym.deployment import SetpointPlan
 from ffgym.deployment.streams import (
-    Axes,
-    Command,
     EgmWire,
     Envelope,
     Feedback,
+    JointAxes,
     PacketError,
+    StreamCommand,
     StreamSession,
     record_session,
 )
@@ -23,7 +23,7 @@ from ffgym.robot import RigidArm, RobotDescription
 
 
 @pytest.fixture(scope="module")
-def wire(axes: Axes) -> EgmWire:
+def wire(axes: JointAxes) -> EgmWire:
     return EgmWire(axes)
 
 
@@ -44,7 +44,7 @@ def test_packets_are_messages_of_abb_in_degrees_and_milliseconds(wire: EgmWire) 
     assert message.header.mtype == egm_pb2.EgmHeader.MSGTYPE_DATA
     assert np.allclose(message.feedBack.joints.joints, [10, 20, -30, 40, -50, 60])
     none = np.zeros(6)
-    command = Command(sequence=3, time=0.5, position=position, correction=none, velocity=none, effort=none)
+    command = StreamCommand(sequence=3, time=0.5, position=position, correction=none, velocity=none, effort=none)
     sent = egm_pb2.EgmSensor.FromString(wire.encode_command(command))
     assert sent.header.mtype == egm_pb2.EgmHeader.MSGTYPE_CORRECTION
     assert np.allclose(sent.planned.joints.joints, [10, 20, -30, 40, -50, 60])
@@ -138,7 +138,7 @@ def test_a_robot_at_another_pose_is_not_moved(
     assert np.allclose(controller.robot.position, start, atol=1e-9)
 
 
-def test_robots_of_more_than_six_joints_are_refused(axes: Axes) -> None:
+def test_robots_of_more_than_six_joints_are_refused(axes: JointAxes) -> None:
     seven = replace(axes, names=tuple("abcdefg"), units=("rad",) * 7, low=-np.ones(7), high=np.ones(7))
     with pytest.raises(FFGymError, match="EGM sends 6 joints"):
         EgmWire(seven)

@@ -11,9 +11,9 @@ import pytest
 
 from ffgym.deployment import SetpointPlan
 from ffgym.deployment.streams import (
-    Axes,
     EgmWire,
     Envelope,
+    JointAxes,
     PacketError,
     Ros2Wire,
     RsiWire,
@@ -151,7 +151,7 @@ def faults_of(seed: int) -> Faults:
 
 @pytest.mark.parametrize(("protocol", "total"), RUNS)
 def test_1e5_bad_packets_leave_every_correction_in_its_envelope_and_ramped_out_in_20_ms(
-    protocol: str, total: int, wave: SetpointPlan, axes: Axes, envelope: Envelope, irb4600: RobotDescription
+    protocol: str, total: int, wave: SetpointPlan, axes: JointAxes, envelope: Envelope, irb4600: RobotDescription
 ) -> None:
     wire = WIRES[protocol](axes)
     plan = still_plan(wave, wire.cycle)

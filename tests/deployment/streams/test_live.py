@@ -8,7 +8,7 @@ import pytest
 from ffgym.control import SetpointResponse
 from ffgym.core.errors import FFGymError
 from ffgym.deployment import SetpointPlan
-from ffgym.deployment.streams import Axes, EgmWire, Envelope, StreamSession, record_session
+from ffgym.deployment.streams import EgmWire, Envelope, JointAxes, StreamSession, record_session
 from ffgym.deployment.streams.emulators import EmulatedController, EmulatedRobot, Faults
 from ffgym.deployment.streams.emulators.live import serve_live
 from ffgym.deployment.streams.live import run_live
@@ -33,7 +33,7 @@ class Served:
 
 
 @pytest.fixture
-def controller(axes: Axes, wave: SetpointPlan, irb4600: RobotDescription, arm: RigidArm) -> EmulatedController:
+def controller(axes: JointAxes, wave: SetpointPlan, irb4600: RobotDescription, arm: RigidArm) -> EmulatedController:
     wire = EgmWire(axes)
     response = SetpointResponse.low_pass(20.0, delay=0.0093)
     return EmulatedController(

@@ -9,7 +9,7 @@ import pytest
 from ffgym.control import SetpointResponse
 from ffgym.core.errors import FFGymError
 from ffgym.deployment import SetpointPlan
-from ffgym.deployment.streams import Axes, Command, Envelope, Feedback, PacketError, Ros2Wire, StreamSession
+from ffgym.deployment.streams import Envelope, Feedback, JointAxes, PacketError, Ros2Wire, StreamCommand, StreamSession
 from ffgym.deployment.streams.dds import TOPIC, DdsPort
 from ffgym.deployment.streams.emulators import DirectTorque, EmulatedController, EmulatedRobot, run_in_lock_step
 from ffgym.deployment.streams.emulators.live import serve_live
@@ -40,10 +40,10 @@ def state_of(store, wire: Ros2Wire, **change) -> bytes:
 
 
 @pytest.mark.parametrize("torques", [False, True])
-def test_a_setpoint_is_a_trajectory_of_one_point_that_is_due_in_a_cycle(axes: Axes, store, torques: bool) -> None:
+def test_a_setpoint_is_a_trajectory_of_one_point_that_is_due_in_a_cycle(axes: JointAxes, store, torques: bool) -> None:
     wire = Ros2Wire(axes, cycle=0.008, torques=torques)
     position = np.arange(6) / 10
-    command = Command(
+    command = StreamCommand(
         sequence=4, time=1.5, position=position, correction=position, velocity=2 * position, effort=3 * position
     )
     message = store.deserialize_cdr(wire.encode_command(command), "trajectory_msgs/msg/JointTrajectory")
@@ -56,7 +56,7 @@ def test_a_setpoint_is_a_trajectory_of_one_point_that_is_due_in_a_cycle(axes: Ax
     assert (point.time_from_start.sec, point.time_from_start.nanosec) == (0, 8_000_000)
 
 
-def test_joints_are_read_by_name_in_any_order_and_beside_others(axes: Axes, store) -> None:
+def test_joints_are_read_by_name_in_any_order_and_beside_others(axes: JointAxes, store) -> None:
     wire = Ros2Wire(axes)
     names, position = ["gripper", *reversed(axes.names)], np.array([9.0, *reversed(np.arange(6) / 10)])
     feedback = wire.decode_feedback(state_of(store, wire, name=names, position=position))
@@ -73,13 +73,13 @@ def test_joints_are_read_by_name_in_any_order_and_beside_others(axes: Axes, stor
         ({"position": np.full(6, 50.0)}, "out of range"),
     ],
 )
-def test_a_state_that_says_nothing_to_trust_is_refused(axes: Axes, store, change: dict, reason: str) -> None:
+def test_a_state_that_says_nothing_to_trust_is_refused(axes: JointAxes, store, change: dict, reason: str) -> None:
     wire = Ros2Wire(axes)
     with pytest.raises(PacketError, match=reason):
         wire.decode_feedback(state_of(store, wire, **change))
 
 
-def test_bytes_that_are_no_message_are_refused(axes: Axes, store) -> None:
+def test_bytes_that_are_no_message_are_refused(axes: JointAxes, store) -> None:
     wire = Ros2Wire(axes)
     good = state_of(store, wire)
     for data in (b"", good[:30], b"\x00\x00" + good[2:], good[:12] + b"\xff" * 30 + good[42:], b"\x00" * 70_000):
@@ -88,7 +88,7 @@ def test_bytes_that_are_no_message_are_refused(axes: Axes, store) -> None:
 
 
 def test_efforts_reach_the_motors_of_an_emulated_controller(
-    axes: Axes, wave: SetpointPlan, envelope: Envelope, irb4600: RobotDescription, arm: RigidArm
+    axes: JointAxes, wave: SetpointPlan, envelope: Envelope, irb4600: RobotDescription, arm: RigidArm
 ) -> None:
     wire = Ros2Wire(axes, torques=True)
     robot = EmulatedRobot(irb4600, wave.program[0], cycle=0.004, response=SetpointResponse(delay=0.004), arm=arm)
@@ -106,7 +106,7 @@ def test_efforts_reach_the_motors_of_an_emulated_controller(
 
 
 def test_a_plan_is_sent_over_dds(
-    axes: Axes,
+    axes: JointAxes,
     wave: SetpointPlan,
     envelope: Envelope,
     irb4600: RobotDescription,

@@ -9,13 +9,13 @@ import pytest
 from ffgym.control import SetpointResponse
 from ffgym.core.errors import FFGymError
 from ffgym.deployment import SetpointPlan
-from ffgym.deployment.streams import Axes, Command, Envelope, Feedback, PacketError, RsiWire, StreamSession
+from ffgym.deployment.streams import Envelope, Feedback, JointAxes, PacketError, RsiWire, StreamCommand, StreamSession
 from ffgym.deployment.streams.emulators import EmulatedController, EmulatedRobot, Faults, run_in_lock_step
 from ffgym.robot import RigidArm, RobotDescription
 
 
 @pytest.fixture(scope="module")
-def wire(axes: Axes) -> RsiWire:
+def wire(axes: JointAxes) -> RsiWire:
     return RsiWire(axes)
 
 
@@ -29,7 +29,7 @@ def test_telegrams_are_those_of_kuka(wire: RsiWire) -> None:
     assert (root.tag, root.get("Type")) == ("Rob", "KUKA")
     assert root.findtext("IPOC") == "4208163634"
     assert [float(root.find("AIPos").get(f"A{j}")) for j in range(1, 7)] == pytest.approx([10, 20, -30, 40, -50, 60])
-    command = Command(
+    command = StreamCommand(
         sequence=0,
         time=0.0,
         position=position,
@@ -81,7 +81,7 @@ def test_a_telegram_that_says_nothing_to_trust_is_refused(wire: RsiWire, old: st
 
 @pytest.mark.parametrize("cycle", [0.004, 0.012])
 def test_corrections_reach_the_program_that_the_controller_runs(
-    cycle: float, wave: SetpointPlan, axes: Axes, envelope: Envelope, irb4600: RobotDescription, arm: RigidArm
+    cycle: float, wave: SetpointPlan, axes: JointAxes, envelope: Envelope, irb4600: RobotDescription, arm: RigidArm
 ) -> None:
     wire, response = RsiWire(axes, cycle=cycle), SetpointResponse.low_pass(20.0, delay=0.0153)
     envelope = replace(envelope, patience=cycle + 0.004, ramp=0.002)

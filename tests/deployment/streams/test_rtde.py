@@ -12,13 +12,13 @@ from ffgym.control import SetpointResponse
 from ffgym.core.errors import FFGymError
 from ffgym.deployment import SetpointPlan
 from ffgym.deployment.streams import (
-    Axes,
-    Command,
     Envelope,
     Feedback,
+    JointAxes,
     PacketError,
     RtdeWire,
     ServoProgram,
+    StreamCommand,
     StreamSession,
     TorqueProgram,
     record_session,
@@ -32,12 +32,12 @@ from ffgym.robot import RigidArm, RobotDescription
 
 
 @pytest.fixture(scope="module")
-def wire(axes: Axes) -> RtdeWire:
+def wire(axes: JointAxes) -> RtdeWire:
     return RtdeWire(axes)
 
 
-def command_at(position: np.ndarray, time: float = 0.004) -> Command:
-    return Command(
+def command_at(position: np.ndarray, time: float = 0.004) -> StreamCommand:
+    return StreamCommand(
         sequence=9,
         time=time,
         position=position,
@@ -98,7 +98,7 @@ def test_positions_are_sent_at_500_hz_from_a_plan_at_250(
 
 @pytest.mark.parametrize("scale", [0.0, 0.8])
 def test_torques_replace_corrections_and_add_to_what_the_robot_compensates(
-    scale: float, axes: Axes, wave: SetpointPlan, envelope: Envelope, irb4600: RobotDescription, arm: RigidArm
+    scale: float, axes: JointAxes, wave: SetpointPlan, envelope: Envelope, irb4600: RobotDescription, arm: RigidArm
 ) -> None:
     wire = RtdeWire(axes, torques=True)
     robot = EmulatedRobot(irb4600, wave.program[0], cycle=0.002, response=SetpointResponse(delay=0.002), arm=arm)
@@ -126,7 +126,7 @@ def test_torques_replace_corrections_and_add_to_what_the_robot_compensates(
     assert np.abs(rows - wave.torque).max() < 1e-6
 
 
-def test_torques_beyond_the_motors_are_cut(axes: Axes, wave: SetpointPlan, envelope, irb4600) -> None:
+def test_torques_beyond_the_motors_are_cut(axes: JointAxes, wave: SetpointPlan, envelope, irb4600) -> None:
     wire = RtdeWire(axes, torques=True)
     loud = replace(wave, torque=1e3 * wave.torque)
     session = StreamSession(loud, wire, envelope, irb4600.drive)
@@ -173,7 +173,7 @@ def test_the_program_of_the_robot_reads_the_registers_and_ends_in_silence(progra
             "viscous_scale = .* must be within",
         ),
         (
-            lambda: RtdeWire(Axes(names=("a",), units=("rad",), low=np.array([-1.0]), high=np.array([1.0]))),
+            lambda: RtdeWire(JointAxes(names=("a",), units=("rad",), low=np.array([-1.0]), high=np.array([1.0]))),
             "robots of 6 hinges",
         ),
     ],

@@ -8,7 +8,7 @@ import pytest
 from ffgym import elastic_feedforward
 from ffgym.control import SetpointChannel, SetpointResponse, rigid_feedforward
 from ffgym.deployment import SetpointPlan
-from ffgym.deployment.streams import Axes, EgmWire, Envelope, RsiWire, StreamSession, Wire
+from ffgym.deployment.streams import EgmWire, Envelope, JointAxes, RsiWire, StreamSession, Wire
 from ffgym.deployment.streams.emulators import EmulatedController, EmulatedRobot, run_in_lock_step
 from ffgym.paths import Reference, cartesian_reference, circle_test
 from ffgym.recordings.metrics import path_errors
@@ -59,7 +59,7 @@ def wide(envelope: Envelope) -> Envelope:
 
 @pytest.mark.parametrize("response", RESPONSES, ids=SetpointResponse.describe)
 def test_corrections_of_a_program_that_the_controller_runs_keep_97_percent(
-    response: SetpointResponse, circle: Reference, axes: Axes, wide: Envelope, arm: RigidArm
+    response: SetpointResponse, circle: Reference, axes: JointAxes, wide: Envelope, arm: RigidArm
 ) -> None:
     # the correction alone is late: it is sent early
     robot, law = circle.robot, elastic_feedforward(circle.robot)
@@ -75,7 +75,7 @@ def test_corrections_of_a_program_that_the_controller_runs_keep_97_percent(
 
 @pytest.mark.parametrize("response", RESPONSES[1:], ids=SetpointResponse.describe)
 def test_whole_setpoints_keep_97_percent_with_their_filter_undone(
-    response: SetpointResponse, circle: Reference, axes: Axes, wide: Envelope, arm: RigidArm
+    response: SetpointResponse, circle: Reference, axes: JointAxes, wide: Envelope, arm: RigidArm
 ) -> None:
     # program and correction are late together: their filter is undone, their delay is none; the controller computes no
     # feed-forward, so that the correction stands for the rigid torque, too

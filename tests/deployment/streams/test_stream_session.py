@@ -7,7 +7,7 @@ import pytest
 
 from ffgym.core.errors import FFGymError
 from ffgym.deployment import SetpointPlan
-from ffgym.deployment.streams import Axes, EgmWire, Envelope, Feedback, StreamSession, record_session, summarise
+from ffgym.deployment.streams import EgmWire, Envelope, Feedback, JointAxes, StreamSession, record_session, summarise
 from ffgym.robot import RobotDescription
 
 CLOCK = 100.0
@@ -17,7 +17,7 @@ CLOCK = 100.0
 class Bench:
     """Session with a controller that sends what a test tells it to, at the time of its stamp."""
 
-    def __init__(self, plan: SetpointPlan, axes: Axes, envelope: Envelope, robot: RobotDescription) -> None:
+    def __init__(self, plan: SetpointPlan, axes: JointAxes, envelope: Envelope, robot: RobotDescription) -> None:
         self.wire, self.plan = EgmWire(axes), plan
         self.session = StreamSession(plan, self.wire, envelope, robot.drive)
         self.packet = 0
@@ -43,7 +43,7 @@ class Bench:
 
 
 @pytest.fixture
-def bench(wave: SetpointPlan, axes: Axes, envelope: Envelope, irb4600: RobotDescription) -> Bench:
+def bench(wave: SetpointPlan, axes: JointAxes, envelope: Envelope, irb4600: RobotDescription) -> Bench:
     made = Bench(wave, axes, envelope, irb4600)
     made.begin()
     return made

@@ -9,7 +9,7 @@ import numpy as np
 from ffgym.core.errors import check_number
 from ffgym.core.types import Array
 from ffgym.deployment.streams.emulators.robot import EmulatedRobot
-from ffgym.deployment.streams.wire import Command, Feedback, PacketError, Wire
+from ffgym.deployment.streams.wire import Feedback, PacketError, StreamCommand, Wire
 from ffgym.robot.friction import LuGreParameters
 
 _TIMEOUT = 1.0
@@ -61,7 +61,7 @@ class EmulatedController:
         """
         self.robot, self.wire, self.direct_torque = robot, wire, direct_torque
         self._clock, self._first = clock, first
-        self._answer: Command | None = None
+        self._answer: StreamCommand | None = None
         self._last = -1
         self._silent = self._answered = 0
         self.refused: Counter[str] = Counter()
@@ -112,7 +112,7 @@ class EmulatedController:
             self._answered += answer is not None
             self.robot.runs = self._answered > _ANSWERS and not (self.stopped or self.robot.has_ended)
 
-    def _torque(self, answer: Command | None) -> Array | None:
+    def _torque(self, answer: StreamCommand | None) -> Array | None:
         """Compute the torque of a cycle beside that of the servo, motor side [N m]."""
         if self.direct_torque is None:
             return None

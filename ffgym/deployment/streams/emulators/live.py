@@ -7,7 +7,7 @@ from itertools import count
 
 from ffgym.deployment.streams.emulators.controller import EmulatedController
 from ffgym.deployment.streams.emulators.lock_step import READ
-from ffgym.deployment.streams.emulators.network import Faults, Network
+from ffgym.deployment.streams.emulators.network import Faults, FaultyNetwork
 from ffgym.deployment.streams.ports import Port, sleep_until
 
 
@@ -30,7 +30,7 @@ def serve_live(
         to_controller: faults on the way back.
         longest: time after which it ends in any case [s].
     """
-    there, back = Network(to_stream or Faults(), 0), Network(to_controller or Faults(), 1)
+    there, back = FaultyNetwork(to_stream or Faults(), 0), FaultyNetwork(to_controller or Faults(), 1)
     events: list[tuple[float, int, bool, bytes]] = []  # time, order, for the stream or not, packet
     order, late, cycle = count(), 0, controller.wire.cycle
     start = time.perf_counter()

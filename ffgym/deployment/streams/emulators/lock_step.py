@@ -6,7 +6,7 @@ from itertools import count
 
 from ffgym.core.errors import FFGymError
 from ffgym.deployment.streams.emulators.controller import EmulatedController
-from ffgym.deployment.streams.emulators.network import Faults, Network
+from ffgym.deployment.streams.emulators.network import Faults, FaultyNetwork
 from ffgym.deployment.streams.session import StreamSession
 
 READ = 0.5
@@ -35,43 +35,63 @@ def run_in_lock_step(
     Raises:
         FFGymError: if the session refused to begin, or did not end in time.
     """
-    there, back = Network(to_stream or Faults(), 0), Network(to_controller or Faults(), 1)
-    cycle, order = session.wire.cycle, count()
-    events: list[tuple[float, int, bool, bytes]] = []  # time, order, for the stream or not, packet
-
-    def send(packet: bytes | None, now: float) -> None:
-        if packet is not None:
-            if watch is not None:
-                watch(now, packet)
-            for arrival, data in back.carry(packet, now):
-                heapq.heappush(events, (arrival, next(order), False, data))
-
-    def run_until(end: float) -> None:
-        while True:
-            next_event = events[0][0] if events else float("inf")
-            if min(next_event, session.due) > end:
-                return
-            if session.due < next_event:
-                due = session.due
-                send(session.tick(due), due)
-                continue
-            now, _, for_stream, data = heapq.heappop(events)
-            if for_stream:
-                send(session.receive(data, now), now)
-            else:
-                controller.receive(data)
-
-    k = 0
+    there = FaultyNetwork(to_stream or Faults(), 0)
+    exchange = _Exchange(session, controller, FaultyNetwork(to_controller or Faults(), 1), watch)
+    cycle, k = session.wire.cycle, 0
     while not session.is_over:
         now = k * cycle
         if now > longest:
             raise FFGymError(f"The session is {session.state} after {longest:g} s, and should have ended.")
         for arrival, data in there.carry(controller.feedback(), now):
-            heapq.heappush(events, (arrival, next(order), True, data))
-        run_until(now + READ * cycle)
+            exchange.deliver(arrival, data, for_stream=True)
+        exchange.run_until(now + READ * cycle)
         controller.advance()
         k += 1
-        run_until(k * cycle - 1e-9)
+        exchange.run_until(k * cycle - 1e-9)
     if session.refusal:
         raise FFGymError(session.refusal)
     return k * cycle
+
+
+class _Exchange:
+    """Packets on their way between a session and a controller, in the order in which they arrive."""
+
+    def __init__(
+        self,
+        session: StreamSession,
+        controller: EmulatedController,
+        back: FaultyNetwork,
+        watch: Callable[[float, bytes], None] | None,
+    ) -> None:
+        self._session, self._controller, self._back, self._watch = session, controller, back, watch
+        self._order = count()
+        self._events: list[tuple[float, int, bool, bytes]] = []  # time, order, for the stream or not, packet
+
+    def deliver(self, arrival: float, data: bytes, *, for_stream: bool) -> None:
+        """Let a packet arrive at a time [s]."""
+        heapq.heappush(self._events, (arrival, next(self._order), for_stream, data))
+
+    def run_until(self, end: float) -> None:
+        """Let everything happen that is due until `end` [s]."""
+        session = self._session
+        while True:
+            arrival = self._events[0][0] if self._events else float("inf")
+            due = session.due
+            if min(arrival, due) > end:
+                return
+            if due < arrival:
+                self._send(session.tick(due), due)
+                continue
+            now, _, for_stream, data = heapq.heappop(self._events)
+            if for_stream:
+                self._send(session.receive(data, now), now)
+            else:
+                self._controller.receive(data)
+
+    def _send(self, packet: bytes | None, now: float) -> None:
+        if packet is None:
+            return
+        if self._watch is not None:
+            self._watch(now, packet)
+        for arrival, data in self._back.carry(packet, now):
+            self.deliver(arrival, data, for_stream=False)

@@ -14,7 +14,7 @@ _SPACING = 1e-4
 @final
 @dataclass(frozen=True, kw_only=True)
 class Faults:
-    """What a network does to packets; the default is nothing."""
+    """Faults of a network; the default is none."""
 
     drop: float = 0.0
     """Share of packets that are lost."""
@@ -42,7 +42,7 @@ class Faults:
 
 
 @final
-class Network:
+class FaultyNetwork:
     """One direction of a network with faults."""
 
     def __init__(self, faults: Faults, stream: int = 0) -> None:

@@ -23,7 +23,7 @@ Missing = Literal["hold", "extrapolate"]
 
 @final
 class ControllerReference:
-    """What a controller makes of set-points, and of a program that it runs by itself, a cycle at a time."""
+    """Reference that a controller makes of set-points, and of a program that it runs by itself, a cycle at a time."""
 
     def __init__(
         self,
