@@ -101,8 +101,7 @@ class Guard:
         if self._last_valid is None:
             self._last_valid = now
         self._watch(now)
-        if self.lost_at is None:
-            self._last_valid = max(self._last_valid, now)
+        self._last_valid = max(self._last_valid, now)
 
     def close(self, now: float) -> None:
         """Let the correction leave within `fade`, as at the end of a motion."""

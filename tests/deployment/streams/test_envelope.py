@@ -65,6 +65,14 @@ def test_no_sample_leaves_the_envelope_whatever_comes(wanted, samples, waits, va
         before, gate = sent, guard.gate(now)
 
 
+def test_a_correction_that_is_wanted_too_large_stops_at_the_largest_size() -> None:
+    guard = Guard(ENVELOPE, DT)
+    guard.hear(0.0)
+    sent = [guard.correct(np.array([1.0, -1.0]), 1, 0.0) for _ in range(30)]
+    assert np.allclose(sent[0], [RATE * DT, -RATE * DT])
+    assert np.array_equal(sent[-1], [SIZE, -SIZE])
+
+
 def test_a_correction_is_out_20_ms_after_the_last_valid_packet_and_begins_to_leave_after_10() -> None:
     guard = full_guard()
     wanted = np.array([SIZE, -SIZE])
