@@ -79,6 +79,7 @@ class StreamSession:
         self._index = self._corrected = 0
         self._is_closing = False
         self._begun_at = self._valid_at = self._due = float("nan")
+        self._encode_nothing(None)  # what libraries prepare at their first message takes longer than a cycle
 
     @property
     def refused(self) -> Counter[str]:
@@ -166,18 +167,20 @@ class StreamSession:
 
     def _keep_alive(self, feedback: Feedback) -> bytes | None:
         """Answer without a correction a controller that needs answers before it begins."""
-        if self.is_over or not self.wire.needs_answers:
-            return None
-        kept = StreamCommand(
+        return None if self.is_over or not self.wire.needs_answers else self._encode_nothing(feedback.token)
+
+    def _encode_nothing(self, token: object) -> bytes:
+        """Write a set-point at the first pose, without a correction."""
+        idle = StreamCommand(
             sequence=self.sent,
             time=0.0,
             position=self._program[0],
             correction=self._none,
             velocity=self._none,
             effort=self._none,
-            token=feedback.token,
+            token=token,
         )
-        return self.wire.encode_command(kept)
+        return self.wire.encode_command(idle)
 
     def _close(self, now: float) -> None:
         """Let the correction leave; once is enough."""

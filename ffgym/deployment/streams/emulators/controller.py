@@ -68,6 +68,12 @@ class EmulatedController:
         """Set-points that were refused, by reason."""
         self.begun = False
         """True once a set-point came."""
+        # what libraries prepare at their first message takes longer than a cycle
+        none = np.zeros_like(robot.position)
+        first_pose = StreamCommand(
+            sequence=0, time=0.0, position=robot.position, correction=none, velocity=none, effort=none, token=0
+        )
+        wire.decode_command(wire.encode_command(first_pose))
 
     @property
     def stopped(self) -> bool:
