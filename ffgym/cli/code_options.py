@@ -109,3 +109,30 @@ class ExportFmu:
     """Program with its law, beside the robot; no-program leaves it out, for laws that have no form in C."""
     json: Numbers = None
     threads: Threads = 0
+
+
+@dataclass(frozen=True)
+class ExportProgram:
+    """Write a plan of set-points as a corrected program for a controller, with a report of what was changed.
+
+    The files are read back and compared with the plan, and not written if the tool would leave it by more than the
+    tolerance.
+    """
+
+    plan: tyro.conf.Positional[Path]
+    """Plan of set-points (.npz)."""
+    robot: str | None = None
+    """Built-in robot, or a path that ends in .toml to a description or a machine file; none given is the plan's."""
+    format: Literal["rapid", "krl", "urscript", "csv"] = "rapid"
+    """Language of the controller."""
+    out: Path = Path("program")
+    """Folder to write; it must be empty or not exist."""
+    tolerance_mm: float = 0.01
+    """Largest distance of the tool from the plan."""
+    period_ms: float | None = None
+    """Time that points of RAPID and KRL are apart at least; none given leaves it to the path."""
+    lookahead_time: float = 0.03
+    """Smoothing of servoj [s], 0.03 to 0.2 (URScript only)."""
+    gain: float = 2000.0
+    """Gain of servoj, 100 to 2000 (URScript only)."""
+    json: Numbers = None

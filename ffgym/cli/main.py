@@ -61,6 +61,12 @@ COMMANDS = {
         "a robot and a program as FMUs, compared",
         "irb4600_60_205 circles --feedforward elastic --out fmu",
     ),
+    "export program": Command(
+        "code_options:ExportProgram",
+        "export_program:run",
+        "a plan as a corrected program, compared",
+        "plan.npz --format rapid --out corrected",
+    ),
     "export policy": Command(
         "code_options:ExportPolicy",
         "export_policy:run",

@@ -10,6 +10,11 @@ from .code import write_table as write_table
 from .plan import SetpointPlan as SetpointPlan
 from .plan import read_plan as read_plan
 from .plan import write_plan as write_plan
+from .programs import PathPoints as PathPoints
+from .programs import WrittenProgram as WrittenProgram
+from .programs import choose_points as choose_points
+from .programs import write_program as write_program
+from .streams import Axes as Axes
 from .streams import EgmWire as EgmWire
 from .streams import Envelope as Envelope
 from .streams import Guard as Guard

@@ -1,0 +1,5 @@
+"""Corrected programs: set-points of a plan in the languages of controllers, and a report of what was changed."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
