@@ -14,7 +14,6 @@ from .programs import PathPoints as PathPoints
 from .programs import WrittenProgram as WrittenProgram
 from .programs import choose_points as choose_points
 from .programs import write_program as write_program
-from .streams import Axes as Axes
 from .streams import EgmWire as EgmWire
 from .streams import Envelope as Envelope
 from .streams import Guard as Guard
