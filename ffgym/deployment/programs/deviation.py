@@ -1,6 +1,7 @@
 """Deviation of a path that a controller runs from the plan that it was made for."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy
@@ -51,10 +52,11 @@ def _distances(points: Array, levers: Array, path: Array, weights: Array) -> tup
     fine, source, longest = _refine(path, weights)
     tree = scipy.spatial.cKDTree(fine * weights)
     away, nearest = tree.query(points * weights)
-    near: list[list[int]] = list(tree.query_ball_point(points * weights, away + longest))
+    found: Any = tree.query_ball_point(points * weights, away + longest)
+    near = [np.asarray(some, dtype=int) for some in found]
     which = np.repeat(np.arange(len(points)), [len(some) for some in near])
     distances = np.full(len(points), np.inf)
-    for first in np.concatenate([np.asarray(some, dtype=int) for some in near])[None] - np.array([[0], [1]]):
+    for first in np.concatenate(near)[None] - np.array([[0], [1]]):
         start, end = fine[np.maximum(first, 0)], fine[np.clip(first + 1, 0, len(fine) - 1)]
         line = np.einsum("tij,tj->ti", levers[which], end - start)
         there = np.einsum("tij,tj->ti", levers[which], points[which] - start)
