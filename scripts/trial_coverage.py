@@ -1,6 +1,6 @@
 """Measure how honest `ffgym trial` is: how often its intervals hold the true gain, and how often it claims too much.
 
-python -m scripts.trial_coverage --json coverage.json
+python -m scripts.trial_coverage --json docs/deployment/trial_coverage.json
 
 Every repetition is a trial of its own on a workcell: the order of runs is drawn anew, the machine begins at another
 time of its day and warms up while it runs, Coulomb friction of every joint differs from run to run, and sensors are
@@ -76,7 +76,7 @@ class Scaled(FeedForwardLaw):
 class Config:
     """Machines and repetitions."""
 
-    machines: tuple[str, ...] = ("workcell:cold", "workcell:12")
+    machines: tuple[str, ...] = ("workcell:12",)
     """Workcells."""
     laws: tuple[str, ...] = LAWS
     """Corrections."""

@@ -1,5 +1,7 @@
 """`ffgym trial`: plan, rehearse, read, and one line for whatever cannot be done."""
 
+import contextlib
+import io
 import json
 import re
 from pathlib import Path
@@ -42,7 +44,15 @@ def place(tmp_path_factory):
         assert main([*PLAN, "--json", "plan.json"]) == 0
         rehearse = ["trial", "rehearse", "trial", "--machine", "one_axis", "--feedforward", "lugre_dynamic"]
         assert main([*rehearse, "--seed", "5", "--json", "rehearsal.json"]) == 0
+        (folder / "printed.txt").write_text(read_out("trial/logs", "--report", "gain.html", "--json", "gain.json"))
     return folder
+
+
+def read_out(*arguments):
+    """Output of `ffgym trial read` of the plan."""
+    with contextlib.redirect_stdout(io.StringIO()) as printed:
+        assert main(["trial", "read", "trial", *arguments]) == 0
+    return printed.getvalue()
 
 
 @pytest.fixture
@@ -66,10 +76,8 @@ def test_a_plan_has_its_runs_as_json_as_csv_and_on_a_page(inside):
     assert "one log. The first lap" not in page
 
 
-def test_a_rehearsed_trial_is_read_with_its_gain_page_and_numbers(inside, capsys):
-    assert main(["trial", "read", "trial", "trial/logs", "--report", "gain.html", "--json", "gain.json"]) == 0
-    printed = capsys.readouterr().out
-    (line,) = [line for line in printed.splitlines() if line.startswith("sine gains")]
+def test_a_rehearsed_trial_is_read_with_its_gain_page_and_numbers(inside):
+    (line,) = [line for line in Path("printed.txt").read_text().splitlines() if line.startswith("sine gains")]
     numbers = json.loads(Path("gain.json").read_text())
     (gain,) = numbers["gains"]
     assert gain["claim"] == "gain"
@@ -84,11 +92,9 @@ def test_a_rehearsed_trial_is_read_with_its_gain_page_and_numbers(inside, capsys
 
 
 def test_a_pilot_says_how_many_pairs_the_next_trial_needs(inside, capsys):
-    assert main(["trial", "read", "trial", "trial/logs", "--json", "pilot.json"]) == 0
-    pilot = json.loads(Path("pilot.json").read_text())["gains"][0]["spread"]
-    capsys.readouterr()
-    assert main([*PLAN[:-1], "next", "--pilot", "pilot.json", "--gain-percent", "1"]) == 0
-    assert "pilot.json leaves open" in " ".join(capsys.readouterr().out.split())
+    pilot = json.loads(Path("gain.json").read_text())["gains"][0]["spread"]
+    assert main([*PLAN[:-1], "next", "--pilot", "gain.json", "--gain-percent", "1"]) == 0
+    assert "gain.json leaves open" in " ".join(capsys.readouterr().out.split())
     assert json.loads(Path("next/plan.json").read_text())["origin"]["assumed"]["spread"] > pilot
 
 
@@ -108,7 +114,7 @@ def test_a_log_that_cannot_be_read_and_one_that_is_missing_cost_their_pairs(insi
     assert "8 of 12 runs count" in printed or "10 of 12 runs count" in printed
 
 
-def test_logs_of_another_tool_are_read_by_a_column_map(inside, capsys, tmp_path):
+def test_logs_of_another_tool_are_read_by_a_column_map(inside, tmp_path):
     logs = tmp_path / "traces"
     logs.mkdir()
     for file in sorted(Path("trial/logs").iterdir()):
@@ -122,10 +128,8 @@ def test_logs_of_another_tool_are_read_by_a_column_map(inside, capsys, tmp_path)
         rows = "\n".join(",".join(f"{value:.9f}" for value in row) for row in np.stack(columns, axis=1))
         (logs / f"{file.stem}.txt").write_text(f"time_ms,actual,target\n{rows}\n")
     (tmp_path / "map.toml").write_text(MAP)
-    assert main(["trial", "read", "trial", str(logs), "--columns", str(tmp_path / "map.toml")]) == 0
-    by_map = capsys.readouterr().out
-    assert main(["trial", "read", "trial", "trial/logs"]) == 0
-    assert by_map.splitlines()[0].split("(")[0] == capsys.readouterr().out.splitlines()[0].split("(")[0]
+    by_map, own = read_out(str(logs), "--columns", str(tmp_path / "map.toml")), Path("printed.txt").read_text()
+    assert by_map.split("(")[0] == own.split("(")[0]
     assert "no command in the logs differs" in " ".join(by_map.split())  # as torque is not among them
 
 
