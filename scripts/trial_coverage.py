@@ -228,6 +228,12 @@ def count_rows(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
     return found
 
 
+def count_trials(rows: Sequence[Mapping[str, Any]], law: str, claim: str) -> int:
+    """Count the trials of a law that make a claim of any program or of all."""
+    found = [row for row in rows if (row["law"], row["claim"]) == (law, claim)]
+    return len({(row["machine"], row["repetition"]) for row in found})
+
+
 def main(config: Config) -> None:
     """Repeat trials on all workcells, print counts; with a file, go on where it ends, and keep each repetition."""
     origin = {"versions": versions(), "pairs": config.pairs, "seed": config.seed}

@@ -29,7 +29,7 @@ from ffgym.deployment.trial.reading import TrialResult, read_trial
 from ffgym.deployment.trial.rehearsal import rehearse
 from ffgym.deployment.trial.words import format_plan, format_trial
 from ffgym.envs.machines import find_controller, make_rig
-from ffgym.logs import read_logs
+from ffgym.logs import log_formats, read_logs
 from ffgym.paths.motions import load_motion
 from ffgym.recordings import write_recording
 from ffgym.recordings.io import recording_files
@@ -171,12 +171,7 @@ def _read_logs(config: ReadTrial, made: TrialPlan) -> list[TrialLog]:
     """Read all logs, files that cannot be read too: they are named, and their runs are left out."""
     if not config.logs:
         raise FFGymError("There are no logs to read: name files, or a folder of recordings.")
-    files: list[Path] = []
-    for path in config.logs:
-        if config.columns is None and path.is_dir():
-            files += recording_files(path)
-        else:
-            files += sorted(file for file in path.iterdir() if file.is_file()) if path.is_dir() else [path]
+    files = [file for path in config.logs for file in _list_logs(path, is_mapped=config.columns is not None)]
     logs = []
     with progress_bar("reading", "logs") as progress:
         for done, file in enumerate(files):
@@ -191,6 +186,15 @@ def _read_logs(config: ReadTrial, made: TrialPlan) -> list[TrialLog]:
     if not logs:
         raise FFGymError("None of the logs can be read, see the notes above.")
     return logs
+
+
+def _list_logs(path: Path, *, is_mapped: bool) -> list[Path]:
+    """List the logs in a folder; a file, or with a column map a folder that is one log, stands for itself."""
+    if not path.is_dir():
+        return [path]
+    if not is_mapped:
+        return recording_files(path)
+    return [path] if any(kind.recognises(path) for kind in log_formats()) else sorted(path.iterdir())
 
 
 def describe_result(result: TrialResult) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from ffgym.core.files import read_text
 from scripts.tables.page import DOCS, Contents, markdown
-from scripts.trial_coverage import count_rows
+from scripts.trial_coverage import count_rows, count_trials
 
 COVERAGE = DOCS / "deployment" / "trial_coverage.json"
 """Every repetition, with versions and seed."""
@@ -20,10 +20,15 @@ def coverage(file: Path = COVERAGE) -> Contents:
         for one in counts:
             of = one["repetitions"]
             covered, gain, worse = (f"{one[name]} of {of}" for name in ("covered", "gain_claimed", "worse_claimed"))
-            sizes = (f"{100 * one['truth']:.1f} %", f"{100 * one['width']:.1f} %")
+            sizes = tuple(f"{round(100 * one[name], 1) + 0.0:.1f} %" for name in ("truth", "width"))
             rows.append((machine, one["law"], one["program"], *sizes, covered, gain, worse))
     head = ("machine", "correction", "program", "true gain", "interval", "holds it", "gain claimed", "worse claimed")
     origin = kept["origin"]
     versions = ", ".join(f"{name} {version}" for name, version in origin["versions"].items())
     said = f"{origin['pairs']} pairs of each program, seed {origin['seed']}; {versions}."
+    claims = "; ".join(
+        f"{law}: a gain in {count_trials(kept['rows'], law, 'gain')}, a loss in {count_trials(kept['rows'], law, 'worse')}"
+        for law in dict.fromkeys(row["law"] for row in kept["rows"])
+    )
+    said += f" Trials that claim something of any program or of all: {claims}."
     return Contents(parts={"coverage": f"{markdown(head, rows)}\n\n{said}"}, numbers=counted)
