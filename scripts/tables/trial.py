@@ -26,9 +26,9 @@ def coverage(file: Path = COVERAGE) -> Contents:
     origin = kept["origin"]
     versions = ", ".join(f"{name} {version}" for name, version in origin["versions"].items())
     said = f"{origin['pairs']} pairs of each program, seed {origin['seed']}; {versions}."
-    claims = "; ".join(
-        f"{law}: a gain in {count_trials(kept['rows'], law, 'gain')}, a loss in {count_trials(kept['rows'], law, 'worse')}"
-        for law in dict.fromkeys(row["law"] for row in kept["rows"])
-    )
-    said += f" Trials that claim something of any program or of all: {claims}."
+    claims = []
+    for law in dict.fromkeys(row["law"] for row in kept["rows"]):
+        gains, losses = (count_trials(kept["rows"], law, claim) for claim in ("gain", "worse"))
+        claims.append(f"{law}: a gain in {gains}, a loss in {losses}")
+    said += f" Trials that claim something of any program or of all: {'; '.join(claims)}."
     return Contents(parts={"coverage": f"{markdown(head, rows)}\n\n{said}"}, numbers=counted)
