@@ -1,0 +1,349 @@
+r"""Delay and filter of a controller, from set-points that were sent and motor angles that were measured.
+
+The documented robot under its servo is simulated along the filtered set-points F s, and delay d and coefficients a_1,
+a_2 of the filter (`SetpointResponse`) are fitted so that it moves as the motors did:
+
+.. math:: \min \sum_j \| \theta_j - \theta_j^{model}(F s; \nu_j) \|^2 / \sigma_j^2 + \| \nu \|^2 / \sigma_\nu^2
+
+Friction and inertia of each joint are nuisance parameters nu with priors, as a model that is wrong in them follows its
+set-points earlier or later than the robot does. A delay alone is tried first; a coefficient is added if residuals fall
+by it, as a filter of second order with a_2 = a_1^2 / 2 is a delay to most motions. Intervals are from sums of scores
+over blocks of time, as residuals are not independent.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+import scipy
+from scipy.interpolate import make_interp_spline
+
+from ffgym.control import SetpointResponse
+from ffgym.core.errors import FFGymError
+from ffgym.core.measures import rms
+from ffgym.core.types import Array, BoolArray
+from ffgym.paths import Reference
+from ffgym.recordings import Recording
+from ffgym.robot import RigidArm, RobotDescription
+from ffgym.simulation import Run, simulate
+
+NAMES = ("delay", "lag", "curvature")
+"""Parameters of a response; a simpler one has the first of them."""
+_TINY = 1e-4
+"""Step by which parameters are differentiated by coordinates."""
+_SOME_LAG = 1 / 3
+"""Share of the delay that the fit of a filter of second order begins with as lag, with the curvature of a delay."""
+NUISANCES = ("Coulomb friction", "viscous friction", "rotor inertia")
+"""Nuisance parameters of each joint, as logarithms of factors."""
+PRIOR = 0.3
+"""Standard deviation of their priors; chosen: numbers of friction are a third off from robot to robot."""
+_UPPER = np.array([200.0, 100.0, 5000.0])
+"""Largest coordinates of a response, see `_response`; slower controllers follow no path."""
+_STEPS = (0.2, 0.2, 5.0, 0.05, 0.05, 0.05)
+"""Steps of numerical derivatives: of these coordinates, then of the nuisance parameters."""
+_MOVES = 2e-3
+"""Range of set-points below which a joint counts as at rest, motor side [rad]; some steps of a resolver."""
+_NOISE = 1e-6
+"""Smallest noise of a motor angle [rad]; chosen: a hundredth of a step of a resolver with 16 bits."""
+_BLOCK = 0.25
+"""Length of a block of time [s]; chosen: some periods of the servo."""
+_BETTER = 0.01
+"""Share of the sum of squares by which it must fall for another coefficient; chosen: ten times what one takes of noise
+in a second of six joints."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ResponseFit:
+    """Response of a controller as recordings show it."""
+
+    response: SetpointResponse
+    intervals: dict[str, tuple[float, float]]
+    """95 % intervals of the parameters that it has, in SI units."""
+    factors: dict[str, Array]
+    """Factors of friction and inertia that were fitted beside it, by `NUISANCES`, shape (N,)."""
+    residual: Array
+    """RMS of measured motor angles less those of the model, motor side [rad], shape (N,); NaN for joints at rest."""
+    undelayed: Array
+    """The same for set-points that arrive at once, motor side [rad], shape (N,)."""
+
+    @property
+    def explained(self) -> float:
+        """Explained share of the variance that set-points which arrive at once leave."""
+        return float(1 - np.nansum(self.residual**2) / np.nansum(self.undelayed**2))
+
+
+def identify_response(recordings: Sequence[Recording], arm: RigidArm, *, n_threads: int = 0) -> ResponseFit:
+    """Identify delay and filter of the controller that made recordings.
+
+    Args:
+        recordings: set-points as they were sent (`reference.position`) and motor angles (`motor.position`); motions of
+            a second and more with changes of speed up to some Hz.
+        arm: the robot as it is documented.
+        n_threads: threads of the engine, 0 for all cores.
+
+    Raises:
+        FFGymError: if there are no recordings, nothing moves, a joint moves beyond its limits, or the model cannot
+            follow.
+    """
+    if not recordings:
+        raise FFGymError("There are no recordings; record set-points and motor angles of a motion of some seconds.")
+    model = _Model(arm=arm, logs=tuple(_Log.of(each, arm.robot) for each in recordings), n_threads=n_threads)
+    if not model.moves.any():
+        raise FFGymError(
+            f"No set-point moves by more than {_MOVES} rad, motor side: the delay cannot be found. Record a motion."
+        )
+    fit = _select(model)
+    n = arm.robot.n_joints
+    return ResponseFit(
+        response=_response(fit.values, fit.count),
+        intervals={name: fit.interval(i) for i, name in enumerate(NAMES[: fit.count])},
+        factors=dict(zip(NUISANCES, np.exp(fit.values[fit.count :]).reshape(3, n), strict=True)),
+        residual=np.where(model.moves, fit.spread, np.nan),
+        undelayed=np.where(model.moves, model.spread_at_once(), np.nan),
+    )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Log:
+    """What one recording tells."""
+
+    name: str
+    sent: Array
+    """Set-points every control step, motor side [rad], shape (T, N)."""
+    t: Array
+    """Times of measurements [s], shape (M,), within the samples."""
+    measured: Array
+    """Motor angles, motor side [rad], shape (M, N)."""
+
+    @classmethod
+    def of(cls, recording: Recording, robot: RobotDescription) -> "_Log":
+        """Read a recording, from the first control step to the last whole one."""
+        t, dt = recording.t - recording.t[0], robot.servo.control_dt
+        grid = np.arange(int(t[-1] / dt + 1e-9) + 1) * dt
+        if len(grid) < 2:
+            raise FFGymError(f"Recording {recording.header.segment!r} lasts {t[-1]:.3g} s, needs a second or more.")
+        sent, measured = (
+            recording.header.motor_side(recording.joint_array(f"{name}.position")) for name in ("reference", "motor")
+        )
+        within = t <= grid[-1] + 1e-9
+        samples = make_interp_spline(t, sent, k=1)(np.minimum(grid, t[-1]))
+        return cls(name=recording.header.segment, sent=samples, t=t[within], measured=measured[within])
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Model:
+    """Motor angles of the documented robot, by parameters: response, then logarithms of factors (3 N)."""
+
+    arm: RigidArm
+    logs: tuple[_Log, ...]
+    n_threads: int
+
+    @cached_property
+    def moves(self) -> BoolArray:
+        """True for joints whose set-points move, shape (N,)."""
+        moves: BoolArray = np.max([np.ptp(log.sent, axis=0) for log in self.logs], axis=0) > _MOVES
+        return moves
+
+    @cached_property
+    def blocks(self) -> Array:
+        """Number of the block of each row of all logs, shape (M,)."""
+        starts = np.cumsum([0, *(int(log.t[-1] / _BLOCK) + 1 for log in self.logs[:-1])])
+        return np.concatenate([start + log.t // _BLOCK for start, log in zip(starts, self.logs, strict=True)])
+
+    def residuals(self, each: Sequence[tuple[SetpointResponse, Array]]) -> list[Array]:
+        """Compute measured angles less those of the model for several parameters, side by side: (M, N) each."""
+        runs, machines = [], []
+        for response, factors in each:
+            machine = scale(self.arm.robot, *np.exp(factors.reshape(3, -1)))
+            runs += [Run(reference=self._reference(log, response)) for log in self.logs]
+            machines += [machine] * len(self.logs)
+        dt = self.arm.robot.servo.control_dt
+        recordings = simulate(runs, arm=self.arm, machine=machines, record_dt=dt, n_threads=self.n_threads)
+        found = [
+            log.measured - make_interp_spline(recording.t, recording.joint_array("motor.position"), k=3)(log.t)
+            for recording, log in zip(recordings, self.logs * len(each), strict=True)
+        ]
+        count = len(self.logs)
+        return [np.concatenate(found[i * count : (i + 1) * count]) for i in range(len(each))]
+
+    def spread_at_once(self) -> Array:
+        """Compute the RMS of residuals of set-points that arrive at once, motor side [rad], shape (N,)."""
+        (residual,) = self.residuals([(SetpointResponse(), np.zeros(3 * self.arm.robot.n_joints))])
+        return rms(residual, 0)
+
+    def guess(self) -> tuple[Array, float]:
+        """Guess the noise of each joint [rad] and the delay [ms], by the shift at which motors move like the model."""
+        nothing = np.zeros(3 * self.arm.robot.n_joints)
+        (residual,) = self.residuals([(SetpointResponse(), nothing)])
+        measured = np.concatenate([log.measured for log in self.logs])
+        speed = np.concatenate([np.gradient(log.measured, log.t, axis=0) for log in self.logs])
+        # late by tau: measured = model(t - tau), so that residual = -tau times the speed
+        weight = self.moves / np.maximum(rms(measured - measured.mean(axis=0), 0), 1e-9) ** 2
+        late = -float((weight * speed * residual).sum() / (weight * speed**2).sum())
+        return np.maximum(rms(residual + late * speed, 0), _NOISE), 1e3 * float(np.clip(late, 1e-3, 0.09))
+
+    def _reference(self, log: _Log, response: SetpointResponse) -> Reference:
+        """Make the reference that a response makes of a log's set-points."""
+        robot, dt = self.arm.robot, self.arm.robot.servo.control_dt
+        t = dt * np.arange(len(log.sent), dtype=np.float64)
+        path = make_interp_spline(t, robot.drive.joint_angle(response.apply(log.sent, dt)), k=3)
+        q, dq, ddq = (np.asarray(path(t, order), dtype=np.float64) for order in range(3))
+        return Reference(name=log.name, robot=robot, t=t, q=q, dq=dq, ddq=ddq, phases=())
+
+
+def scale(robot: RobotDescription, coulomb: Array, viscous: Array, inertia: Array) -> RobotDescription:
+    """Multiply static and Coulomb friction, viscous friction and rotor inertia of a robot by factors, (N,) each."""
+    friction = replace(
+        robot.friction,
+        coulomb=robot.friction.coulomb * coulomb,
+        static=robot.friction.static * coulomb,
+        viscous=robot.friction.viscous * viscous,
+    )
+    return replace(
+        robot, friction=friction, drive=replace(robot.drive, rotor_inertia=robot.drive.rotor_inertia * inertia)
+    )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Fit:
+    """Parameters that fit, and how well they are known."""
+
+    count: int
+    """Number of parameters of the response."""
+    values: Array
+    """Coordinates of the response, then logarithms of factors."""
+    covariance: Array
+    spread: Array
+    """RMS of the residuals, motor side [rad], shape (N,); 0 for joints at rest."""
+
+    @property
+    def sigma(self) -> Array:
+        """Unit of residuals of the next fit [rad], shape (N,)."""
+        return np.maximum(self.spread, _NOISE)
+
+    def loss(self, sigma: Array) -> float:
+        """Compute the sum of squares over joints in units of `sigma`."""
+        return float(((self.spread / sigma) ** 2).sum())
+
+    def interval(self, i: int) -> tuple[float, float]:
+        """Compute the 95 % interval of parameter `i` of the response, in SI units."""
+        own, k = self.values[: self.count], self.count
+        slopes = np.stack([_parameters(own + h) - _parameters(own - h) for h in _TINY * np.eye(k)], axis=1) / (
+            2 * _TINY
+        )
+        half = 1.96 * np.sqrt(slopes[i] @ self.covariance[:k, :k] @ slopes[i])
+        middle = _parameters(own)[i]
+        return float(middle - half), float(middle + half)
+
+
+def _response(values: Array, count: int) -> SetpointResponse:
+    r"""Make a response of its coordinates: d + a_1 [ms], a_1 [ms], a_1^2 / 2 - a_2 [ms^2].
+
+    They are the slopes of phase and magnitude at low frequencies, log F = -s (d + a_1) + s^2 (a_1^2 / 2 - a_2) + ...,
+    which motions show best; in d, a_1 and a_2 themselves the best values lie along a curve.
+    """
+    return SetpointResponse(**dict(zip(NAMES, _parameters(values[:count]).tolist(), strict=False)))
+
+
+def _parameters(values: Array) -> Array:
+    """Compute delay [s], lag [s] and curvature [s^2], as many as there are coordinates, shape (K,)."""
+    total, lag, roll = np.pad(values, (0, 3 - len(values)))
+    found = np.array([1e-3 * (total - lag), 1e-3 * lag, 1e-6 * (lag**2 / 2 - roll)])
+    return np.maximum(found, 0.0)[: len(values)]
+
+
+def _select(model: _Model) -> _Fit:
+    """Fit a delay, then a filter of second order, then one of first order if the second is better than none."""
+    n = model.arm.robot.n_joints
+    sigma, late = model.guess()
+    delay = _fit(model, np.r_[late, np.zeros(3 * n)], 1, sigma)
+    delay = _fit(model, delay.values, 1, delay.sigma)
+    second = _fit(model, np.r_[delay.values[0], _SOME_LAG * delay.values[0], 0.0, delay.values[1:]], 3, delay.sigma)
+    if second.loss(delay.sigma) > (1 - _BETTER) * delay.loss(delay.sigma):
+        return delay
+    second = _fit(model, second.values, 3, second.sigma)
+    first = _fit(model, np.delete(second.values, 2), 2, second.sigma)
+    return first if (1 - _BETTER) * first.loss(second.sigma) < second.loss(second.sigma) else second
+
+
+def _fit(model: _Model, start: Array, count: int, sigma: Array) -> _Fit:
+    """Fit `count` parameters of the response and all nuisance parameters, with residuals in units of `sigma` (N,)."""
+    n_factors = len(start) - count
+    lower = np.r_[[0.0, 0.1, -_UPPER[2]][:count], np.full(n_factors, -2.0)]
+    upper = np.r_[_UPPER[:count], np.full(n_factors, 2.0)]
+    problem = _Problem(model=model, count=count, weight=np.where(model.moves, 1 / sigma, 0.0))
+    solved = scipy.optimize.least_squares(
+        problem.residuals,
+        np.clip(start, lower + 1e-6, upper - 1e-6),
+        problem.jacobian,
+        bounds=(lower, upper),
+        x_scale="jac",
+        ftol=1e-6,
+        xtol=1e-5,
+        max_nfev=25,
+    )
+    jacobian = np.asarray(solved.jac, dtype=np.float64)
+    return _Fit(
+        count=count,
+        values=solved.x,
+        covariance=problem.covariance(solved.fun, jacobian),
+        spread=problem.spread(solved.fun),
+    )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Problem:
+    """Weighted residuals of a fit and their derivatives: of all angles, then of the priors."""
+
+    model: _Model
+    count: int
+    weight: Array
+    """One over the noise of each joint [1/rad], 0 for joints at rest, shape (N,)."""
+
+    def residuals(self, values: Array) -> Array:
+        """Compute the residuals."""
+        (residual,) = self.model.residuals([self._split(values)])
+        return np.r_[(residual * self.weight).ravel(), values[self.count :] / PRIOR]
+
+    def jacobian(self, values: Array) -> Array:
+        """Differentiate the residuals: each parameter of the response, and each nuisance of all joints at once.
+
+        What a joint's friction and inertia do to other joints is left out: it reaches them through springs alone.
+        """
+        n, k = len(self.weight), self.count
+        steps = np.r_[_STEPS[:k], _STEPS[3:]]
+        moved = [values]
+        for i, step in enumerate(steps):
+            change = np.zeros_like(values)
+            change[i if i < k else slice(k + (i - k) * n, k + (i - k + 1) * n)] = step
+            moved.append(values + change)
+        first, *others = self.model.residuals([self._split(each) for each in moved])
+        slopes = [self.weight * (other - first) / step for other, step in zip(others, steps, strict=True)]
+        columns = [slope.ravel() for slope in slopes[:k]]
+        columns += [(slope * (np.arange(n) == j)).ravel() for slope in slopes[k:] for j in range(n)]
+        priors = np.hstack([np.zeros((3 * n, k)), np.eye(3 * n) / PRIOR])
+        return np.vstack([np.stack(columns, axis=1), priors])
+
+    def spread(self, residuals: Array) -> Array:
+        """Compute the RMS of each joint's residual [rad] from weighted ones, shape (N,)."""
+        n = len(self.weight)
+        measured = residuals[: -3 * n].reshape(-1, n)
+        return np.divide(rms(measured, 0), self.weight, out=np.zeros(n), where=self.weight > 0)
+
+    def covariance(self, residuals: Array, jacobian: Array) -> Array:
+        """Compute the covariance of the parameters from scores that are summed over blocks of time."""
+        n = len(self.weight)
+        rows = np.repeat(self.model.blocks, n)
+        scores = jacobian[: len(rows)] * residuals[: len(rows), None]
+        sums = np.stack([np.bincount(rows.astype(np.int64), column) for column in scores.T], axis=1)
+        inverse = np.linalg.pinv(jacobian.T @ jacobian)
+        used = len(sums) / max(1, len(sums) - self.count)
+        return np.asarray(used * inverse @ (sums.T @ sums + np.diag(self._prior_scores())) @ inverse)
+
+    def _prior_scores(self) -> Array:
+        """Compute the variance of scores of the priors: one over that of each nuisance parameter."""
+        return np.r_[np.zeros(self.count), np.full(3 * len(self.weight), PRIOR**-2)]
+
+    def _split(self, values: Array) -> tuple[SetpointResponse, Array]:
+        return _response(values, self.count), values[self.count :]
