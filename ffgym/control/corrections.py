@@ -55,20 +55,36 @@ def next_correction(
     return following, integral + dt / 2 * (correction + following)
 
 
-def invert_servo(servo: Servo, torque: Array) -> Array:
-    """Compute the corrections by which a servo gives a torque, motor side [rad], shape (T, N); zero at first.
+def invert_servo(servo: Servo, torque: Array, inertia: Array | None = None) -> Array:
+    r"""Compute the corrections by which a servo gives a torque, motor side [rad], shape (T, N); zero at first.
+
+    A controller that computes its rigid feed-forward from corrected set-points gives :math:`M \ddot c` beside the
+    servo's torque, with the inertia M of the arm as motors feel it.
 
     Args:
         servo: gains, and the time between samples.
         torque: torque to give, motor side [N m], shape (T, N).
+        inertia: M at every sample, motor side [kg m^2], shape (T, N, N); None for a controller whose feed-forward does
+            not see the corrections.
 
     Raises:
         FFGymError: if a gain is not positive.
     """
     check_invertible(servo)
     corrections, integral = np.zeros_like(torque), np.zeros(torque.shape[1])
+    speed = np.zeros(torque.shape[1])
     for k in range(len(torque) - 1):
-        corrections[k + 1], integral = next_correction(servo, torque[k], torque[k + 1], corrections[k], integral)
+        if inertia is None:
+            corrections[k + 1], integral = next_correction(servo, torque[k], torque[k + 1], corrections[k], integral)
+            continue
+        # mean speed of the step by the trapezoidal rule
+        dt = servo.control_dt
+        held = servo.position_gain * corrections[k] + servo.integral_gain * (integral + dt / 2 * corrections[k])
+        gain = servo.velocity_gain + servo.position_gain * dt / 2 + servo.integral_gain * dt**2 / 4
+        moved = 2 / dt * (inertia[k] + inertia[k + 1]) / 2
+        mean = np.linalg.solve(moved + np.diag(gain), (torque[k] + torque[k + 1]) / 2 - held + moved @ speed)
+        corrections[k + 1], speed = corrections[k] + dt * mean, 2 * mean - speed
+        integral = integral + dt / 2 * (corrections[k] + corrections[k + 1])
     return corrections
 
 

@@ -73,14 +73,19 @@ class SetpointResponse:
             f"{self.lag * natural / 2:.2f}"
         )
 
-    def apply(self, sent: Array, dt: float) -> Array:
-        """Compute what reaches the servo of set-points or corrections (T, N), at the same samples.
+    def apply(self, sent: Array, dt: float, rows_per_step: int = 1) -> Array:
+        """Compute what reaches the servo of set-points or corrections (T, N), at the same samples and between.
 
         They are at rest before the first sample, and straight between samples `dt` [s] apart.
+
+        Args:
+            sent: set-points or corrections.
+            dt: time between them [s].
+            rows_per_step: rows of the result between two of them, a divisor of 16.
         """
         fine = np.arange(_FINE * (len(sent) - 1) + 1) * (dt / _FINE) - self.delay
         late = make_interp_spline(np.arange(len(sent)) * dt, sent, k=1)(np.maximum(fine, 0.0))
-        return self.filter(late - sent[0], dt / _FINE)[::_FINE] + sent[0]
+        return self.filter(late - sent[0], dt / _FINE)[:: _FINE // rows_per_step] + sent[0]
 
     def filter(self, values: Array, dt: float) -> Array:
         """Low-pass values (..., T, N) sampled every `dt` [s] along T, straight between samples, zero before them."""
@@ -89,12 +94,18 @@ class SetpointResponse:
         b, a = self.discretise(dt)
         return np.asarray(signal.lfilter(b, a, values, axis=-2))
 
-    def discretise(self, dt: float) -> tuple[Array, Array]:
-        """Compute numerator and denominator of the filter in steps of `dt` [s], for values straight between them."""
+    def discretise(self, dt: float, *, speed: bool = False) -> tuple[Array, Array]:
+        """Compute numerator and denominator of the filter in steps of `dt` [s], for values straight between them.
+
+        Args:
+            dt: time of a step [s].
+            speed: True for the derivative of what passes the filter, which must have a lag.
+        """
         if not self.lag:
             return np.ones(1), np.ones(1)
         denominator = np.array([self.curvature, self.lag, 1.0] if self.curvature else [self.lag, 1.0])
-        b, a, _ = signal.cont2discrete((np.array([1.0]), denominator), dt, method="foh")
+        numerator = np.array([1.0, 0.0] if speed else [1.0])
+        b, a, _ = signal.cont2discrete((numerator, denominator), dt, method="foh")
         return np.ravel(b), a
 
     def invert(self, wanted: Array, dt: float) -> Array:

@@ -103,6 +103,7 @@ def random_multisine(
     duration: float,
     *,
     n_sines: int = 4,
+    frequencies: tuple[float, float] = FREQUENCIES,
     ramp: float = 0.4,
     dwell: float = 0.1,
     dt: float = 0.004,
@@ -112,7 +113,7 @@ def random_multisine(
 
     .. math:: q_j = c_j + a_j w(t) \sum_i \sin(2 \pi f_{ij} t + \varphi_{ij})
 
-    Frequencies are drawn log-uniformly from FREQUENCIES; a_j makes the largest speed of the joint `peak_speed`; the
+    Frequencies are drawn log-uniformly; a_j makes the largest speed of the joint `peak_speed`; the
     fade w is a quintic, so that position, speed and acceleration are continuous.
 
     Args:
@@ -121,6 +122,7 @@ def random_multisine(
         peak_speed: largest speed of each joint, link side [rad/s], >= 0, shape (N,).
         duration: of the whole motion [s].
         n_sines: sines per joint.
+        frequencies: lowest and highest frequency [Hz].
         ramp: time of fading in, and of fading out [s].
         dwell: rest at both ends [s].
         dt: sample time [s], at most `ramp`.
@@ -145,7 +147,8 @@ def random_multisine(
         raise FFGymError(f"duration = {duration} s must be at least two ramps and two rests, {2 * (ramp + dwell):g} s.")
     if duration > MAX_STEPS * dt:
         raise FFGymError(f"duration = {duration} s must be at most {MAX_STEPS:g} steps of dt = {dt} s.")
-    omega = 2 * np.pi * np.exp(rng.uniform(np.log(FREQUENCIES[0]), np.log(FREQUENCIES[1]), size=(n_sines, len(centre))))
+    lowest, highest = (check_number("frequency", each, unit="Hz", low=0.0, open_low=True) for each in frequencies)
+    omega = 2 * np.pi * np.exp(rng.uniform(np.log(lowest), np.log(highest), size=(n_sines, len(centre))))
     phase = rng.uniform(0, 2 * np.pi, size=omega.shape)
 
     def sines(tau: Array) -> tuple[Array, ...]:

@@ -11,6 +11,8 @@ from .friction_data import ModelError as ModelError
 from .friction_data import friction_torque as friction_torque
 from .friction_data import friction_torques as friction_torques
 from .joint_friction import JointFriction as JointFriction
+from .setpoint_response import ResponseFit as ResponseFit
+from .setpoint_response import identify_response as identify_response
 from .signals import LowPass as LowPass
 from .signals import Signals as Signals
 from .signals import signals_of as signals_of

@@ -44,11 +44,18 @@ _STEPS = (0.2, 0.2, 5.0, 0.05, 0.05, 0.05)
 """Steps of numerical derivatives: of these coordinates, then of the nuisance parameters."""
 _MOVES = 2e-3
 """Range of set-points below which a joint counts as at rest, motor side [rad]; some steps of a resolver."""
-_NOISE = 1e-6
-"""Smallest noise of a motor angle [rad]; chosen: a hundredth of a step of a resolver with 16 bits."""
+_FINER = 4
+"""Set-points of the model's servo for each one that was sent; chosen: every millisecond, of 4."""
 _BLOCK = 0.25
 """Length of a block of time [s]; chosen: some periods of the servo."""
-_BETTER = 0.01
+_BETTER = 0.1
+"""Share of the sum of squares by which it must fall for another coefficient; chosen: models of drives are that wrong
+between set-points, where some join them by straight lines."""
+_FINER = 4
+"""Set-points of the model's servo for each one that was sent; chosen: every millisecond, of 4."""
+_BLOCK = 0.25
+"""Length of a block of time [s]; chosen: some periods of the servo."""
+_BETTER = 0.1
 """Share of the sum of squares by which it must fall for another coefficient; chosen: ten times what one takes of noise
 in a second of six joints."""
 
@@ -139,6 +146,17 @@ class _Model:
     logs: tuple[_Log, ...]
     n_threads: int
 
+    @property
+    def step(self) -> float:
+        """Smallest noise of a motor angle [rad]: that of the steps of the documented resolver."""
+        return self.arm.robot.sensors.resolver_step / float(np.sqrt(12))
+
+    @cached_property
+    def robot(self) -> RobotDescription:
+        """Robot whose servo gets set-points so often that lines between those that were sent stay straight."""
+        servo = self.arm.robot.servo
+        return replace(self.arm.robot, servo=replace(servo, control_dt=servo.control_dt / _FINER))
+
     @cached_property
     def moves(self) -> BoolArray:
         """True for joints whose set-points move, shape (N,)."""
@@ -155,10 +173,10 @@ class _Model:
         """Compute measured angles less those of the model for several parameters, side by side: (M, N) each."""
         runs, machines = [], []
         for response, factors in each:
-            machine = scale(self.arm.robot, *np.exp(factors.reshape(3, -1)))
+            machine = scale(self.robot, *np.exp(factors.reshape(3, -1)))
             runs += [Run(reference=self._reference(log, response)) for log in self.logs]
             machines += [machine] * len(self.logs)
-        dt = self.arm.robot.servo.control_dt
+        dt = self.robot.servo.control_dt
         recordings = simulate(runs, arm=self.arm, machine=machines, record_dt=dt, n_threads=self.n_threads)
         found = [
             log.measured - make_interp_spline(recording.t, recording.joint_array("motor.position"), k=3)(log.t)
@@ -181,14 +199,18 @@ class _Model:
         # late by tau: measured = model(t - tau), so that residual = -tau times the speed
         weight = self.moves / np.maximum(rms(measured - measured.mean(axis=0), 0), 1e-9) ** 2
         late = -float((weight * speed * residual).sum() / (weight * speed**2).sum())
-        return np.maximum(rms(residual + late * speed, 0), _NOISE), 1e3 * float(np.clip(late, 1e-3, 0.09))
+        return np.hypot(rms(residual + late * speed, 0), self.step), 1e3 * float(np.clip(late, 1e-3, 0.09))
 
     def _reference(self, log: _Log, response: SetpointResponse) -> Reference:
-        """Make the reference that a response makes of a log's set-points."""
-        robot, dt = self.arm.robot, self.arm.robot.servo.control_dt
-        t = dt * np.arange(len(log.sent), dtype=np.float64)
-        path = make_interp_spline(t, robot.drive.joint_angle(response.apply(log.sent, dt)), k=3)
+        """Make the reference that a response makes of a log's set-points, which a drive joins by straight lines."""
+        robot, dt = self.robot, self.robot.servo.control_dt
+        arrived = response.apply(log.sent, _FINER * dt, _FINER)
+        t = dt * np.arange(len(arrived), dtype=np.float64)
+        path = make_interp_spline(t, robot.drive.joint_angle(arrived), k=3)
         q, dq, ddq = (np.asarray(path(t, order), dtype=np.float64) for order in range(3))
+        if not response.lag:  # lines have corners, over which a controller differences speeds
+            cycle = _FINER * dt
+            ddq = (dq - np.vstack([np.tile(dq[:1], (_FINER, 1)), dq[:-_FINER]])) / cycle
         return Reference(name=log.name, robot=robot, t=t, q=q, dq=dq, ddq=ddq, phases=())
 
 
@@ -216,15 +238,17 @@ class _Fit:
     covariance: Array
     spread: Array
     """RMS of the residuals, motor side [rad], shape (N,); 0 for joints at rest."""
+    step: float
+    """Smallest noise of a motor angle [rad]."""
 
     @property
     def sigma(self) -> Array:
         """Unit of residuals of the next fit [rad], shape (N,)."""
-        return np.maximum(self.spread, _NOISE)
+        return np.hypot(self.spread, self.step)
 
     def loss(self, sigma: Array) -> float:
-        """Compute the sum of squares over joints in units of `sigma`."""
-        return float(((self.spread / sigma) ** 2).sum())
+        """Compute the sum of squares over joints in units of `sigma`; what resolvers do not show counts as noise."""
+        return float(((self.sigma / sigma) ** 2).sum())
 
     def interval(self, i: int) -> tuple[float, float]:
         """Compute the 95 % interval of parameter `i` of the response, in SI units."""
@@ -279,9 +303,9 @@ def _fit(model: _Model, start: Array, count: int, sigma: Array) -> _Fit:
         problem.jacobian,
         bounds=(lower, upper),
         x_scale="jac",
-        ftol=1e-6,
-        xtol=1e-5,
-        max_nfev=25,
+        ftol=1e-4,
+        xtol=1e-4,
+        max_nfev=15,
     )
     jacobian = np.asarray(solved.jac, dtype=np.float64)
     return _Fit(
@@ -289,6 +313,7 @@ def _fit(model: _Model, start: Array, count: int, sigma: Array) -> _Fit:
         values=solved.x,
         covariance=problem.covariance(solved.fun, jacobian),
         spread=problem.spread(solved.fun),
+        step=model.step,
     )
 
 

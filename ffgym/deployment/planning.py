@@ -1,0 +1,83 @@
+"""Plan of set-points for a motion under a feed-forward law: what to send so that servos give the law's torque."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any, Literal
+
+import numpy as np
+
+from ffgym.control import CorrectionLimits, FeedForwardLaw, SetpointResponse, invert_servo, limit_correction
+from ffgym.core.errors import check_choice
+from ffgym.core.types import Array
+from ffgym.core.version import __version__
+from ffgym.deployment.plan import SetpointPlan
+from ffgym.paths import Reference
+from ffgym.robot import RigidArm
+
+Sends = Literal["positions", "corrections"]
+"""What is sent: whole set-points, with which the controller computes its own feed-forward; or what is added to the
+set-points of a program that the controller runs by itself."""
+
+
+def plan_setpoints(
+    reference: Reference,
+    law: FeedForwardLaw,
+    *,
+    arm: RigidArm | None = None,
+    response: SetpointResponse | None = None,
+    sends: Sends = "positions",
+    limits: CorrectionLimits | None = None,
+    meta: Mapping[str, Any] | None = None,
+) -> SetpointPlan:
+    """Plan the set-points of a motion.
+
+    Whole set-points all arrive late by the delay of the controller: the motion is late, and the path the same, so that
+    the filter alone is compensated, and that for the whole motion. Corrections of a program meet a motion that is not
+    late, and are sent early by the delay.
+
+    Args:
+        reference: the program.
+        law: law whose torque the servos shall give.
+        arm: rigid dynamics of the controller; None takes those of the reference's robot.
+        response: delay and filter of the controller; None is none.
+        sends: what is sent.
+        limits: limits of the correction, link side; None is none.
+        meta: where the plan comes from.
+
+    Raises:
+        FFGymError: if the servo is not documented with positive gains, or the law does not fit.
+    """
+    check_choice("kind of set-points", sends, ("positions", "corrections"))
+    robot, arm, response = reference.robot, arm or RigidArm(reference.robot), response or SetpointResponse()
+    torque = law.torques_along([reference])[0]
+    torque = np.concatenate([np.zeros_like(torque[:1]), torque[1:]])  # which begins in equilibrium
+    dt, drive = robot.servo.control_dt, robot.drive
+    if sends == "positions":
+        wanted = invert_servo(robot.servo, torque, motor_inertia(arm, reference.q))
+        sent = replace(response, delay=0.0).invert(reference.motor_q + wanted, dt) - reference.motor_q
+    else:
+        sent = response.invert(invert_servo(robot.servo, torque), dt)
+    correction = drive.joint_angle(sent - sent[0])
+    notes: dict[str, Any] = {"ffgym": __version__, "sends": sends, "response": response.describe()}
+    if limits is not None:
+        excess = limits.find_excess(correction, dt)
+        notes["beyond_limits"] = {name: share.tolist() for name, share in excess.items() if share.any()}
+        correction = limit_correction(limits, correction, dt)
+    return SetpointPlan(
+        name=reference.name,
+        robot=robot.name,
+        law=law.name,
+        joints=robot.joints,
+        units=robot.kinematics.units,
+        dt=dt,
+        program=reference.q,
+        correction=correction,
+        torque=torque,
+        meta=notes | dict(meta or {}),
+    )
+
+
+def motor_inertia(arm: RigidArm, q: Array) -> Array:
+    r"""Compute the inertia that motors feel, motor side [kg m^2], shape (T, N, N): :math:`G^{-T} M G^{-1} + J_m`."""
+    drive = arm.robot.drive
+    return drive.inverse.T @ arm.mass_matrix(q) @ drive.inverse + np.diag(drive.rotor_inertia)
