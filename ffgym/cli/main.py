@@ -87,8 +87,20 @@ COMMANDS = {
     ),
     "log check": Command("log_options:CheckLogs", "log:check", "what logs are good for", "logs/*.npz --robot one_axis"),
     "identify": Command("log_options:Identify", "identify:run", "from logs to parameters", "logs --robot one_axis"),
+    "identify controller": Command(
+        "stream_options:IdentifyController",
+        "identify_controller:run",
+        "delay and filter of a controller",
+        "probe_log.npz --robot irb4600_60_205 --out controller.toml",
+    ),
     "diagnose": Command(
         "log_options:Diagnose", "diagnose:run", "what a simulation gets wrong, and why", "logs --robot one_axis"
+    ),
+    "plan": Command(
+        "stream_options:PlanSetpoints",
+        "plan_setpoints:run",
+        "set-points of a motion under a law",
+        "irb4600_60_205 circles --out plan.npz",
     ),
     "stream": Command(
         "stream_options:Stream", "stream:run", "a plan to a robot controller, in real time", "plan.npz --out log.npz"

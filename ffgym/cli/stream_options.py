@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 import tyro
 
-from ffgym.cli.options import Numbers
+from ffgym.cli.options import ColumnMap, Cycles, Inputs, Numbers, Procedure, Threads
 
 ProtocolName = Literal["egm", "rsi", "rsi_12ms", "rtde", "rtde_torque", "ros2", "ros2_effort"]
 """Protocols, as ffgym.deployment has them."""
@@ -46,6 +46,59 @@ class Stream:
     """Largest distance of the measured pose from the first pose of the plan; mm on linear axes."""
     wait_s: float = 30.0
     """Time to wait for the controller."""
+
+
+@dataclass(frozen=True)
+class PlanSetpoints:
+    """Plan the set-points of a motion, corrected so that the servos give the torque of a feed-forward law.
+
+    Without a motion it is the one that shows delay and filter of a controller: all joints move a little, up to 15 Hz.
+    """
+
+    robot: tyro.conf.Positional[str]
+    """Built-in robot, or a path that ends in .toml to a description or a machine file: servo and gears of the
+    controller."""
+    path: tyro.conf.Positional[str | None] = None
+    """Built-in motion, or a file: .toml (motion), .csv (poses or joint positions), .mod (RAPID)."""
+    entry: Procedure = None
+    inputs: Inputs = ()
+    cycles: Cycles = 1
+    out: Path = Path("plan.npz")
+    """Plan to write, .npz."""
+    feedforward: str = "elastic"
+    """Name of docs/agents, or file of a learned law. One that learns is trained first, on its standard motions."""
+    parameters: Path | None = None
+    """Parameter file for the law's model of the robot."""
+    controller: Path | None = None
+    """Delay and filter of the controller, .toml, as ffgym identify controller writes them; absent is none."""
+    sends: Literal["positions", "corrections"] = "positions"
+    """positions: whole set-points, which all arrive late (EGM, RTDE, ROS 2); corrections: what is added to a program
+    that the controller runs by itself, sent early by its delay (RSI)."""
+    largest_mrad: float | None = None
+    """Largest correction of a joint, to which the plan is cut; mm on linear axes; absent is no limit."""
+    largest_speed_rad_s: float = 0.15
+    """Largest joint speed of the motion that shows delay and filter, link side; m/s on linear axes."""
+    seconds: float = 4.0
+    """Length of that motion."""
+    seed: int = 0
+    """Seed of that motion."""
+    json: Numbers = None
+    threads: Threads = 0
+
+
+@dataclass(frozen=True)
+class IdentifyController:
+    """Identify delay and smoothing filter of a controller from set-points that were sent and measured motor angles."""
+
+    logs: tyro.conf.Positional[tuple[Path, ...]]
+    """Recordings, .npz or .csv, as ffgym stream writes them; files of other tools with --columns."""
+    robot: str
+    """Built-in robot, or a path to a description that ends in .toml."""
+    columns: ColumnMap = None
+    out: Path | None = None
+    """File of the controller to write, .toml."""
+    json: Numbers = None
+    threads: Threads = 0
 
 
 @dataclass(frozen=True)

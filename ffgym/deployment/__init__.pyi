@@ -7,6 +7,8 @@ from .code import write_fmus as write_fmus
 from .code import write_law_code as write_law_code
 from .code import write_policy_onnx as write_policy_onnx
 from .code import write_table as write_table
+from .controller_file import read_controller as read_controller
+from .controller_file import write_controller as write_controller
 from .plan import SetpointPlan as SetpointPlan
 from .plan import read_plan as read_plan
 from .plan import write_plan as write_plan
@@ -14,6 +16,9 @@ from .programs import PathPoints as PathPoints
 from .programs import WrittenProgram as WrittenProgram
 from .programs import choose_points as choose_points
 from .programs import write_program as write_program
+from .planning import plan_probe as plan_probe
+from .planning import plan_setpoints as plan_setpoints
+from .streams import Axes as Axes
 from .streams import EgmWire as EgmWire
 from .streams import Envelope as Envelope
 from .streams import Guard as Guard

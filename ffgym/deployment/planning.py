@@ -6,12 +6,19 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ffgym.control import CorrectionLimits, FeedForwardLaw, SetpointResponse, invert_servo, limit_correction
+from ffgym.control import (
+    CorrectionLimits,
+    FeedForwardLaw,
+    NoCompensation,
+    SetpointResponse,
+    invert_servo,
+    limit_correction,
+)
 from ffgym.core.errors import check_choice
 from ffgym.core.types import Array
 from ffgym.core.version import __version__
 from ffgym.deployment.plan import SetpointPlan
-from ffgym.paths import Reference
+from ffgym.paths import Reference, joint_reference, random_multisine
 from ffgym.robot import RigidArm
 
 Sends = Literal["positions", "corrections"]
@@ -58,7 +65,7 @@ def plan_setpoints(
     else:
         sent = response.invert(invert_servo(robot.servo, torque), dt)
     correction = drive.joint_angle(sent - sent[0])
-    notes: dict[str, Any] = {"ffgym": __version__, "sends": sends, "response": response.describe()}
+    notes: dict[str, Any] = {"beyond_limits": {}, "ffgym": __version__, "sends": sends, "response": response.describe()}
     if limits is not None:
         excess = limits.find_excess(correction, dt)
         notes["beyond_limits"] = {name: share.tolist() for name, share in excess.items() if share.any()}
@@ -75,6 +82,41 @@ def plan_setpoints(
         torque=torque,
         meta=notes | dict(meta or {}),
     )
+
+
+PROBED = (0.5, 15.0)
+"""Frequencies of the motion that shows delay and filter [Hz]: a filter and a delay differ from some Hz on only."""
+
+
+def plan_probe(
+    arm: RigidArm, rng: np.random.Generator, *, peak_speed: float = 0.15, duration: float = 4.0
+) -> SetpointPlan:
+    """Plan a motion without correction that shows delay and filter of a controller: random sines on every joint.
+
+    Args:
+        arm: rigid dynamics of the robot; it moves about the home pose of the work area, or the middle of the ranges.
+        rng: randomness.
+        peak_speed: largest joint speed, link side [rad/s or m/s].
+        duration: time of the motion [s].
+
+    Raises:
+        FFGymError: if a joint would go beyond its limits, or the duration is too short.
+    """
+    robot = arm.robot
+    low, high = np.clip(robot.kinematics.range, -np.pi, np.pi).T
+    centre = (low + high) / 2 if robot.work_area is None else np.asarray(robot.work_area.home, dtype=np.float64)
+    speed = np.minimum(peak_speed, robot.kinematics.max_speed)
+    path = random_multisine(
+        rng,
+        centre,
+        speed,
+        duration,
+        n_sines=8,
+        frequencies=PROBED,
+        dt=robot.servo.control_dt,
+        name="delay and filter",
+    )
+    return plan_setpoints(joint_reference(robot, path), NoCompensation(), arm=arm)
 
 
 def motor_inertia(arm: RigidArm, q: Array) -> Array:

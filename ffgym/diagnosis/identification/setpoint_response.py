@@ -44,6 +44,8 @@ _STEPS = (0.2, 0.2, 5.0, 0.05, 0.05, 0.05)
 """Steps of numerical derivatives: of these coordinates, then of the nuisance parameters."""
 _MOVES = 2e-3
 """Range of set-points below which a joint counts as at rest, motor side [rad]; some steps of a resolver."""
+_STRAIN = 9.0
+"""Sum of squares of nuisance parameters, in standard deviations, by which it must fall otherwise; three of one."""
 _FINER = 4
 """Set-points of the model's servo for each one that was sent; chosen: every millisecond, of 4."""
 _BLOCK = 0.25
@@ -51,6 +53,8 @@ _BLOCK = 0.25
 _BETTER = 0.1
 """Share of the sum of squares by which it must fall for another coefficient; chosen: models of drives are that wrong
 between set-points, where some join them by straight lines."""
+_STRAIN = 9.0
+"""Sum of squares of nuisance parameters, in standard deviations, by which it must fall otherwise; three of one."""
 _FINER = 4
 """Set-points of the model's servo for each one that was sent; chosen: every millisecond, of 4."""
 _BLOCK = 0.25
@@ -246,9 +250,14 @@ class _Fit:
         """Unit of residuals of the next fit [rad], shape (N,)."""
         return np.hypot(self.spread, self.step)
 
-    def loss(self, sigma: Array) -> float:
-        """Compute the sum of squares over joints in units of `sigma`; what resolvers do not show counts as noise."""
-        return float(((self.sigma / sigma) ** 2).sum())
+    def is_as_good(self, other: "_Fit") -> bool:
+        """Tell if residuals and nuisance parameters are as small as in a fit with more parameters.
+
+        What resolvers do not show counts as noise.
+        """
+        larger = ((self.sigma / other.sigma) ** 2).mean()
+        strain = [((each.values[each.count :] / PRIOR) ** 2).sum() for each in (self, other)]
+        return bool(larger < 1 / (1 - _BETTER) and strain[0] < strain[1] + _STRAIN)
 
     def interval(self, i: int) -> tuple[float, float]:
         """Compute the 95 % interval of parameter `i` of the response, in SI units."""
@@ -283,12 +292,13 @@ def _select(model: _Model) -> _Fit:
     sigma, late = model.guess()
     delay = _fit(model, np.r_[late, np.zeros(3 * n)], 1, sigma)
     delay = _fit(model, delay.values, 1, delay.sigma)
-    second = _fit(model, np.r_[delay.values[0], _SOME_LAG * delay.values[0], 0.0, delay.values[1:]], 3, delay.sigma)
-    if second.loss(delay.sigma) > (1 - _BETTER) * delay.loss(delay.sigma):
+    start = np.r_[delay.values[0], _SOME_LAG * delay.values[0], 0.0, np.zeros(3 * n)]
+    second = _fit(model, start, 3, delay.sigma)
+    if delay.is_as_good(second):
         return delay
     second = _fit(model, second.values, 3, second.sigma)
     first = _fit(model, np.delete(second.values, 2), 2, second.sigma)
-    return first if (1 - _BETTER) * first.loss(second.sigma) < second.loss(second.sigma) else second
+    return first if first.is_as_good(second) else second
 
 
 def _fit(model: _Model, start: Array, count: int, sigma: Array) -> _Fit:
