@@ -49,7 +49,13 @@ def _plan_motion(
     assert config.path is not None
     ready = prepare_motion(config, config.robot, config.path, arm, machine, ModelOptions(looks=False))
     plan = plan_setpoints(
-        ready.motion.reference, ready.law, arm=ready.arm, response=response, sends=config.sends, limits=limits
+        ready.motion.reference,
+        ready.law,
+        arm=ready.arm,
+        response=response,
+        sends=config.sends,
+        feedforward=config.controller_feedforward,
+        limits=limits,
     )
     return plan, ready.machine, tuple(ready.motion.notes)
 
@@ -58,7 +64,17 @@ def _plan_probe(
     config: PlanSetpoints, arm: RigidArm, machine: Machine
 ) -> tuple[SetpointPlan, Machine, tuple[str, ...]]:
     """Plan the motion that shows delay and filter of a controller."""
-    names = ("entry", "inputs", "cycles", "feedforward", "parameters", "controller", "sends", "largest_mrad")
+    names = (
+        "entry",
+        "inputs",
+        "cycles",
+        "feedforward",
+        "parameters",
+        "controller",
+        "sends",
+        "controller_feedforward",
+        "largest_mrad",
+    )
     if given := given_options(config, names):
         raise FFGymError(f"{', '.join(given)} has no effect without a motion. Name one after the robot.")
     speed = check_number("--largest-speed-rad-s", config.largest_speed_rad_s, unit="rad/s", low=0.0, open_low=True)

@@ -74,6 +74,9 @@ class PlanSetpoints:
     sends: Literal["positions", "corrections"] = "positions"
     """positions: whole set-points, which all arrive late (EGM, RTDE, ROS 2); corrections: what is added to a program
     that the controller runs by itself, sent early by its delay (RSI)."""
+    controller_feedforward: Literal["setpoints", "program", "none"] = "setpoints"
+    """What the controller computes its rigid feed-forward from: set-points with their corrections, its own program
+    alone, or nothing."""
     largest_mrad: float | None = None
     """Largest correction of a joint, to which the plan is cut; mm on linear axes; absent is no limit."""
     largest_speed_rad_s: float = 0.15

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from ffgym.control import (
     SetpointResponse,
     invert_servo,
     limit_correction,
+    rigid_feedforward,
 )
 from ffgym.core.errors import check_choice
 from ffgym.core.types import Array
@@ -25,6 +26,10 @@ Sends = Literal["positions", "corrections"]
 """What is sent: whole set-points, with which the controller computes its own feed-forward; or what is added to the
 set-points of a program that the controller runs by itself."""
 
+FeedForward = Literal["setpoints", "program", "none"]
+"""What a controller computes its rigid feed-forward from: set-points with their corrections, its own program alone, or
+nothing."""
+
 
 def plan_setpoints(
     reference: Reference,
@@ -33,6 +38,7 @@ def plan_setpoints(
     arm: RigidArm | None = None,
     response: SetpointResponse | None = None,
     sends: Sends = "positions",
+    feedforward: FeedForward = "setpoints",
     limits: CorrectionLimits | None = None,
     meta: Mapping[str, Any] | None = None,
 ) -> SetpointPlan:
@@ -48,24 +54,35 @@ def plan_setpoints(
         arm: rigid dynamics of the controller; None takes those of the reference's robot.
         response: delay and filter of the controller; None is none.
         sends: what is sent.
+        feedforward: what the controller computes its rigid feed-forward from.
         limits: limits of the correction, link side; None is none.
         meta: where the plan comes from.
 
     Raises:
         FFGymError: if the servo is not documented with positive gains, or the law does not fit.
     """
-    check_choice("kind of set-points", sends, ("positions", "corrections"))
+    check_choice("kind of set-points", sends, get_args(Sends))
+    check_choice("feed-forward of a controller", feedforward, get_args(FeedForward))
     robot, arm, response = reference.robot, arm or RigidArm(reference.robot), response or SetpointResponse()
     torque = law.torques_along([reference])[0]
     torque = np.concatenate([np.zeros_like(torque[:1]), torque[1:]])  # which begins in equilibrium
     dt, drive = robot.servo.control_dt, robot.drive
+    # what the servo and the controller's own feed-forward make of corrections
+    given = torque if feedforward != "none" else torque + rigid_feedforward(arm, reference)
+    inertia = motor_inertia(arm, reference.q) if feedforward == "setpoints" else None
+    wanted = invert_servo(robot.servo, given, inertia)
     if sends == "positions":
-        wanted = invert_servo(robot.servo, torque, motor_inertia(arm, reference.q))
         sent = replace(response, delay=0.0).invert(reference.motor_q + wanted, dt) - reference.motor_q
     else:
-        sent = response.invert(invert_servo(robot.servo, torque), dt)
+        sent = response.invert(wanted, dt)
     correction = drive.joint_angle(sent - sent[0])
-    notes: dict[str, Any] = {"beyond_limits": {}, "ffgym": __version__, "sends": sends, "response": response.describe()}
+    notes: dict[str, Any] = {
+        "beyond_limits": {},
+        "ffgym": __version__,
+        "sends": sends,
+        "feedforward": feedforward,
+        "response": response.describe(),
+    }
     if limits is not None:
         excess = limits.find_excess(correction, dt)
         notes["beyond_limits"] = {name: share.tolist() for name, share in excess.items() if share.any()}

@@ -28,7 +28,7 @@ from ffgym.deployment.streams.protocols import axes_of
 from ffgym.diagnosis.identification import identify_response
 from ffgym.paths import Reference, cartesian_reference, circle_test
 from ffgym.recordings import Recording
-from ffgym.recordings.metrics import fit_circle, path_errors
+from ffgym.recordings.metrics import path_errors
 from ffgym.robot import RigidArm, RobotDescription, load_robot
 from ffgym.simulation import Run, simulate
 
@@ -49,9 +49,17 @@ def circles(speed: float) -> Reference:
 
 
 def stream(
-    plan: SetpointPlan, robot: RobotDescription, response: SetpointResponse, *, corrections: bool = False
+    plan: SetpointPlan,
+    robot: RobotDescription,
+    response: SetpointResponse,
+    reference: Reference | None = None,
+    *,
+    corrections: bool = False,
 ) -> tuple[Recording, Recording]:
-    """Stream a plan to an emulated controller; returns the log of the stream and the truth of the robot."""
+    """Stream a plan to an emulated controller; returns the log of the stream and the truth of the robot.
+
+    The truth has the tool path of a `reference`, as late as the controller.
+    """
     wire = (RsiWire if corrections else EgmWire)(axes_of(robot))
     emulated = EmulatedRobot(
         robot,
@@ -65,32 +73,12 @@ def stream(
     run_in_lock_step(session, EmulatedController(emulated, wire))
     assert session.state == "ended"
     assert session.cut_share == 0.0
-    return record_session(session, robot), emulated.truth(plan.name)
+    return record_session(session, robot), emulated.truth(plan.name, reference)
 
 
-def mean_error(truth: Recording, reference: Reference) -> float:
-    """Mean over circles of the RMS distance from the circle, in its plane [m].
-
-    The robot begins some cycles after the recording, and late: by as much as makes the motors' motion that of the
-    reference most nearly.
-    """
-    arm = RigidArm(reference.robot)
-    wanted, tcp = arm.tcp_position(reference.q), truth.vector("tcp.position")
-    tcp = tcp - (tcp[0] - wanted[0])
-    motors = truth.joint_array("motor.position")
-    row = np.searchsorted(truth.t, reference.t)
-    shifts = range(0, len(truth.t) - row[-1], 4)
-    away = [np.abs(motors[row + shift] - reference.motor_q).sum() for shift in shifts]
-    start = shifts[int(np.argmin(away))]
-    errors = []
-    for phase in reference.phases:
-        if phase.kind == "circle":
-            on = (reference.t >= phase.start) & (reference.t < phase.end)
-            circle = fit_circle(wanted[on])
-            points = tcp[row[on][0] + start : row[on][-1] + start] - circle.centre
-            points = points - np.outer(points @ circle.normal, circle.normal)
-            errors.append(np.sqrt(np.mean((np.linalg.norm(points, axis=1) - circle.radius) ** 2)))
-    return float(np.mean(errors))
+def mean_error(truth: Recording) -> float:
+    """Mean over circles of the RMS path error [m]."""
+    return float(np.mean([error.rms for error in path_errors(truth)]))
 
 
 def torque_channel(reference: Reference, law: FeedForwardLaw) -> tuple[float, float]:
@@ -104,25 +92,21 @@ def test_a_stream_of_positions_keeps_the_gain_of_torques_behind_a_filter(irb4600
     law, reference = elastic_feedforward(irb4600), circles(0.1)
     none, torque = torque_channel(reference, law)
     response = EGM_RESPONSES[0]
-    _, truth = stream(plan_setpoints(reference, law, response=response), irb4600, response)
-    _, unaware = stream(plan_setpoints(reference, law), irb4600, response)
-    assert none - mean_error(truth, reference) > 0.95 * (none - torque)
+    _, truth = stream(plan_setpoints(reference, law, response=response), irb4600, response, reference)
+    _, unaware = stream(plan_setpoints(reference, law), irb4600, response, reference)
+    assert none - mean_error(truth) > 0.95 * (none - torque)
     # a filter that nobody compensates makes circles smaller by more than friction does
-    assert none - mean_error(unaware, reference) < 0.9 * (none - torque)
+    assert none - mean_error(unaware) < 0.9 * (none - torque)
 
 
 def test_corrections_of_a_program_are_sent_early_by_the_delay(irb4600: RobotDescription) -> None:
     law, reference = elastic_feedforward(irb4600), circles(0.04)
     none, torque = torque_channel(reference, law)
     response = SetpointResponse.low_pass(20.0, delay=0.0117)
-    aware, late = (
-        stream(plan_setpoints(reference, law, response=each, sends="corrections"), irb4600, response, corrections=True)[
-            1
-        ]
-        for each in (response, None)
-    )
-    assert none - mean_error(aware, reference) > 0.95 * (none - torque)
-    assert none - mean_error(late, reference) < 0.6 * (none - torque)
+    plans = [plan_setpoints(reference, law, response=each, sends="corrections") for each in (response, None)]
+    aware, late = (stream(plan, irb4600, response, reference, corrections=True)[1] for plan in plans)
+    assert none - mean_error(aware) > 0.95 * (none - torque)
+    assert none - mean_error(late) < 0.6 * (none - torque)
 
 
 def test_a_plan_without_law_is_the_program(irb4600: RobotDescription) -> None:
@@ -168,8 +152,8 @@ def test_an_unknown_controller_is_found_and_keeps_nine_tenths_of_the_gain(
     assert fit.response.delay == pytest.approx(response.delay, abs=0.3e-3)
     for speed in (0.04, 0.1):
         none, torque = torque_channel(circles(speed), law)
-        _, truth = stream(plan_setpoints(circles(speed), law, response=fit.response), irb4600, response)
-        assert none - mean_error(truth, circles(speed)) > 0.9 * (none - torque)
+        _, truth = stream(plan_setpoints(circles(speed), law, response=fit.response), irb4600, response, circles(speed))
+        assert none - mean_error(truth) > 0.9 * (none - torque)
 
 
 def test_a_log_in_which_nothing_moves_is_refused(one_axis: RobotDescription) -> None:

@@ -5,7 +5,7 @@ the controller itself makes.
 """
 
 from dataclasses import replace
-from typing import Literal, final, get_args
+from typing import final, get_args
 
 import numpy as np
 from scipy.interpolate import make_interp_spline
@@ -13,15 +13,13 @@ from scipy.interpolate import make_interp_spline
 from ffgym.control import SetpointResponse
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.types import Array
+from ffgym.deployment.planning import FeedForward
 from ffgym.deployment.streams.emulators.reference import ControllerReference, Missing
 from ffgym.deployment.streams.recording import header_of
 from ffgym.paths import Reference
 from ffgym.recordings import Phase, Recording, clip_phases
 from ffgym.robot import ModelOptions, RigidArm, RobotDescription
 from ffgym.simulation.plant import Machine, Plant
-
-FeedForward = Literal["setpoints", "program", "none"]
-"""What a controller computes its rigid feed-forward from."""
 
 
 @final
