@@ -10,8 +10,7 @@ from dataclasses import dataclass
 from typing import Self, final
 
 import numpy as np
-from scipy import signal
-from scipy.interpolate import make_interp_spline
+import scipy
 
 from ffgym.core.errors import FFGymError, check_number
 from ffgym.core.types import Array
@@ -84,7 +83,7 @@ class SetpointResponse:
             rows_per_step: rows of the result between two of them, a divisor of 16.
         """
         fine = np.arange(_FINE * (len(sent) - 1) + 1) * (dt / _FINE) - self.delay
-        late = make_interp_spline(np.arange(len(sent)) * dt, sent, k=1)(np.maximum(fine, 0.0))
+        late = scipy.interpolate.make_interp_spline(np.arange(len(sent)) * dt, sent, k=1)(np.maximum(fine, 0.0))
         return self.filter(late - sent[0], dt / _FINE)[:: _FINE // rows_per_step] + sent[0]
 
     def filter(self, values: Array, dt: float) -> Array:
@@ -92,7 +91,7 @@ class SetpointResponse:
         if not self.lag:
             return values
         b, a = self.discretise(dt)
-        return np.asarray(signal.lfilter(b, a, values, axis=-2))
+        return np.asarray(scipy.signal.lfilter(b, a, values, axis=-2))
 
     def discretise(self, dt: float, *, speed: bool = False) -> tuple[Array, Array]:
         """Compute numerator and denominator of the filter in steps of `dt` [s], for values straight between them.
@@ -105,7 +104,7 @@ class SetpointResponse:
             return np.ones(1), np.ones(1)
         denominator = np.array([self.curvature, self.lag, 1.0] if self.curvature else [self.lag, 1.0])
         numerator = np.array([1.0, 0.0] if speed else [1.0])
-        b, a, _ = signal.cont2discrete((numerator, denominator), dt, method="foh")
+        b, a, _ = scipy.signal.cont2discrete((numerator, denominator), dt, method="foh")
         return np.ravel(b), a
 
     def invert(self, wanted: Array, dt: float) -> Array:
@@ -115,7 +114,7 @@ class SetpointResponse:
         would have to be sent before the first sample is lost; after the last one they rest.
         """
         t = np.arange(len(wanted)) * dt
-        spline, early = make_interp_spline(t, wanted, k=3), t + self.delay
+        spline, early = scipy.interpolate.make_interp_spline(t, wanted, k=3), t + self.delay
         ended = (early > t[-1])[:, None]
         filtered = spline(early) + self.lag * spline(early, 1) + self.curvature * spline(early, 2)
         return np.where(ended, wanted[-1], filtered)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Literal, final
 
 import numpy as np
-from scipy.interpolate import make_interp_spline
+import scipy
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
@@ -241,6 +241,6 @@ def sample_plan(plan: SetpointPlan, cycle: float) -> tuple[Array, Array, Array]:
         raise FFGymError(f"Plan {plan.name!r} lasts {plan.t[-1]:g} s, too short for a cycle of {cycle:g} s.")
     times = np.arange(count) * cycle
     program, correction, torque = (
-        np.asarray(make_interp_spline(plan.t, part, k=3)(times), dtype=np.float64) for part in parts
+        np.asarray(scipy.interpolate.make_interp_spline(plan.t, part, k=3)(times), dtype=np.float64) for part in parts
     )
     return program, correction, torque

@@ -17,7 +17,6 @@ from functools import cached_property
 
 import numpy as np
 import scipy
-from scipy.interpolate import make_interp_spline
 
 from ffgym.control import SetpointResponse
 from ffgym.core.errors import FFGymError
@@ -138,7 +137,7 @@ class _Log:
             recording.header.motor_side(recording.joint_array(f"{name}.position")) for name in ("reference", "motor")
         )
         within = t <= grid[-1] + 1e-9
-        samples = make_interp_spline(t, sent, k=1)(np.minimum(grid, t[-1]))
+        samples = scipy.interpolate.make_interp_spline(t, sent, k=1)(np.minimum(grid, t[-1]))
         return cls(name=recording.header.segment, sent=samples, t=t[within], measured=measured[within])
 
 
@@ -183,7 +182,8 @@ class _Model:
         dt = self.robot.servo.control_dt
         recordings = simulate(runs, arm=self.arm, machine=machines, record_dt=dt, n_threads=self.n_threads)
         found = [
-            log.measured - make_interp_spline(recording.t, recording.joint_array("motor.position"), k=3)(log.t)
+            log.measured
+            - scipy.interpolate.make_interp_spline(recording.t, recording.joint_array("motor.position"), k=3)(log.t)
             for recording, log in zip(recordings, self.logs * len(each), strict=True)
         ]
         count = len(self.logs)
@@ -210,7 +210,7 @@ class _Model:
         robot, dt = self.robot, self.robot.servo.control_dt
         arrived = response.apply(log.sent, _FINER * dt, _FINER)
         t = dt * np.arange(len(arrived), dtype=np.float64)
-        path = make_interp_spline(t, robot.drive.joint_angle(arrived), k=3)
+        path = scipy.interpolate.make_interp_spline(t, robot.drive.joint_angle(arrived), k=3)
         q, dq, ddq = (np.asarray(path(t, order), dtype=np.float64) for order in range(3))
         if not response.lag:  # lines have corners, over which a controller differences speeds
             cycle = _FINER * dt

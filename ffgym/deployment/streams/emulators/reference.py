@@ -10,7 +10,7 @@ straight between set-points; the speed reference is its derivative.
 from typing import Literal, final
 
 import numpy as np
-from scipy import signal
+import scipy
 
 from ffgym.control import SetpointResponse
 from ffgym.core.errors import FFGymError, check_choice
@@ -142,5 +142,5 @@ class _StreamingFilter:
     def next(self, values: Array) -> Array:
         """Filter the next values (S, N)."""
         b, a = self._coefficients
-        filtered, self._memory = signal.lfilter(b, a, values - self._start, axis=0, zi=self._memory)
+        filtered, self._memory = scipy.signal.lfilter(b, a, values - self._start, axis=0, zi=self._memory)
         return np.asarray(filtered) + self._start

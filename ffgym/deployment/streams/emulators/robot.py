@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import final, get_args
 
 import numpy as np
-from scipy.interpolate import make_interp_spline
+import scipy
 
 from ffgym.control import SetpointResponse
 from ffgym.core.errors import FFGymError, check_choice
@@ -204,5 +204,7 @@ class EmulatedRobot:
         late = self.began + (self.response.total_delay if self._delays_all else 0.0)
         places = np.clip(t - late, 0.0, reference.t[-1])
         phases = [replace(phase, start=phase.start + late, end=phase.end + late) for phase in reference.phases]
-        meant = np.asarray(make_interp_spline(reference.t, reference.q, k=3)(places), dtype=np.float64)
+        meant = np.asarray(
+            scipy.interpolate.make_interp_spline(reference.t, reference.q, k=3)(places), dtype=np.float64
+        )
         return meant, clip_phases(phases, float(t[0]), float(t[-1]))
