@@ -18,7 +18,6 @@ from .programs import choose_points as choose_points
 from .programs import write_program as write_program
 from .planning import plan_probe as plan_probe
 from .planning import plan_setpoints as plan_setpoints
-from .streams import Axes as Axes
 from .streams import EgmWire as EgmWire
 from .streams import Envelope as Envelope
 from .streams import Guard as Guard

@@ -24,7 +24,7 @@ from ffgym.deployment import (
     run_in_lock_step,
     write_controller,
 )
-from ffgym.deployment.streams.protocols import axes_of
+from ffgym.deployment.streams import axes_of
 from ffgym.diagnosis.identification import identify_response
 from ffgym.paths import Reference, cartesian_reference, circle_test
 from ffgym.recordings import Recording
