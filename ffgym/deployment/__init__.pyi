@@ -12,12 +12,12 @@ from .controller_file import write_controller as write_controller
 from .plan import SetpointPlan as SetpointPlan
 from .plan import read_plan as read_plan
 from .plan import write_plan as write_plan
+from .planning import plan_probe as plan_probe
+from .planning import plan_setpoints as plan_setpoints
 from .programs import PathPoints as PathPoints
 from .programs import WrittenProgram as WrittenProgram
 from .programs import choose_points as choose_points
 from .programs import write_program as write_program
-from .planning import plan_probe as plan_probe
-from .planning import plan_setpoints as plan_setpoints
 from .streams import EgmWire as EgmWire
 from .streams import Envelope as Envelope
 from .streams import Guard as Guard
