@@ -10,7 +10,7 @@ from ffgym.cli.main import main
 from ffgym.robot.reading.rules import RULES
 
 ROOT = Path(__file__).parent.parent
-WITH_COMMANDS = ("your_robot.md", "identify.md", "diagnose.md", "real_machine.md")
+WITH_COMMANDS = ("your_robot.md", "identify.md", "diagnose.md", "real_machine.md", "onto_the_machine.md")
 """Tutorials whose blocks need their commands: test_tutorial_with_commands."""
 
 EXECUTED = [

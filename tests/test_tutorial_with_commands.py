@@ -52,7 +52,7 @@ def follow(page, folder, capsys):
     kinds = []
     for announced, language, text in BLOCK.findall((TUTORIALS / page).read_text(encoding="utf-8")):
         kinds.append(language)
-        if language in ("xml", "toml"):
+        if language in ("xml", "toml", "rapid"):
             save(announced, text, folder)
         elif language == "bash":
             run(text)
@@ -101,6 +101,15 @@ def test_the_page_leads_from_the_files_of_a_controller_to_a_verdict(tmp_path, mo
     found = json.loads((tmp_path / "found" / "diagnosis.json").read_text())
     assert found["verdict"] != "insufficient"
     assert (tmp_path / "found" / "report.html").exists()
+
+
+def test_the_page_leads_from_a_program_and_a_log_to_a_corrected_program_and_its_gain(tmp_path, monkeypatch, capsys):
+    pytest.importorskip("matplotlib")
+    monkeypatch.chdir(tmp_path)
+    assert follow("onto_the_machine.md", tmp_path, capsys).count("bash") == 6
+    (gain,) = json.loads((tmp_path / "gain.json").read_text())["gains"]
+    assert gain["claim"] == "gain"
+    assert (tmp_path / "corrected" / "holes.mod").exists()
 
 
 def test_an_excerpt_that_is_not_printed_is_noticed():

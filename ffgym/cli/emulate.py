@@ -1,20 +1,29 @@
 """`ffgym emulate`: a robot controller with a simulated robot behind it, on the network of this computer."""
 
 from contextlib import closing
+from pathlib import Path
 
 import numpy as np
 
 from ffgym.cli.outputs import check_outputs, print_places, provenance, write_numbers
-from ffgym.cli.stream import check_fits
-from ffgym.cli.stream_options import Emulate
+from ffgym.cli.stream import check_fits, describe_session, make_envelope
+from ffgym.cli.stream_options import Emulate, Stream
 from ffgym.control import SetpointResponse
 from ffgym.core.errors import FFGymError, check_choice, check_number
 from ffgym.core.types import Array
 from ffgym.deployment.plan import SetpointPlan, read_plan
-from ffgym.deployment.streams.emulators import DirectTorque, EmulatedController, EmulatedRobot, Faults
+from ffgym.deployment.streams.emulators import (
+    DirectTorque,
+    EmulatedController,
+    EmulatedRobot,
+    Faults,
+    run_in_lock_step,
+)
 from ffgym.deployment.streams.emulators.live import serve_live
+from ffgym.deployment.streams.live import Timing
 from ffgym.deployment.streams.protocols import axes_of, protocol_named
-from ffgym.deployment.streams.session import sample_plan
+from ffgym.deployment.streams.recording import record_session
+from ffgym.deployment.streams.session import StreamSession, sample_plan
 from ffgym.envs.machines import load_described_robot
 from ffgym.recordings.io import FORMATS, write_recording
 from ffgym.robot import RobotDescription
@@ -24,9 +33,13 @@ from ffgym.simulation.plant.machine_file import is_machine_file
 
 def run(config: Emulate) -> None:
     """Check, emulate, write, print."""
-    if config.out is not None:
-        check_choice("recording format", config.out.suffix, list(FORMATS))
-    check_outputs({"--out": config.out, "--json": config.json}, inputs=(config.plan, config.robot))
+    places = {"--out": config.out, "--log": config.log}
+    for place in places.values():
+        if place is not None:
+            check_choice("recording format", place.suffix, list(FORMATS))
+    check_outputs({**places, "--json": config.json}, inputs=(config.plan, config.robot))
+    if config.log is not None and config.plan is None:
+        raise FFGymError(f"--log {config.log}: there is no plan to stream. Name one: --plan.")
     is_machine = is_machine_file(config.robot)
     machine = load_machine(config.robot) if is_machine else Machine.of(load_described_robot(config.robot))
     robot, protocol = machine.robot, protocol_named(config.protocol)
@@ -45,11 +58,12 @@ def run(config: Emulate) -> None:
     )
     scales = DirectTorque(viscous_scale=config.viscous_scale, coulomb_scale=config.coulomb_scale)
     controller = EmulatedController(emulated, wire, direct_torque=scales if wire.torques else None)
-    faults = _faults(config)
     print(f"{protocol.title} of {robot.name}, {emulated.response.describe()}", flush=True)
-    port, receiver = protocol.open_emulator(config.address, config.longest_s)
-    with closing(port):
-        late = serve_live(controller, port, receiver, to_stream=faults, to_controller=faults, longest=config.longest_s)
+    late = 0
+    if plan is not None and config.log is not None:
+        _stream_in_lock_step(config, plan, config.log, controller)
+    else:
+        late = _serve(config, controller)
     told = {
         "cycles": emulated.cycles,
         "cycles_that_began_late": late,
@@ -65,7 +79,24 @@ def run(config: Emulate) -> None:
         f"{emulated.cycles} cycles, {emulated.missed} without a set-point, {late} began late; "
         f"{'a stream came' if controller.begun else 'no stream came'}"
     )
-    print_places(recording=config.out, numbers=config.json)
+    print_places(recording=config.out, log=config.log, numbers=config.json)
+
+
+def _serve(config: Emulate, controller: EmulatedController) -> int:
+    """Serve a stream over the network in real time; returns the number of cycles that began late."""
+    faults = _faults(config)
+    port, receiver = protocol_named(config.protocol).open_emulator(config.address, config.longest_s)
+    with closing(port):
+        return serve_live(controller, port, receiver, to_stream=faults, to_controller=faults, longest=config.longest_s)
+
+
+def _stream_in_lock_step(config: Emulate, plan: SetpointPlan, log: Path, controller: EmulatedController) -> None:
+    """Stream a plan to the emulator without network and clock, as `ffgym stream` does by default; write its log."""
+    robot, faults = controller.robot.robot, _faults(config)
+    session = StreamSession(plan, controller.wire, make_envelope(Stream(log), robot), robot.drive)
+    run_in_lock_step(session, controller, to_stream=faults, to_controller=faults)
+    write_recording(record_session(session, robot), log)
+    print("\n".join(describe_session(session, Timing())))
 
 
 def _read_plan(config: Emulate, robot: RobotDescription) -> SetpointPlan | None:

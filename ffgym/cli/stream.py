@@ -29,7 +29,7 @@ def run(config: Stream) -> None:
     check_fits(plan, robot)
     protocol = protocol_named(config.protocol)
     wire = protocol.make_wire(axes_of(robot))
-    session = StreamSession(plan, wire, _envelope(config, robot), robot.drive)
+    session = StreamSession(plan, wire, make_envelope(config, robot), robot.drive)
     with closing(protocol.open_stream(config.address)) as port:
         print(f"{plan.name} with {plan.law}, {plan.t[-1]:g} s; waits for {protocol.title}")
         if session.cut_share > 0:
@@ -40,7 +40,7 @@ def run(config: Stream) -> None:
         write_recording(recording, config.out)
     origin = provenance("ffgym stream", config, robot.name, None, None, passing=("out", "json"))
     write_numbers(config, origin | summarise(session) | {"answers": timing.summary()})
-    print("\n".join(_tell(session, timing)))
+    print("\n".join(describe_session(session, timing)))
     print_places(recording=config.out, numbers=config.json)
     if session.state == "lost":
         raise FFGymError("The controller fell silent before the plan ended. The robot stops by its own rules.")
@@ -59,7 +59,7 @@ def check_fits(plan: SetpointPlan, robot: RobotDescription) -> None:
         )
 
 
-def _envelope(config: Stream, robot: RobotDescription) -> Envelope:
+def make_envelope(config: Stream, robot: RobotDescription) -> Envelope:
     """Make the safety envelope of the options."""
     limits = {
         "size": 1e-3 * check_number("--largest-mrad", config.largest_mrad, unit="mrad", low=0.0, open_low=True),
@@ -79,7 +79,7 @@ def _envelope(config: Stream, robot: RobotDescription) -> Envelope:
     )
 
 
-def _tell(session: StreamSession, timing: Timing) -> list[str]:
+def describe_session(session: StreamSession, timing: Timing) -> list[str]:
     """Say how a session went."""
     told = summarise(session)
     largest = ", ".join(f"{1e3 * value:.3f}" for value in told["largest_correction"])

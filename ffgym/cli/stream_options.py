@@ -117,6 +117,9 @@ class Emulate:
     plan: Path | None = None
     """Plan of set-points at whose first pose the robot stands, and whose program a controller runs that gets
     corrections alone (rsi); absent is the robot's home, or 0 if it has none."""
+    log: Path | None = None
+    """Stream the plan to the emulator at once, without network and clock, and write the log of the stream, .npz or
+    .csv; absent waits for ffgym stream."""
     address: str | None = None
     """Address of the stream, host:port; absent is this computer, usual port. For rtde that of the emulator; for
     ros2 the topic."""

@@ -19,6 +19,10 @@ _LONGEST = 0.5
 """Longest time [s] between two points; chosen: a controller that is stopped goes on without a long wait."""
 _SHORTEST_REST = 0.05
 """Shortest rest [s] that is written as a wait."""
+ZONE = 3e-4
+"""Radius of the corners that programs round [m], which reach halfway to their neighbours at most: ABB's z0."""
+_SLOW = 5e-3
+"""Speed of the tool [m/s] below which a sharp corner of the program is a stop: what robots gain in a set-point."""
 _STILL = 1e-7
 """Speed of the tool [m/s] below which it rests."""
 
@@ -38,6 +42,8 @@ class PathPoints:
     """Joint positions, link side [rad or m], as they are written, shape (K, N)."""
     rests: BoolArray
     """True for a point from which the robot rests until the time of the next, shape (K,)."""
+    stops: BoolArray
+    """True for a point at which the robot has to stop, at rests and sharp corners of the program, shape (K,)."""
     lengths: Array
     """Distance of the tool from the point before [m], shape (K,); 0 for the first."""
     turns: Array
@@ -121,6 +127,9 @@ def choose_points(
     rounded = round_numbers(q[chosen], plan.units, count_digits(levers, plan.units, tolerance))
     position, rotation = arm.tcp_pose(rounded)
     steps = np.linalg.norm(np.diff(position, axis=0, prepend=position[:1]), axis=1)
+    sharp = _corners(position) > away
+    slow = _tool_speeds(plan, levers)[chosen] < _SLOW
+    ends = np.isin(np.arange(len(chosen)), [0, len(chosen) - 1])
     traces = np.einsum("kij,kij->k", rotation, np.concatenate([rotation[:1], rotation[:-1]]))
     return PathPoints(
         name=plan.name,
@@ -130,9 +139,28 @@ def choose_points(
         t=plan.t[chosen],
         q=rounded,
         rests=np.array(rests),
+        stops=ends | np.array(rests) | (sharp & slow),
         lengths=steps,
         turns=np.arccos(np.clip((traces - 1) / 2, -1.0, 1.0)),
     )
+
+
+def _tool_speeds(plan: SetpointPlan, levers: Array) -> Array:
+    """Compute the speed of the tool after each sample of the program [m/s], shape (T,)."""
+    step = np.diff(plan.program, axis=0, append=plan.program[-1:])
+    return np.asarray(np.abs(np.einsum("tij,tj->ti", levers, step)).max(axis=1) / plan.dt)
+
+
+def _corners(position: Array) -> Array:
+    """Compute how far a controller passes by each point (K, 3) that it rounds [m], shape (K,)."""
+    ways = np.diff(position, axis=0)
+    lengths = np.linalg.norm(ways, axis=1)
+    passed = np.zeros(len(position))
+    cosine = np.einsum("ki,ki->k", ways[:-1], ways[1:]) / np.maximum(lengths[:-1] * lengths[1:], 1e-18)
+    radius = np.minimum(np.minimum(lengths[:-1], lengths[1:]) / 2, ZONE)
+    # a parabola that begins a radius before the corner passes it at half the sagitta
+    passed[1:-1] = radius * np.sqrt((1 - np.clip(cosine, -1.0, 1.0)) / 2) / 2
+    return passed
 
 
 def _resting(plan: SetpointPlan, q: Array, levers: Array, tolerance: float) -> BoolArray:
@@ -142,8 +170,7 @@ def _resting(plan: SetpointPlan, q: Array, levers: Array, tolerance: float) -> B
     tool by `tolerance` [m] at most.
     """
     step = np.diff(plan.program, axis=0, append=plan.program[-1:])
-    speed = np.abs(np.einsum("tij,tj->ti", levers, step)).max(axis=1) / plan.dt
-    still = (speed < _STILL) & (np.abs(step).max(axis=1) < _STILL * plan.dt)
+    still = (_tool_speeds(plan, levers) < _STILL) & (np.abs(step).max(axis=1) < _STILL * plan.dt)
     resting = np.zeros(len(q), dtype=bool)
     edges = np.flatnonzero(np.diff(np.concatenate([[False], still, [False]]).astype(int)))
     for start, end in zip(edges[::2], edges[1::2], strict=True):

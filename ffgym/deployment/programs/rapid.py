@@ -9,7 +9,7 @@ import numpy as np
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import write_text
 from ffgym.core.types import Array
-from ffgym.deployment.programs.points import PathPoints, numbers_per_unit
+from ffgym.deployment.programs.points import ZONE, PathPoints, numbers_per_unit
 from ffgym.paths.limits import MotionLimits
 from ffgym.paths.motions.composition import rapid_motion
 from ffgym.paths.rapid.geometry import to_orient
@@ -17,8 +17,8 @@ from ffgym.robot import RigidArm
 
 MOVES_IN_PROCEDURE = 500
 """Most moves of a procedure; chosen: a page that a programmer can still step through."""
-_ZONE = 0.3
-"""Zone of all points [mm], that of z0: points are closer than it, so that a corner begins halfway to its neighbours."""
+_ZONE = 1e3 * ZONE
+"""Zone of all points [mm]: most are closer than it, so that a corner begins halfway to its neighbours."""
 _SLOWEST = 0.01
 """Least speed that is written [mm/s or deg/s]; chosen: 0 is no speed."""
 _FREE = (7000.0, 500.0)
@@ -66,7 +66,7 @@ def rapid_name(name: str) -> str:
 def _moves(points: PathPoints) -> list[str]:
     """Lines of the moves and waits."""
     numbers = points.q * numbers_per_unit(points.units)
-    last, lines = len(points.t) - 1, []
+    lines: list[str] = []
     for k, row in enumerate(numbers):
         if k > 0 and points.rests[k - 1]:
             lines.append(f"WaitTime {points.t[k] - points.t[k - 1]:.4g};")
@@ -74,8 +74,7 @@ def _moves(points: PathPoints) -> list[str]:
                 continue
         joints = ",".join(f"{np.float32(x):.9g}" for x in [*row, *(0.0,) * (6 - len(row))])
         speed, turn = _CREEP if k == 0 or points.rests[k - 1] else _speeds(points, k)
-        stops = k in (0, last) or points.rests[k]
-        zone = "fine" if stops else "zPath"
+        zone = "fine" if points.stops[k] else "zPath"
         lines.append(f"MoveAbsJ [[{joints}],{_EXTERNAL}]\\NoEOffs,[{speed:.6g},{turn:.6g},5000,1000],{zone},tPath;")
     return lines
 

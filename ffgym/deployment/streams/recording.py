@@ -15,8 +15,8 @@ def record_session(session: StreamSession, robot: RobotDescription) -> Recording
     """Make the recording of a session: one row for each valid packet of the controller.
 
     `reference.position` is the set-point that answered the packet, `motor.position` what the packet says was measured,
-    both on the motor side; times are those of the controller's clock since the first set-point. `user.correction.*` is
-    the correction that was in the set-point, link side.
+    and `correction.position` the correction that was in the set-point, all on the motor side; times are those of the
+    controller's clock since the first set-point.
 
     Raises:
         FFGymError: if the session sent nothing.
@@ -28,13 +28,12 @@ def record_session(session: StreamSession, robot: RobotDescription) -> Recording
     families = {
         "reference.position": drive.motor_angle(np.stack(log.sent)),
         "motor.position": drive.motor_angle(np.stack(log.measured)),
-        "user.correction": np.stack(log.correction),
+        "correction.position": drive.motor_angle(np.stack(log.correction)),
     }
     columns = {"timestamp": np.array(log.time)}
     columns |= {f"{name}.{joint}": x[:, j] for name, x in families.items() for j, joint in enumerate(joints)}
-    units = {f"user.correction.{joint}": unit for joint, unit in zip(joints, session.plan.units, strict=True)}
     meta = {"law": session.plan.law, "plan": dict(session.plan.meta), "stream": summarise(session)}
-    return Recording(columns=columns, header=header_of(robot, session.plan.name, units=units, meta=meta))
+    return Recording(columns=columns, header=header_of(robot, session.plan.name, meta=meta))
 
 
 def summarise(session: StreamSession) -> dict[str, Any]:
@@ -57,7 +56,6 @@ def header_of(
     segment: str,
     *,
     provenance: dict[str, Any] | None = None,
-    units: dict[str, str] | None = None,
     meta: dict[str, Any] | None = None,
 ) -> Header:
     """Make the header of a recording of positions of a robot, motor side."""
@@ -70,6 +68,5 @@ def header_of(
         position_side="motor",
         segment=segment,
         provenance={"ffgym": __version__, **(provenance or {})},
-        units=units or {},
         meta=meta or {},
     )

@@ -53,7 +53,7 @@ def test_a_plan_is_sent_over_sockets_as_in_lock_step(
     # every set-point is one of the plan, and but for pauses of the machine that runs the test the one of its time
     sent = irb4600.drive.joint_angle(log.joint_array("reference.position"))
     index = np.minimum(np.round(log.t / 0.004).astype(int), 500)
-    program = sent - np.stack([log[f"user.correction.{joint}"] for joint in irb4600.joints], axis=1)
+    program = sent - irb4600.drive.joint_angle(log.joint_array("correction.position"))
     assert np.abs(program[:, :1] - wave.program[:, 0]).min(axis=1).max() < 1e-12
     assert np.median(np.abs(program - wave.program[index]).max(axis=1)) < 1e-12
     assert controller.robot.cycles > 500
@@ -111,7 +111,7 @@ def test_ctrl_c_lets_the_correction_leave_and_the_program_end(
     assert session.state == "ended"
     assert log.t[-1] > wave.t[-1] - 0.2  # less if this machine paused at the end
     # the fade is of our clock, the rows of the controller's
-    assert np.all(log["user.correction.j1"][log.t > interrupted[0] + envelope.fade + 0.05] == 0.0)
+    assert np.all(log["correction.position.j1"][log.t > interrupted[0] + envelope.fade + 0.05] == 0.0)
 
 
 @pytest.mark.parametrize(

@@ -115,7 +115,7 @@ def test_torques_replace_corrections_and_add_to_what_the_robot_compensates(
     run_in_lock_step(session, controller)
     assert session.state == "ended"
     log = record_session(session, irb4600)
-    assert not any(log[f"user.correction.{joint}"].any() for joint in irb4600.joints)
+    assert not any(log[f"correction.position.{joint}"].any() for joint in irb4600.joints)
     sent = irb4600.drive.joint_angle(log.joint_array("reference.position"))
     assert np.abs(sent[:1001:2] - wave.program).max() < 1e-9
     # the torque of the plan reaches the motors, beside the friction that the robot knows

@@ -66,6 +66,8 @@ class ControllerReference:
         rest = start if program is None else np.zeros_like(start)
         self._received = [rest.copy() for _ in range(int(np.ceil(response.delay / cycle)) + 4)]
         self._filters = _StreamingFilter(response, step, rest), _StreamingFilter(response, step, np.zeros_like(start))
+        self._rate_filter = _StreamingFilter(response, step, rest, speed=True) if response.lag else None
+        self._last_late = rest
         self._run_cycles = 0
         self.position = np.tile(drive.motor_angle(start), (self._substeps + 1, 1))
         """Positions at the steps of this cycle and its end, motor side [rad], shape (S + 1, N)."""
@@ -85,12 +87,18 @@ class ControllerReference:
         """Go on by a cycle, with the set-point that came at its beginning; the program goes on if it `runs`."""
         self._received = [*self._received[1:], self._fill() if setpoint is None else setpoint]
         received = np.stack(self._received)
-        own = self._advance_program(runs)
-        reached = self._filters[0].next(self._late(received)) + own
+        own, own_speed = self._advance_program(runs)
+        late = self._late(received)
+        reached = self._filters[0].next(late) + own
+        if self._rate_filter is None:
+            rate = np.diff(late, axis=0, prepend=self._last_late[None]) / self._step
+            self._last_late = late[-1]
+        else:
+            rate = self._rate_filter.next(late)
         changes = self._late(_second_differences(received, self._cycle))
         self.change = self._filters[1].next(changes)[-1]
         self.position = np.vstack([self.position[-1:], self._drive.motor_angle(reached)])
-        self.speed = np.vstack([self.speed[-1:], np.diff(self.position, axis=0) / self._step])
+        self.speed = np.vstack([self.speed[-1:], self._drive.motor_angle(rate + own_speed)])
 
     def _fill(self) -> Array:
         """Return the set-point of a cycle in which none came."""
@@ -110,10 +118,10 @@ class ControllerReference:
         late: Array = (1 - share) * samples[below] + share * samples[below + 1]
         return late
 
-    def _advance_program(self, runs: bool) -> Array:
-        """Run the controller's own program for a cycle; returns its positions at the steps, link side."""
+    def _advance_program(self, runs: bool) -> tuple[Array, Array]:
+        """Run the controller's own program for a cycle; returns positions at the steps and its speed, link side."""
         if self._program is None:
-            return np.zeros_like(self.change)
+            return np.zeros_like(self.change), np.zeros_like(self.change)
         last = len(self._program) - 1
         k = min(self._run_cycles, last)
         self._run_cycles = following = min(k + 1, last) if runs else k
@@ -121,7 +129,7 @@ class ControllerReference:
         self.own_change = np.diff(around, 2, axis=0)[0] / self._cycle**2 if runs else np.zeros_like(self.change)
         share = (np.arange(1, self._substeps + 1) / self._substeps)[:, None]
         own: Array = (1 - share) * self._program[k] + share * self._program[following]
-        return own
+        return own, (self._program[following] - self._program[k]) / self._cycle
 
 
 def _second_differences(samples: Array, dt: float) -> Array:
@@ -133,14 +141,14 @@ def _second_differences(samples: Array, dt: float) -> Array:
 class _StreamingFilter:
     """Filter of a controller, fed piece by piece; as `SetpointResponse.filter` does at once."""
 
-    def __init__(self, response: SetpointResponse, dt: float, start: Array) -> None:
-        self._start = start
-        self._coefficients = response.discretise(dt)
-        _, a = self._coefficients
-        self._memory = np.zeros((len(a) - 1, len(start)))
+    def __init__(self, response: SetpointResponse, dt: float, start: Array, *, speed: bool = False) -> None:
+        """Begin at rest; a filter for `speed` gives that of what passes."""
+        self._start, self._rest = start, np.zeros_like(start) if speed else start
+        self._coefficients = response.discretise(dt, speed=speed)
+        self._memory = np.zeros((max(map(len, self._coefficients)) - 1, len(start)))
 
     def next(self, values: Array) -> Array:
         """Filter the next values (S, N)."""
         b, a = self._coefficients
         filtered, self._memory = scipy.signal.lfilter(b, a, values - self._start, axis=0, zi=self._memory)
-        return np.asarray(filtered) + self._start
+        return np.asarray(filtered) + self._rest
