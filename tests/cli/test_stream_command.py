@@ -173,3 +173,47 @@ def test_an_emulator_without_a_stream_ends_and_says_so(capsys, plan: SetpointPla
     options = ["--robot", "one_axis", "--plan", str(tmp_path / "plan.npz"), "--longest-s", "0.1"]
     assert main(["emulate", "egm", *options, "--address", f"127.0.0.1:{free_port()}"]) == 0
     assert "no stream came" in capsys.readouterr().out
+
+
+def test_a_plan_is_streamed_to_the_emulator_in_lock_step(plan_file: Path, tmp_path: Path, capsys) -> None:
+    command = ["emulate", "egm", "--robot", "one_axis", "--plan", str(plan_file), "--delay-ms", "8"]
+    assert main([*command, "--log", str(tmp_path / "log.npz"), "--out", str(tmp_path / "truth.npz")]) == 0
+    assert "ended: " in capsys.readouterr().out
+    log, truth = (read_recording(tmp_path / name) for name in ("log.npz", "truth.npz"))
+    # 1 mrad behind the gearbox
+    ratio = load_robot("one_axis").drive.gear_ratio[0]
+    assert log.joint_array("correction.position").max() == pytest.approx(1e-3 * ratio, rel=1e-3)
+    assert truth.t[-1] > 1.0
+
+
+def test_a_lock_step_without_plan_is_refused(tmp_path: Path, capsys) -> None:
+    assert main(["emulate", "egm", "--robot", "one_axis", "--log", str(tmp_path / "log.npz")]) == 1
+    assert "there is no plan to stream. Name one: --plan." in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["one_axis", "--out", "plan.txt"], "Unknown plan format '.txt'"),
+        (["one_axis", "--feedforward", "none"], "feedforward has no effect without a motion"),
+        (["one_axis", "--seconds", "0.1"], "duration = 0.1 s must be at least two ramps"),
+        (["irb4600_60_205", "circles", "--seconds", "2"], "seconds has no effect on a motion"),
+        (["irb4600_60_205", "circles", "--controller", "no.toml"], "no.toml"),
+    ],
+)
+def test_a_plan_that_cannot_be_made_is_one_line(
+    arguments: list, message: str, tmp_path: Path, monkeypatch, capsys
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["plan", *arguments]) == 1
+    error = capsys.readouterr().err
+    assert message in error
+    assert error.count("\n") == 1
+    assert not list(tmp_path.glob("plan*"))
+
+
+def test_a_controller_cannot_be_identified_from_nothing(tmp_path: Path, capsys) -> None:
+    assert main(["identify", "controller", "--robot", "one_axis"]) == 1
+    assert "No logs are given" in capsys.readouterr().err
+    assert main(["identify", "controller", str(tmp_path / "no.npz"), "--robot", "one_axis"]) == 1
+    assert "no such file" in capsys.readouterr().err
