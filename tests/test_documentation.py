@@ -24,6 +24,7 @@ EXECUTED = [
     "docs/reproduction.md",
     "docs/simulate.md",
     "docs/torque_prediction.md",
+    "docs/deployment/programs.md",
     "docs/deployment/setpoints.md",
     "docs/deployment/streams.md",
     "docs/agents/README.md",

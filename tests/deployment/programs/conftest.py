@@ -3,8 +3,7 @@
 import pytest
 
 from ffgym import elastic_feedforward
-from ffgym.control import invert_servo
-from ffgym.deployment import SetpointPlan
+from ffgym.deployment import SetpointPlan, plan_setpoints
 from ffgym.paths import load_motion
 
 PROGRAM = r"""MODULE short
@@ -24,18 +23,5 @@ def plan(arm, tmp_path_factory) -> SetpointPlan:
     """Plan of the motion for the six-axis robot."""
     path = tmp_path_factory.mktemp("plan") / "short.mod"
     path.write_text(PROGRAM)
-    robot, reference = arm.robot, load_motion(arm, path).reference
-    law = elastic_feedforward(robot)
-    torque = law.torque(reference)
-    correction = robot.drive.joint_angle(invert_servo(robot.servo, torque))
-    return SetpointPlan(
-        name="short",
-        robot=robot.name,
-        law=law.name,
-        joints=tuple(robot.joints),
-        units=tuple(robot.kinematics.units),
-        dt=robot.servo.control_dt,
-        program=reference.q,
-        correction=correction - correction[0],
-        torque=torque,
-    )
+    reference = load_motion(arm, path).reference
+    return plan_setpoints(reference, elastic_feedforward(arm.robot), arm=arm, feedforward="program")
