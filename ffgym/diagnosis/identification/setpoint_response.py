@@ -116,7 +116,7 @@ def identify_response(recordings: Sequence[Recording], arm: RigidArm, *, n_threa
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Log:
-    """What one recording tells."""
+    """Set-points and motor angles of one recording."""
 
     name: str
     sent: Array
