@@ -27,8 +27,16 @@ EXTRAS = {
     "all",
     "paths",
     "tune",
+    "streams",
+    "fmu",
+    "onnx",
 }
 OPTIONAL = (
+    "onnx",
+    "onnxruntime",
+    "fmpy",
+    "abb_robot_client",
+    "cyclonedds",
     "llvmlite",
     "torch",
     "matplotlib",

@@ -28,7 +28,7 @@ from ffgym.studies import circle_references, sine_references
 ROBOTS = builtin_robots()
 IDEAL = ["lugre_static", "lugre_dynamic", "elastic", "oracle"]
 """They know the robot and learn nothing."""
-PROGRAMS = ("cut_bracket", "thesis_circles")
+PROGRAMS = ("cut_bracket", "thesis_circles", "laser_plate")
 """Built-in RAPID programs."""
 LEARNED = [name for name in CATALOGUE if name not in ("none", *IDEAL)]
 
