@@ -129,7 +129,7 @@ class ObservationLayout(Mapping[str, ObservationEntry]):
 
     @property
     def action_size(self) -> Array:
-        """What an action of 1 adds, motor side: torque [N m], or position of the set-point [rad], shape (N,)."""
+        """Size of an action of 1, motor side: torque [N m], or position of the set-point [rad], shape (N,)."""
         return self._entries[f"added_{self.channel}"].scale
 
     @property

@@ -13,7 +13,7 @@ from ffgym.robot.parts import Servo
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SetpointChannel:
-    """How corrections of set-points get to the servo, and what their sender knows of it; motor side."""
+    """Way of corrections of set-points to the servo, and what their sender knows of it; motor side."""
 
     response: SetpointResponse = field(default_factory=SetpointResponse)
     """What the controller does to corrections between sender and servo."""

@@ -50,7 +50,7 @@ class TrackingEnv(gym.Env[Array, Array]):
 
     @property
     def action_size(self) -> Array:
-        """What an action of 1 adds, see `TrackingVectorEnv.action_size`."""
+        """Size of an action of 1, see `TrackingVectorEnv.action_size`."""
         return self._batch.action_size
 
     @property

@@ -108,7 +108,7 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
 
     @property
     def action_size(self) -> Array:
-        """What an action of 1 adds, motor side: torque [N m], or position of the set-point [rad], shape (N,)."""
+        """Size of an action of 1, motor side: torque [N m], or position of the set-point [rad], shape (N,)."""
         return self.core.action_size.copy()
 
     @property

@@ -1,4 +1,4 @@
-"""What a correction changes in a program: by how much at most, and where."""
+"""Changes of a program by a correction: by how much at most, and where."""
 
 from dataclasses import dataclass
 
