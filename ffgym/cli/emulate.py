@@ -93,7 +93,8 @@ def _serve(config: Emulate, controller: EmulatedController) -> int:
 def _stream_in_lock_step(config: Emulate, plan: SetpointPlan, log: Path, controller: EmulatedController) -> None:
     """Stream a plan to the emulator without network and clock, as `ffgym stream` does by default; write its log."""
     robot, faults = controller.robot.robot, _faults(config)
-    session = StreamSession(plan, controller.wire, make_envelope(Stream(log), robot), robot.drive)
+    envelope = make_envelope(Stream(log), robot, controller.wire.cycle)
+    session = StreamSession(plan, controller.wire, envelope, robot.drive)
     run_in_lock_step(session, controller, to_stream=faults, to_controller=faults)
     write_recording(record_session(session, robot), log)
     print("\n".join(describe_session(session, Timing())))

@@ -9,7 +9,7 @@ from ffgym.cli.stream_options import Stream
 from ffgym.control import CorrectionLimits
 from ffgym.core.errors import FFGymError, check_choice, check_number
 from ffgym.deployment.plan import SetpointPlan, read_plan
-from ffgym.deployment.streams.envelope import Envelope
+from ffgym.deployment.streams.envelope import LONGEST_SILENCE, Envelope, usual_silence
 from ffgym.deployment.streams.live import Timing, run_live
 from ffgym.deployment.streams.protocols import axes_of, protocol_named
 from ffgym.deployment.streams.recording import record_session, summarise
@@ -29,7 +29,7 @@ def run(config: Stream) -> None:
     check_fits(plan, robot)
     protocol = protocol_named(config.protocol)
     wire = protocol.make_wire(axes_of(robot))
-    session = StreamSession(plan, wire, make_envelope(config, robot), robot.drive)
+    session = StreamSession(plan, wire, make_envelope(config, robot, wire.cycle), robot.drive)
     with closing(protocol.open_stream(config.address)) as port:
         print(f"{plan.name} with {plan.law}, {plan.t[-1]:g} s; waits for {protocol.title}")
         if session.cut_share > 0:
@@ -59,8 +59,11 @@ def check_fits(plan: SetpointPlan, robot: RobotDescription) -> None:
         )
 
 
-def make_envelope(config: Stream, robot: RobotDescription) -> Envelope:
-    """Make the safety envelope of the options."""
+def make_envelope(config: Stream, robot: RobotDescription, cycle: float) -> Envelope:
+    """Make the safety envelope of the options, for a controller whose cycle is `cycle` [s]."""
+    patience = usual_silence(cycle) if config.patience_ms is None else 1e-3 * config.patience_ms
+    left = LONGEST_SILENCE - patience
+    ramp = min(Envelope.ramp, left if left > 0 else Envelope.ramp) if config.ramp_ms is None else 1e-3 * config.ramp_ms
     limits = {
         "size": 1e-3 * check_number("--largest-mrad", config.largest_mrad, unit="mrad", low=0.0, open_low=True),
         "rate": 1e-3
@@ -72,8 +75,8 @@ def make_envelope(config: Stream, robot: RobotDescription) -> Envelope:
     return Envelope(
         correction=CorrectionLimits.even(robot.n_joints, **limits),
         torque=np.asarray(robot.drive.peak_torque),
-        patience=1e-3 * config.patience_ms,
-        ramp=1e-3 * config.ramp_ms,
+        patience=patience,
+        ramp=ramp,
         fade=1e-3 * config.fade_ms,
         start_tolerance=1e-3 * config.start_tolerance_mrad,
     )

@@ -36,10 +36,10 @@ class Stream:
     """Fastest change of a correction; mm/s on linear axes."""
     largest_acceleration_rad_s2: float = 100.0
     """Fastest change of that rate; m/s^2 on linear axes."""
-    patience_ms: float = 10.0
-    """Silence of the controller after which the correction begins to leave."""
-    ramp_ms: float = 10.0
-    """Time in which it leaves then; with the patience 20 ms at most."""
+    patience_ms: float | None = None
+    """Silence of the controller after which the correction begins to leave; absent is 10, with rsi_12ms 16."""
+    ramp_ms: float | None = None
+    """Time in which it leaves then; with the patience 20 ms at most. Absent is 10, or what the patience leaves."""
     fade_ms: float = 200.0
     """Time in which it leaves at the end of the plan, or after Ctrl-C."""
     start_tolerance_mrad: float = 2.0

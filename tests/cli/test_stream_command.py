@@ -124,7 +124,11 @@ def test_a_plan_goes_to_an_emulated_controller_in_another_process(
     ("arguments", "message"),
     [
         (["--largest-mrad", "0"], "--largest-mrad = 0.0 mrad is out of range"),
-        (["--patience-ms", "15"], "patience + ramp = 25 ms"),
+        (["--patience-ms", "25"], "patience + ramp = 35 ms"),
+        (
+            ["--protocol", "rsi", "--patience-ms", "3"],
+            "patience = 3 ms must be longer than the controller's cycle of 4 ms",
+        ),
         (["--robot", "irb4600_60_205"], "is for joints j1, robot 'irb4600_60_205' has j1, j2"),
         (["--address", "127.0.0.1:0"], "port of '127.0.0.1:0' = 0"),
         (["--address", "192.0.2.1:6510"], "Cannot listen at 192.0.2.1:6510"),
@@ -184,6 +188,22 @@ def test_a_plan_is_streamed_to_the_emulator_in_lock_step(plan_file: Path, tmp_pa
     ratio = load_robot("one_axis").drive.gear_ratio[0]
     assert log.joint_array("correction.position").max() == pytest.approx(1e-3 * ratio, rel=1e-3)
     assert truth.t[-1] > 1.0
+
+
+def test_a_cycle_of_12_ms_has_an_envelope_of_its_own(plan_file: Path, tmp_path: Path, capsys) -> None:
+    command = ["emulate", "rsi_12ms", "--robot", "one_axis", "--plan", str(plan_file), "--delay-ms", "15"]
+    assert main([*command, "--log", str(tmp_path / "log.npz")]) == 0
+    assert "ended: " in capsys.readouterr().out
+
+
+def test_corrections_timed_for_another_protocol_are_refused(plan: SetpointPlan, tmp_path: Path, capsys) -> None:
+    write_plan(replace(plan, meta={"sends": "positions"}), tmp_path / "plan.npz")
+    command = ["emulate", "rsi", "--robot", "one_axis", "--plan", str(tmp_path / "plan.npz")]
+    assert main([*command, "--log", str(tmp_path / "log.npz")]) == 1
+    assert "Plan the motion again: ffgym plan --sends corrections" in error_of(capsys)
+    # without a correction there is nothing that could come too late
+    write_plan(replace(plan, correction=0 * plan.correction, meta={"sends": "positions"}), tmp_path / "plan.npz")
+    assert main([*command, "--log", str(tmp_path / "log.npz")]) == 0
 
 
 def test_a_lock_step_without_plan_is_refused(tmp_path: Path, capsys) -> None:

@@ -26,6 +26,15 @@ LONGEST_SILENCE = 0.020
 """Time after the last valid packet at which every correction is out [s]."""
 
 
+_LATE = 0.004
+"""Time beyond a long cycle that the controller's packets may be late [s]; chosen."""
+
+
+def usual_silence(cycle: float) -> float:
+    """Return the usual patience [s] with a controller whose cycle is `cycle` [s]: that of `Envelope`, or longer."""
+    return max(Envelope.patience, cycle + _LATE)
+
+
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Envelope:

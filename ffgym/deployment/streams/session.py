@@ -10,7 +10,7 @@ import scipy
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
 from ffgym.deployment.plan import SetpointPlan
-from ffgym.deployment.streams.envelope import Envelope, Guard
+from ffgym.deployment.streams.envelope import LONGEST_SILENCE, Envelope, Guard, usual_silence
 from ffgym.deployment.streams.validity import FIRST, Order
 from ffgym.deployment.streams.wire import Feedback, StreamCommand, Wire
 from ffgym.robot.drive import Drive
@@ -58,8 +58,10 @@ class StreamSession:
         if envelope.patience <= wire.cycle:
             raise FFGymError(
                 f"patience = {1e3 * envelope.patience:g} ms must be longer than the controller's cycle of "
-                f"{1e3 * wire.cycle:g} ms."
+                f"{1e3 * wire.cycle:g} ms. Set it to {1e3 * usual_silence(wire.cycle):g} ms, and the ramp to what is "
+                f"left of {1e3 * LONGEST_SILENCE:g} ms."
             )
+        _check_sends(plan, wire)
         self.plan, self.wire, self.envelope = plan, wire, envelope
         self._program, correction, torque = sample_plan(plan, wire.cycle)
         self._velocity = np.gradient(self._program, wire.cycle, axis=0)
@@ -223,6 +225,22 @@ class StreamSession:
         )
         self.sent += 1
         return self.wire.encode_command(command), command
+
+
+def _check_sends(plan: SetpointPlan, wire: Wire) -> None:
+    """Check that the correction of a plan is timed for what the protocol sends.
+
+    Raises:
+        FFGymError: if it is not.
+    """
+    wanted = "corrections" if wire.needs_answers else "positions"
+    planned = plan.meta.get("sends", wanted)
+    if planned == wanted or wire.torques or not plan.correction.any():
+        return
+    raise FFGymError(
+        f"Plan {plan.name!r} was made to send {planned}, this protocol sends {wanted}: its correction would come at "
+        f"the wrong time. Plan the motion again: ffgym plan --sends {wanted}."
+    )
 
 
 def sample_plan(plan: SetpointPlan, cycle: float) -> tuple[Array, Array, Array]:

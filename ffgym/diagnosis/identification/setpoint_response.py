@@ -52,15 +52,6 @@ _BLOCK = 0.25
 _BETTER = 0.1
 """Share of the sum of squares by which it must fall for another coefficient; chosen: models of drives are that wrong
 between set-points, where some join them by straight lines."""
-_STRAIN = 9.0
-"""Sum of squares of nuisance parameters, in standard deviations, by which it must fall otherwise; three of one."""
-_FINER = 4
-"""Set-points of the model's servo for each one that was sent; chosen: every millisecond, of 4."""
-_BLOCK = 0.25
-"""Length of a block of time [s]; chosen: some periods of the servo."""
-_BETTER = 0.1
-"""Share of the sum of squares by which it must fall for another coefficient; chosen: ten times what one takes of noise
-in a second of six joints."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
