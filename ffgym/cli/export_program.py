@@ -3,6 +3,7 @@
 from ffgym.cli.code_options import ExportProgram
 from ffgym.cli.export import load_machine_or_robot
 from ffgym.cli.outputs import check_outputs, given_options, print_places, provenance, write_numbers
+from ffgym.cli.stream import name_robot
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import check_vacant
 from ffgym.deployment import ServoProgram, read_plan
@@ -17,7 +18,7 @@ def run(config: ExportProgram) -> None:
     check_outputs({"--json": config.json}, inputs=(config.plan, config.robot))
     _refuse_unused(config)
     plan = read_plan(config.plan)
-    known, _ = load_machine_or_robot(plan.robot if config.robot is None else config.robot)
+    known, _ = load_machine_or_robot(name_robot(plan, config.robot))
     info = provenance("ffgym export program", config, known.name, None, seed=None)
     written = write_program(
         plan,

@@ -16,7 +16,7 @@ from ffgym.deployment.streams.recording import record_session, summarise
 from ffgym.deployment.streams.session import StreamSession
 from ffgym.envs.machines import load_described_robot
 from ffgym.recordings.io import FORMATS, write_recording
-from ffgym.robot import RobotDescription
+from ffgym.robot import RobotDescription, builtin_parameters, builtin_robots
 
 
 def run(config: Stream) -> None:
@@ -25,7 +25,7 @@ def run(config: Stream) -> None:
         check_choice("recording format", config.out.suffix, list(FORMATS))
     check_outputs({"--out": config.out, "--json": config.json}, inputs=(config.plan, config.robot))
     plan = read_plan(config.plan)
-    robot = load_described_robot(config.robot or plan.robot)
+    robot = load_described_robot(name_robot(plan, config.robot))
     check_fits(plan, robot)
     protocol = protocol_named(config.protocol)
     wire = protocol.make_wire(axes_of(robot))
@@ -44,6 +44,19 @@ def run(config: Stream) -> None:
     print_places(recording=config.out, numbers=config.json)
     if session.state == "lost":
         raise FFGymError("The controller fell silent before the plan ended. The robot stops by its own rules.")
+
+
+def name_robot(plan: SetpointPlan, named: str | None) -> str:
+    """Name the robot of a plan: the one that is named, otherwise the built-in one that the plan is of.
+
+    Raises:
+        FFGymError: if none is named, and that of the plan has a description that is not built in.
+    """
+    if named is None and plan.robot not in {*builtin_robots(), *builtin_parameters()}:
+        raise FFGymError(
+            f"Plan {plan.name!r} is of robot {plan.robot!r}, which is not built in. Name its description: --robot FILE."
+        )
+    return named or plan.robot
 
 
 def check_fits(plan: SetpointPlan, robot: RobotDescription) -> None:

@@ -145,6 +145,13 @@ def test_a_stream_that_cannot_be_is_one_line_and_writes_nothing(
     assert [path.name for path in tmp_path.iterdir()] == ["plan.npz"]
 
 
+@pytest.mark.parametrize("command", [["stream"], ["export", "program"]])
+def test_a_plan_of_an_own_robot_asks_for_its_description(command, plan, capsys, tmp_path: Path) -> None:
+    write_plan(replace(plan, robot="mine"), tmp_path / "plan.npz")
+    assert main([*command, str(tmp_path / "plan.npz"), "--out", str(tmp_path / "new.npz")]) == 1
+    assert "is of robot 'mine', which is not built in. Name its description: --robot FILE." in error_of(capsys)
+
+
 def test_a_controller_that_never_speaks_is_one_line(plan_file: Path, capsys, tmp_path: Path) -> None:
     address = f"127.0.0.1:{free_port()}"
     assert main(["stream", str(plan_file), "--address", address, "--wait-s", "0.1"]) == 1

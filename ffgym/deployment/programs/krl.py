@@ -6,8 +6,8 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
+from ffgym.deployment.programs.names import program_name
 from ffgym.deployment.programs.points import PathPoints, numbers_per_unit
-from ffgym.deployment.programs.rapid import rapid_name
 
 _ADVANCE = 3
 """Moves that the controller plans ahead; KUKA's default."""
@@ -23,17 +23,19 @@ def write_krl(points: PathPoints) -> dict[str, str]:
     """
     if len(points.joints) > 6:
         raise FFGymError(f"KRL has axes A1 to A6, {points.robot!r} has {len(points.joints)} joints.")
-    name = rapid_name(points.name)
+    name = program_name(points.name)
     numbers = points.q * numbers_per_unit(points.units)
-    data = [f"DEFDAT {name}", ";FOLD POINTS"]
+    data = ["&ACCESS RVP", f"DEFDAT {name}", ";FOLD POINTS"]
     for k, row in enumerate(numbers, start=1):
         axes = ",".join(f"A{j} {np.float32(x):.9g}" for j, x in enumerate(row, start=1))
         data.append(f"DECL E6AXIS X{k}={{{axes}}}")
     lines = [
+        "&ACCESS RVP",
         f"DEF {name}()",
         f"; Corrected program of {points.robot}: {len(points.t)} points, {points.t[-1]:.3f} s",
         "; Corrections are in the points. Time blocks need KSS 8.3 or later; run it at 100 %",
         "BAS(#INITMOV,0)",
+        "; Set $TOOL and $LOAD here as the original program has them: the controller plans with the load",
         f"$ADVANCE={_ADVANCE}",
         f"$APO.CPTP={_APPROXIMATION}",
         "PTP X1",

@@ -1,6 +1,5 @@
 """Points as a RAPID module, and the path that it gives when it is read back."""
 
-import re
 import tempfile
 from pathlib import Path
 
@@ -9,6 +8,7 @@ import numpy as np
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import write_text
 from ffgym.core.types import Array
+from ffgym.deployment.programs.names import program_name
 from ffgym.deployment.programs.points import ZONE, PathPoints, numbers_per_unit
 from ffgym.paths.limits import MotionLimits
 from ffgym.paths.motions.composition import rapid_motion
@@ -38,7 +38,7 @@ def write_rapid(points: PathPoints, arm: RigidArm) -> dict[str, str]:
     """
     if len(points.joints) > 6:
         raise FFGymError(f"RAPID has jointtargets of 6 joints, {points.robot!r} has {len(points.joints)}.")
-    name = rapid_name(points.name)
+    name = program_name(points.name)
     moves = list(_moves(points))
     parts = [moves[i : i + MOVES_IN_PROCEDURE] for i in range(0, len(moves), MOVES_IN_PROCEDURE)]
     lines = [
@@ -55,12 +55,6 @@ def write_rapid(points: PathPoints, arm: RigidArm) -> dict[str, str]:
     for i, part in enumerate(parts, start=1):
         lines += ["", f"  PROC part{i}()", *(f"    {line}" for line in part), "  ENDPROC"]
     return {f"{name}.mod": "\n".join([*lines, "ENDMODULE", ""])}
-
-
-def rapid_name(name: str) -> str:
-    """Make a name that RAPID and KRL take: letters, digits and _, at most 24 characters, a letter first."""
-    word = re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_")[:24]
-    return word if word[:1].isalpha() else f"p_{word}"[:24]
 
 
 def _moves(points: PathPoints) -> list[str]:

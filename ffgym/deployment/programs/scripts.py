@@ -9,8 +9,8 @@ import numpy as np
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
 from ffgym.deployment.plan import SetpointPlan
+from ffgym.deployment.programs.names import program_name
 from ffgym.deployment.programs.points import numbers_per_unit, round_numbers
-from ffgym.deployment.programs.rapid import rapid_name
 from ffgym.deployment.streams import ServoProgram
 
 
@@ -21,8 +21,10 @@ def write_servo_script(plan: SetpointPlan, servo: ServoProgram) -> dict[str, str
         FFGymError: if the robot has not six hinges.
     """
     if plan.units != ("rad",) * 6:
-        raise FFGymError(f"URScript moves six hinges, {plan.robot!r} has joints in {', '.join(plan.units)}.")
-    name = rapid_name(plan.name)
+        raise FFGymError(
+            f"URScript moves six hinges, {plan.robot!r} has {len(plan.units)} joints in {', '.join(plan.units)}."
+        )
+    name = program_name(plan.name)
     setpoints = ("[" + ",".join(f"{x:.7f}" for x in row) + "]" for row in plan.setpoints)
     first, *others = setpoints
     how = f"t={plan.dt:g}, lookahead_time={servo.lookahead_time:g}, gain={servo.gain:g}"
@@ -56,7 +58,7 @@ def write_csv(plan: SetpointPlan, digits: int) -> dict[str, str]:
     numbers = round_numbers(plan.setpoints, plan.units, digits) * numbers_per_unit(plan.units)
     for t, row in zip(plan.t, numbers, strict=True):
         rows.writerow([f"{t:.6g}", *(f"{x:.{digits}f}" for x in row)])
-    return {f"{rapid_name(plan.name)}.csv": text.getvalue()}
+    return {f"{program_name(plan.name)}.csv": text.getvalue()}
 
 
 def read_csv(files: dict[str, str], units: tuple[str, ...]) -> tuple[Array, float]:

@@ -12,8 +12,9 @@ from lark.parsers.lalr_interactive_parser import InteractiveParser
 
 from ffgym.core.errors import FFGymError
 from ffgym.paths.rapid import syntax
-from ffgym.paths.rapid.tokens import Keywords, explain, words
+from ffgym.paths.rapid.tokens import Keywords, explain
 from ffgym.paths.rapid.tree import build_tree
+from ffgym.paths.rapid.words import words
 
 MOST_ERRORS = 20
 """Most errors of one file that are looked for; chosen: what comes after them mostly follows from them."""

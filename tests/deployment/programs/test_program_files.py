@@ -10,6 +10,7 @@ import pytest
 from ffgym.core.errors import FFGymError
 from ffgym.deployment import ServoProgram, choose_points, write_program
 from ffgym.deployment.programs import folder
+from ffgym.deployment.programs.names import program_name
 from ffgym.paths import load_program
 from ffgym.robot import RigidArm
 
@@ -140,3 +141,22 @@ def test_controllers_get_only_robots_that_they_can_have(plan, arm, one_axis, tmp
     with pytest.raises(FFGymError, match=r"Unknown format of program 'gcode'\. Available: csv, krl, rapid, urscript"):
         write_program(plan, arm, tmp_path / "out", "gcode")
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("holes", "holes"),
+        ("hole 3, left", "hole_3_left"),
+        ("test", "p_test"),  # TEST ... ENDTEST in RAPID
+        ("main", "p_main"),  # the routine of the module itself
+        ("part2", "p_part2"),
+        ("Spline", "p_Spline"),
+        ("movej", "p_movej"),
+        ("3 circles", "p_3_circles"),
+        ("ü", "p_"),
+        ("a" * 60, "a" * 24),
+    ],
+)
+def test_programs_have_names_that_controllers_take(name, expected):
+    assert program_name(name) == expected
