@@ -271,8 +271,18 @@ class ElasticLaw(CausalLaw):
         )
         return friction, asked, later
 
-    def own_error(self, memory: Array) -> tuple[Array, Array]:
+    def own_error(self, memory: Array, window: Window) -> tuple[Array, Array]:
         """Return the motor error and its rate that the law causes: motors lead their reference."""
+        past = ElasticPast.unpack(memory, self.n_joints, arm=self.arm_friction is not None)
+        lead, drive = past.lead, self.model.robot.drive
+        if self.arm_friction is not None and past.arm is not None:
+            speed, next_speed = (motion_at(window, k)[1] for k in (1, 2))
+            step = self.arm_friction.within(past.arm.state, speed, next_speed, window.dt)
+            lead = lead + (past.arm.asked + step.parts(window.dt)[0]).lead
+        return -drive.motor_angle(lead.angle), -drive.motor_angle(lead.speed)
+
+    def instant_error(self, memory: Array) -> tuple[Array, Array]:
+        """Return the motor error and its rate at the instant itself, where friction on the arm may jump."""
         past = ElasticPast.unpack(memory, self.n_joints, arm=self.arm_friction is not None)
         angle, speed, drive = past.lead.angle, past.lead.speed, self.model.robot.drive
         if past.arm is not None:

@@ -244,8 +244,16 @@ class ModelLaw(CausalLaw):
             return here.command, seen, lost, later
         return arm.command(here.command), arm.seen(seen), lost, arm.later(later)
 
-    def own_error(self, memory: Array) -> tuple[Array, Array]:
+    def own_error(self, memory: Array, window: Window) -> tuple[Array, Array]:
         """Return the motor error and rate that the law causes by its lead, without errors of resolvers."""
+        past = self._past(memory)
+        speed, next_speed = (motion_at(window, k)[1] for k in (1, 2))
+        arm = ModelArm.along(self.elastic.arm_friction, past, speed, next_speed, window.dt)
+        lead = past.lead if arm is None else arm.seen(past.lead)
+        return -self._drive.motor_angle(lead.angle), -self._drive.motor_angle(lead.speed)
+
+    def instant_error(self, memory: Array) -> tuple[Array, Array]:
+        """Return the same at the instant itself, where friction on the arm may jump."""
         past = self._past(memory)
         angle, speed = past.lead.angle, past.lead.speed
         if past.arm is not None:

@@ -128,6 +128,8 @@ class Composition:
     features: Features
     share: Array
     """Action that a residual of 1 adds, shape (N,)."""
+    averaged: bool
+    """True counts errors from `CausalLaw.own_error`, False from `CausalLaw.instant_error`."""
 
     @classmethod
     def over(
@@ -138,6 +140,7 @@ class Composition:
         *,
         memory: int,
         bound: float,
+        averaged: bool = True,
     ) -> "Composition":
         """Compose a law and features for an environment.
 
@@ -147,6 +150,7 @@ class Composition:
             layout: layout of the environment's observations.
             memory: samples of errors and residuals that the policy sees.
             bound: largest residual torque, in units of each joint's breakaway torque f_s.
+            averaged: False for a policy that was trained on errors less `CausalLaw.instant_error`.
 
         Raises:
             FFGymError: if law or features need more of the reference than is observed, or a number is out of range.
@@ -157,6 +161,7 @@ class Composition:
             base=None if law is None else LawAgent(law=law, layout=layout, control_dt=dt),
             features=Features(layout=layout, stribeck_velocity=robot.friction.stribeck_velocity, memory=memory),
             share=bound * robot.friction.static / layout["added_torque"].scale,
+            averaged=averaged,
         )
 
     def begin(self, observation: Array) -> PolicyInput:
@@ -185,8 +190,14 @@ class Composition:
         if self.base is None:
             return PolicyInput(features=features, base=np.zeros((len(observation), len(self.share))), memory=memory)
         action, law = self.base.predict(observation, memory.law)
-        known = replace(memory, law=law, own=self.base.law.own_error(memory.law))
+        known = replace(memory, law=law, own=self._own_error(self.base, memory.law, observation))
         return PolicyInput(features=features, base=action, memory=known)
+
+    def _own_error(self, base: LawAgent, memory: Array, observation: Array) -> tuple[Array, Array]:
+        """Compute the errors that the law causes at the next sample, from its memory before the step there."""
+        if self.averaged:
+            return base.law.own_error(memory, base.window(observation))
+        return base.law.instant_error(memory)
 
 
 def take_where(where: BoolArray, fresh: PolicyInput, old: PolicyInput) -> PolicyInput:

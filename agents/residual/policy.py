@@ -144,6 +144,9 @@ class ResidualPolicy:
     """Origin: algorithm, hyper-parameters, seed, steps, environment, versions, learning curve."""
     preview: int = AHEAD[-1]
     """Samples of the reference that are observed, as the environment's keyword argument."""
+    averaged: bool = True
+    """True for errors less `CausalLaw.own_error`; False, as files without it, for those less
+    `CausalLaw.instant_error`, which differ where friction acts on the arm."""
 
     def __post_init__(self) -> None:
         check_whole("memory", self.memory, unit="samples", low=1, high=1000)
@@ -162,7 +165,7 @@ class ResidualPolicy:
             FFGymError: if the robot has another number of motors, or too little of the reference is observed.
         """
         law = base_law(self.base, self.machine, robot)
-        composition = Composition.over(law, robot, layout, memory=self.memory, bound=self.bound)
+        composition = Composition.over(law, robot, layout, memory=self.memory, bound=self.bound, averaged=self.averaged)
         return ResidualAgent(composition=composition, actor=self.actor)
 
 
@@ -201,6 +204,7 @@ def load_policy(path: str | os.PathLike[str]) -> ResidualPolicy:
     try:
         settings = dict(header["settings"])
         actor = Actor.from_parts(settings.pop("actor"), arrays)
+        settings.setdefault("averaged", False)
         if set(settings) != set(_SETTINGS):
             raise FFGymError(f"settings {sorted(settings)} must be {sorted(_SETTINGS)}.")
         return ResidualPolicy(actor=actor, meta=header["meta"], **settings)
@@ -209,7 +213,7 @@ def load_policy(path: str | os.PathLike[str]) -> ResidualPolicy:
         raise FFGymError(f"{path}: holds no complete residual policy: {reason}. Train it again.") from error
 
 
-_SETTINGS = ("base", "machine", "memory", "bound", "action_scale", "preview")
+_SETTINGS = ("base", "machine", "memory", "bound", "action_scale", "preview", "averaged")
 
 
 _EACH_MOTOR = "one small network for all motors"

@@ -95,12 +95,26 @@ class CausalLaw(FeedForwardLaw):
         """Return the memory when a motion begins with `window`, shape (..., M); by default it is empty, M = 0."""
         return np.zeros((*window.q.shape[:-2], 0))
 
-    def own_error(self, memory: Array) -> tuple[Array, Array]:
-        """Return the error that the law itself asks for at sample 1 of the next window, from its `memory` (..., M).
+    def own_error(self, memory: Array, window: Window) -> tuple[Array, Array]:
+        """Return the error that the law itself asks for at sample 1 of the window, from its memory before that step.
+
+        Drives join samples of torque by straight lines, so that motors pass a jump between samples as a ramp; this is
+        the error that they then have, and that the law expects its servo to see.
+
+        Args:
+            memory: memory of the law, shape (..., M).
+            window: part of the reference that the step from it on sees.
 
         Returns:
             Position error [rad] and speed error [rad/s] of the motors, reference - position, shape (..., N) each; zero
             for a law that leaves the motors on their reference.
+        """
+        return self.instant_error(memory)
+
+    def instant_error(self, memory: Array) -> tuple[Array, Array]:
+        """Return `own_error` as it would be without straight lines of torque, at the very instant of the sample.
+
+        Policies that were trained on it read it: those that ship, see `ResidualPolicy.averaged`.
         """
         still = np.zeros((*memory.shape[:-1], self.n_joints))
         return still, still
@@ -109,12 +123,13 @@ class CausalLaw(FeedForwardLaw):
         """Return `own_error` at every sample of a reference, position [rad] and speed [rad/s], shape (T, N) each."""
         self.check_joints(reference)
         angle, speed = np.zeros_like(reference.q), np.zeros_like(reference.q)
-        if type(self).own_error is CausalLaw.own_error:
+        own = type(self)
+        if own.own_error is CausalLaw.own_error and own.instant_error is CausalLaw.instant_error:
             return angle, speed
         windows = Window.along(reference, self.preview)
         memory = self.initial_memory(windows[0])
         for k in range(len(angle) - 1):
-            angle[k + 1], speed[k + 1] = self.own_error(memory)
+            angle[k + 1], speed[k + 1] = self.own_error(memory, windows[k])
             memory = self.step(memory, windows[k])[1]
         return angle, speed
 

@@ -163,7 +163,29 @@ def test_a_batch_gives_the_bits_of_each_row(shared, reference):
         np.testing.assert_array_equal(remembered, after[row])
 
 
-def test_it_says_how_far_the_motors_lead(shared, reference):
+SIDES = {"motors": 0.0, "both": 0.3, "arm": 1.0}
+
+
+@pytest.mark.parametrize("share", SIDES.values(), ids=SIDES)
+def test_steps_ask_for_the_errors_of_the_whole_reference(irb4600, reference, share):
+    law = elastic_feedforward(irb4600.with_arm_share(np.full(6, share)))
+    for found, wanted in zip(CausalLaw.own_errors(law, reference), law.own_errors(reference), strict=True):
+        np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-9 * np.abs(wanted).max())
+
+
+@pytest.mark.parametrize("share", SIDES.values(), ids=SIDES)
+def test_motors_have_the_errors_that_it_asks_for(irb4600, share):
+    robot = irb4600.with_arm_share(np.full(6, share))
+    reference, law = circle_references(RigidArm(robot), ["p1"], [0.04], [0.001])["p1", 0.04], elastic_feedforward(robot)
+    (recording,) = simulate([Run(reference=reference, law=law)], record_dt=DT)
+    motors = (recording.joint_array(f"motor.{name}") for name in ("position", "velocity"))
+    found = [wanted - motor for wanted, motor in zip((reference.motor_q, reference.motor_dq), motors, strict=True)]
+    found[0] -= found[0][0]  # sag of the servo at the start
+    for error, asked, left in zip(found, law.own_errors(reference), (0.03, 0.2), strict=True):
+        assert np.std(error - asked) < left * np.std(error)
+
+
+def test_it_says_how_far_the_motors_lead_at_an_instant(shared, reference):
     law = elastic_feedforward(shared)
     memory, window = law.initial_memory(Window.along(reference, law.preview)[0]), Window.along(reference, law.preview)
     for k in range(120):
@@ -173,7 +195,7 @@ def test_it_says_how_far_the_motors_lead(shared, reference):
     plain = unaware.initial_memory(window[0])
     for k in range(120):
         _, plain = unaware.step(plain, window[k])
-    (angle, speed), (less, slower) = law.own_error(memory), unaware.own_error(plain)
+    (angle, speed), (less, slower) = law.instant_error(memory), unaware.instant_error(plain)
     np.testing.assert_allclose(angle - less, -shared.drive.motor_angle(state.lead[-1]), atol=1e-9)
     np.testing.assert_allclose(speed - slower, -shared.drive.motor_angle(state.lead_speed[-1]), atol=1e-6)
 

@@ -190,6 +190,8 @@ def test_without_effects_friction_on_the_arm_is_that_of_elastic_feed_forward(wit
     elastic = elastic_law(RigidArm(with_friction_on_the_arm))
     law = ModelLaw(machine=Machine(robot=with_friction_on_the_arm), elastic=elastic)
     np.testing.assert_allclose(law.torque(circle), elastic.torque(circle), rtol=0, atol=1e-12)
+    for found, wanted in zip(law.own_errors(circle), elastic.own_errors(circle), strict=True):
+        np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-9)
     check_samples(law, circle)
 
 

@@ -7,9 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from ffgym.control import CausalLaw, FeedForwardLaw
+import numpy as np
+
+from ffgym.control import CausalLaw, FeedForwardLaw, Window
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import new_folder, write_text
+from ffgym.core.types import Array
 from ffgym.deployment.code.compiler import UNCHECKED, compile_c, need_compiler
 from ffgym.deployment.code.law_text import law_files
 from ffgym.deployment.code.tracing import trace_law
@@ -80,12 +83,23 @@ def write_law_files(law: FeedForwardLaw, reference: Reference, name: str, *, che
     return law_files(
         trace_law(law, reference),
         reference,
-        (law.torque(reference), *CausalLaw.own_errors(law, reference)),  # step by step, as the code has them
+        _simulate(law, reference),
         name=name,
         checked=said,
         share=TOLERANCE,
         repetitions=_REPETITIONS,
     )
+
+
+def _simulate(law: CausalLaw, reference: Reference) -> tuple[Array, ...]:
+    """Compute `QUANTITIES` along a reference, (T, N) each; errors step by step, as the code has them."""
+    instant = np.zeros((2, *reference.q.shape))
+    windows = Window.along(reference, law.preview)
+    memory = law.initial_memory(windows[0])
+    for k in range(len(reference.t) - 1):
+        instant[:, k + 1] = law.instant_error(memory)
+        memory = law.step(memory, windows[k])[1]
+    return law.torque(reference), *CausalLaw.own_errors(law, reference), *instant
 
 
 def check_name(name: str) -> None:

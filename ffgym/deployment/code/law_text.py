@@ -12,9 +12,9 @@ from ffgym.deployment.code.compiler import fill_template
 from ffgym.deployment.code.rolling import Output, count_gathered, literal, write_step
 from ffgym.deployment.code.tracing import TracedLaw, no_form, tabulate_program
 from ffgym.paths import Reference
-from ffgym.simulation.plant.compiled.tracing import Untraceable
+from ffgym.simulation.plant.compiled.tracing import Node, Untraceable
 
-QUANTITIES = ("torque", "own_position", "own_speed")
+QUANTITIES = ("torque", "own_position", "own_speed", "instant_position", "instant_speed")
 """What a law in C computes, in the order in which it is compared."""
 
 
@@ -59,8 +59,7 @@ def _describe(traced: TracedLaw, reference: Reference, name: str) -> dict[str, s
     start = law.initial_memory(Window.along(reference, law.preview)[0])
     try:
         tables, statements = write_step(_outputs(traced), law.n_joints)
-        own = [Output(*place) for place in zip(("position", "speed"), (0, 0), (1, 1), traced.own_error, strict=True)]
-        own_tables, own_statements = write_step(own, law.n_joints)
+        own, instant = (write_step(_errors(each), law.n_joints) for each in (traced.own_error, traced.instant_error))
     except Untraceable as error:
         raise no_form(law, error) from error
     terms, program = "", list[str]()
@@ -89,8 +88,10 @@ def _describe(traced: TracedLaw, reference: Reference, name: str) -> dict[str, s
         "tables": _indent(tables),
         "program": _indent(program),
         "statements": _indent(statements),
-        "own_tables": _indent(own_tables),
-        "own_statements": _indent(own_statements),
+        "own_tables": _indent(own[0]),
+        "own_statements": _indent(own[1]),
+        "instant_tables": _indent(instant[0]),
+        "instant_statements": _indent(instant[1]),
     }
 
 
@@ -119,6 +120,11 @@ def _outputs(traced: TracedLaw) -> list[Output]:
     last = [torque, *(Output("next", r * n, 1, memory[r * n : (r + 1) * n]) for r in range(rows))]
     first = [torque, *(Output("next", r, rows, memory[r::rows]) for r in range(rows))]
     return min(last, first, key=count_gathered)
+
+
+def _errors(error: tuple[tuple[Node, ...], tuple[Node, ...]]) -> list[Output]:
+    """Rows of results: an error of position and one of speed."""
+    return [Output("position", 0, 1, error[0]), Output("speed", 0, 1, error[1])]
 
 
 def _table_text(table: Array) -> str:

@@ -107,6 +107,7 @@ def encode_onnx(policy: ResidualPolicy, robot: RobotDescription, *, single: bool
         "about": f"Residual policy on {policy.base} for {robot.name}, {n} motors; written by ffgym {__version__}.",
         "reference_samples": ", ".join(map(str, AHEAD)),
         "control_dt": repr(robot.servo.control_dt),
+        "law_error": "own_error" if policy.averaged else "instant_error",
         "largest_torque": ", ".join(map(repr, (policy.bound * robot.friction.static).tolist())),
     }
     data: bytes = graph.model(outputs, "policy", notes).SerializeToString()

@@ -46,6 +46,8 @@ class TracedLaw:
     """Memory after the step."""
     own_error: tuple[tuple[Node, ...], tuple[Node, ...]]
     """Errors that the law itself asks for at the next sample, position [rad] and speed [rad/s]."""
+    instant_error: tuple[tuple[Node, ...], tuple[Node, ...]]
+    """The same at the instant of that sample, see `CausalLaw.instant_error`."""
     terms: tuple[ProgramTerm, ...]
 
     @property
@@ -69,7 +71,7 @@ def trace_law(law: CausalLaw, reference: Reference) -> TracedLaw:
         traced: Any = _with_symbols(law, graph, terms)
         before = _given(graph, "memory", (size,))
         torque, memory = traced.step(before, Window(**given, dt=window.dt))
-        own = traced.own_error(before)
+        own, instant = traced.own_error(before, Window(**given, dt=window.dt)), traced.instant_error(before)
     except Exception as error:  # formulas may do with arrays what symbols do not bear, and say so in any way
         raise no_form(law, error) from error
     return TracedLaw(
@@ -79,6 +81,7 @@ def trace_law(law: CausalLaw, reference: Reference) -> TracedLaw:
         torque=_numbers(graph, torque),
         memory=_numbers(graph, memory),
         own_error=(_numbers(graph, own[0]), _numbers(graph, own[1])),
+        instant_error=(_numbers(graph, instant[0]), _numbers(graph, instant[1])),
         terms=tuple(terms),
     )
 

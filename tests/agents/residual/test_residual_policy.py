@@ -8,6 +8,7 @@ import gymnasium as gym
 import numpy as np
 import pytest
 
+from ffgym.agents.artefacts import TRAINED
 from ffgym.agents.elastic import elastic_feedforward
 from ffgym.agents.law_agent import LawAgent
 from ffgym.agents.law_files import pack, unpack
@@ -103,6 +104,29 @@ def test_a_silent_policy_is_its_base(env, irb4600):
         wanted, memory = base.predict(observation, memory)
         np.testing.assert_allclose(action, np.clip(wanted, -1, 1), rtol=0, atol=1e-15)
         observation, *_ = env.step(action)
+
+
+@pytest.mark.parametrize("averaged", [True, False])
+def test_a_policy_counts_errors_from_what_it_was_trained_on(env, irb4600, averaged):
+    robot = irb4600.with_arm_share(np.full(6, 0.5))
+    law, layout = base_law("elastic", None, robot), env.unwrapped.observation_layout
+    agent = replace(policy_of(), base="elastic", averaged=averaged).agent(robot, layout)
+    observation, _ = env.reset(seed=3)
+    _, state = agent.predict(observation)
+    # within a motion: from a memory that does not rest
+    moving = np.random.default_rng(4).normal(size=state.memory.law.shape)
+    _, state = agent.predict(observation, replace(state, memory=replace(state.memory, law=moving)))
+    window = agent.composition.base.window(observation)
+    own, instant = law.own_error(moving, window), law.instant_error(moving)
+    np.testing.assert_array_equal(state.memory.own, own if averaged else instant)
+    assert np.all(np.not_equal(own, instant))
+
+
+def test_policies_that_ship_were_trained_on_errors_at_an_instant(tmp_path):
+    shipped = load_policy(TRAINED / "ppo_drives" / "any" / "seed_0.npz")
+    assert not shipped.averaged
+    assert not load_policy(save_policy(tmp_path / "policy.npz", shipped)).averaged
+    assert policy_of().averaged
 
 
 def test_a_robot_alone_gets_what_it_gets_in_a_batch(env, irb4600):

@@ -25,7 +25,8 @@ STATE = ("past", "residual")
 class Machine:
     """A controller that has the law in C and the policy in ONNX, and reads its motors."""
 
-    def __init__(self, folder, data, reference, law):
+    def __init__(self, folder, data, reference, law, averaged):
+        self.averaged = averaged
         compile_c(find_compiler(), [folder / "law.c"], folder / "law.so", "-shared", "-fPIC")
         self.c, self.session = ctypes.CDLL(str(folder / "law.so")), onnxruntime.InferenceSession(data)
         self.windows, self.far = Window.along(reference, law.preview), Window.along(reference, 8)
@@ -39,8 +40,11 @@ class Machine:
     def decide(self, error, error_rate):
         """Torque of the next sample [N m] from errors of the motors now."""
         k, own, torque = self.k, np.zeros((2, 1, 6)), np.zeros(6)
-        self.c.law_own_error(self.state, *(place(part) for part in own))
         window = (self.windows.q[k], self.windows.motor_dq[k], self.windows.motor_ddq[k])
+        if self.averaged:
+            self.c.law_own_error(self.state, *(place(part) for part in (*window, *own)))
+        else:
+            self.c.law_instant_error(self.state, *(place(part) for part in own))
         assert self.c.law_step(self.state, *(place(part) for part in (*window, torque))) == 0
         ahead = [1, 2, 4, 8]
         inputs = {
@@ -65,14 +69,15 @@ def place(values):
 
 @pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 @pytest.mark.slow
-def test_both_files_give_the_torque_of_the_agent_in_closed_loop(tmp_path):
-    robot = load_robot("irb4600_60_205")
+@pytest.mark.parametrize("averaged", [True, False])
+def test_both_files_give_the_torque_of_the_agent_in_closed_loop(tmp_path, averaged):
+    robot = load_robot("irb4600_60_205").with_arm_share(np.full(6, 0.3))
     whole = load_motion(RigidArm(robot), "circles").reference
     reference = replace(whole, **{name: getattr(whole, name)[:250] for name in ("t", "q", "dq", "ddq")}, phases=())
-    policy = load_policy(TRAINED / "ppo_elastic" / "any" / "seed_0.npz")
+    policy = replace(load_policy(TRAINED / "ppo_elastic" / "any" / "seed_0.npz"), averaged=averaged)
     law = base_law(policy.base, None, robot)
     write_law_code(law, reference, tmp_path / "law")
-    machine = Machine(tmp_path / "law", encode_onnx(policy, robot), reference, law)
+    machine = Machine(tmp_path / "law", encode_onnx(policy, robot), reference, law, averaged)
     differences = []
 
     class Compared:

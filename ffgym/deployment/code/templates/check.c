@@ -18,11 +18,14 @@
 #define SAMPLES ${upper}_SAMPLES
 #define RUNS $repetitions
 
-#define PARTS 6
+#define GIVEN 3
+#define FOUND 5
+#define PARTS (GIVEN + FOUND)
 
-/* q, motor_dq, motor_ddq; of the simulation: torque, and errors that the law asks for, position and speed */
+/* q, motor_dq, motor_ddq; of the simulation: torque, errors that the law asks for, position and speed, and the same at
+ * the instant */
 static double reference[PARTS][SAMPLES][JOINTS];
-static const double tolerance[PARTS] = {0.0, 0.0, 0.0, $tolerances}; /* $share of the largest along the motion */
+static const double tolerance[FOUND] = {$tolerances}; /* $share of the largest along the motion */
 static double shortest[SAMPLES];
 
 static double now_us(void)
@@ -57,7 +60,7 @@ static int read_reference(const char *path)
 int main(int count, char **arguments)
 {
     static ${name}_state state;
-    double largest[PARTS] = {0.0}, longest = 0.0;
+    double largest[FOUND] = {0.0}, longest = 0.0;
     if (count != 2 || !read_reference(arguments[1])) {
         fprintf(stderr, "usage: check reference.csv, with %d samples of %d joints\n", SAMPLES, JOINTS);
         return 2;
@@ -65,12 +68,13 @@ int main(int count, char **arguments)
     for (int run = 0; run < RUNS; ++run) {
         ${name}_start(&state);
         for (long k = 0; k < SAMPLES - 1; ++k) {
-            double window[3][${upper}_WINDOW], found[3][JOINTS], begun, taken;
-            for (int part = 0; part < 3; ++part)
+            double window[GIVEN][${upper}_WINDOW], found[FOUND][JOINTS], begun, taken;
+            for (int part = 0; part < GIVEN; ++part)
                 for (int i = 0; i <= ${upper}_PREVIEW; ++i)
                     for (int j = 0; j < JOINTS; ++j)
                         window[part][i * JOINTS + j] = reference[part][k + i < SAMPLES ? k + i : SAMPLES - 1][j];
-            ${name}_own_error(&state, found[1], found[2]);
+            ${name}_own_error(&state, window[0], window[1], window[2], found[1], found[2]);
+            ${name}_instant_error(&state, found[3], found[4]);
             begun = now_us();
             if (${name}_step(&state, window[0], window[1], window[2], found[0]) != 0)
                 return 2;
@@ -79,18 +83,18 @@ int main(int count, char **arguments)
                 shortest[k] = taken;
             if (taken > longest)
                 longest = taken;
-            for (int part = 3; part < PARTS; ++part)
+            for (int part = 0; part < FOUND; ++part)
                 for (int j = 0; j < JOINTS; ++j) {
-                    const double off = fabs(found[part - 3][j] - reference[part][k + 1][j]);
+                    const double off = fabs(found[part][j] - reference[GIVEN + part][k + 1][j]);
                     largest[part] = off <= largest[part] ? largest[part] : off; /* keeps one that is no number */
                 }
         }
     }
     qsort(shortest, SAMPLES - 1, sizeof shortest[0], compare);
-    printf("difference_torque_Nm %.17g\n", largest[3]);
-    printf("difference_own_position_rad %.17g\ndifference_own_speed_rad_s %.17g\n", largest[4], largest[5]);
+    printf("difference_torque_Nm %.17g\n", largest[0]);
+    printf("difference_own_position_rad %.17g\ndifference_own_speed_rad_s %.17g\n", largest[1], largest[2]);
     printf("worst_us %.4g\nmedian_us %.4g\nlongest_us %.4g\n", shortest[SAMPLES - 2], shortest[(SAMPLES - 1) / 2], longest);
-    for (int part = 3; part < PARTS; ++part)
+    for (int part = 0; part < FOUND; ++part)
         if (!(largest[part] <= tolerance[part]))
             return 1;
     return 0;

@@ -30,10 +30,23 @@ $statements
     return 0;
 }
 
-void ${name}_own_error(const ${name}_state *state, double position[${upper}_JOINTS], double speed[${upper}_JOINTS])
+void ${name}_own_error(const ${name}_state *state, const double q[${upper}_WINDOW],
+    const double motor_dq[${upper}_WINDOW], const double motor_ddq[${upper}_WINDOW],
+    double position[${upper}_JOINTS], double speed[${upper}_JOINTS])
 {
     const double *const memory = state->memory;
 $own_tables
+    (void)q;
+    (void)motor_dq;
+    (void)motor_ddq;
     (void)memory;
 $own_statements
+}
+
+void ${name}_instant_error(const ${name}_state *state, double position[${upper}_JOINTS], double speed[${upper}_JOINTS])
+{
+    const double *const memory = state->memory;
+$instant_tables
+    (void)memory;
+$instant_statements
 }

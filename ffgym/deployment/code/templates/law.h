@@ -38,8 +38,14 @@ int ${name}_step(${name}_state *state, const double q[${upper}_WINDOW], const do
     const double motor_ddq[${upper}_WINDOW], double torque[${upper}_JOINTS]);
 
 /* Computes the errors that the law itself asks for at the sample whose torque the next step computes, motor side [rad],
- * [rad/s]: reference - motor, where motors lead the arm. A policy above the law takes them from the errors that it sees
- * at that sample. */
-void ${name}_own_error(const ${name}_state *state, double position[${upper}_JOINTS], double speed[${upper}_JOINTS]);
+ * [rad/s]: reference - motor, where motors lead the arm. It gets what that step will get. A policy above the law takes
+ * them from the errors that it sees at that sample. */
+void ${name}_own_error(const ${name}_state *state, const double q[${upper}_WINDOW],
+    const double motor_dq[${upper}_WINDOW], const double motor_ddq[${upper}_WINDOW],
+    double position[${upper}_JOINTS], double speed[${upper}_JOINTS]);
+
+/* Computes the same at the instant of that sample, as if torques did not run straight between samples. It differs where
+ * friction acts on the arm. A policy whose ONNX file says law_error = instant_error takes it instead. */
+void ${name}_instant_error(const ${name}_state *state, double position[${upper}_JOINTS], double speed[${upper}_JOINTS]);
 
 #endif
