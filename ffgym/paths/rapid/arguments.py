@@ -9,7 +9,7 @@ from ffgym.paths.rapid import syntax
 from ffgym.paths.rapid.expressions import Symbol, Typed, link_changeable, link_expression
 from ffgym.paths.rapid.functions import CallRule, Options, show_value
 from ffgym.paths.rapid.records import ANY, BOOL, NUM, Type, Value
-from ffgym.paths.rapid.scope import Frame, Unreadable
+from ffgym.paths.rapid.scope import CallFrame, Unreadable
 
 if TYPE_CHECKING:
     from ffgym.paths.rapid.linker import Scope
@@ -39,15 +39,15 @@ class Invocation:
         """The instruction with its values, on one line."""
         if self.written:
             return self.written
-        words = ", ".join(_told(value, label) for value, label in zip(self.values, self.labels, strict=True))
+        words = ", ".join(_tell(value, label) for value, label in zip(self.values, self.labels, strict=True))
         named = "".join(
-            f"\\{self.names.get(key, key)}" + ("" if value is True else f":={_told(value, '')}")
+            f"\\{self.names.get(key, key)}" + ("" if value is True else f":={_tell(value, '')}")
             for key, value in self.options.items()
         )
         return f"{self.name} {words}".rstrip() + named
 
 
-def _told(value: Value, label: str) -> str:
+def _tell(value: Value, label: str) -> str:
     """Tell the value of an argument: numbers and texts as they are, large data by their name."""
     if isinstance(value, str) and not isinstance(value, Symbol) and label != value:
         return f'"{value}"'
@@ -61,13 +61,13 @@ class Linked:
     required: tuple[Typed, ...]
     optional: Mapping[str, Typed | None]
     """By name in lower case; None for a switch."""
-    labels: tuple[Callable[[Frame], str], ...]
+    labels: tuple[Callable[[CallFrame], str], ...]
 
-    def values(self, frame: Frame) -> list[Value]:
+    def values(self, frame: CallFrame) -> list[Value]:
         """Values of the required arguments."""
         return [argument.value(frame) for argument in self.required]
 
-    def options(self, frame: Frame) -> dict[str, Value]:
+    def options(self, frame: CallFrame) -> dict[str, Value]:
         """Values of the optional arguments by name in lower case; True for a switch."""
         return {name: True if typed is None else typed.value(frame) for name, typed in self.optional.items()}
 
@@ -147,21 +147,21 @@ def check_option(
         raise option.place.error(f"\\{option.name} {wanted}.")
 
 
-def link_label(scope: "Scope", expression: syntax.Expression) -> Callable[[Frame], str]:
+def link_label(scope: "Scope", expression: syntax.Expression) -> Callable[[CallFrame], str]:
     r"""Return a function that labels an argument for messages and phases, and a target by how it is displaced.
 
     These are names and numbers, e.g. 'Offs(p10, 0, -20\Rx:=5)', whatever was written for the numbers.
     """
     if isinstance(expression, syntax.VariableReference):
-        return _label_of_data(scope, expression)
+        return _label_data(scope, expression)
     if not isinstance(expression, syntax.Call):
         return lambda frame: "target"
-    arguments = [(_label_of_argument(scope, value), "") for value in expression.values]
+    arguments = [(_label_argument(scope, value), "") for value in expression.values]
     for option in expression.options:
-        label = (lambda frame: "") if option.value is None else _label_of_argument(scope, option.value)
+        label = (lambda frame: "") if option.value is None else _label_argument(scope, option.value)
         arguments.append((label, f"\\{option.name}" + ("" if option.value is None else ":=")))
 
-    def label_of(frame: Frame) -> str:
+    def label_of(frame: CallFrame) -> str:
         text = ""
         for label, option in arguments:
             text += option + label(frame) if option else f"{', ' if text else ''}{label(frame)}"
@@ -170,26 +170,26 @@ def link_label(scope: "Scope", expression: syntax.Expression) -> Callable[[Frame
     return label_of
 
 
-def _label_of_data(scope: "Scope", reference: syntax.VariableReference) -> Callable[[Frame], str]:
+def _label_data(scope: "Scope", reference: syntax.VariableReference) -> Callable[[CallFrame], str]:
     """Return a function that labels data by their names and the numbers of their indices."""
-    steps: list[Callable[[Frame], str]] = [_written(reference.name)]
+    steps: list[Callable[[CallFrame], str]] = [_label_word(reference.name)]
     for part in reference.parts:
         if isinstance(part, syntax.Indices):
-            steps.append(_numbers([link_expression(scope, item, NUM) for item in part.items]))
+            steps.append(_label_indices([link_expression(scope, item, NUM) for item in part.items]))
         else:
-            steps.append(_written(f".{part}"))
+            steps.append(_label_word(f".{part}"))
     return lambda frame: "".join(step(frame) for step in steps)
 
 
-def _written(text: str) -> Callable[[Frame], str]:
+def _label_word(text: str) -> Callable[[CallFrame], str]:
     return lambda frame: text
 
 
-def _numbers(indices: Sequence[Typed]) -> Callable[[Frame], str]:
+def _label_indices(indices: Sequence[Typed]) -> Callable[[CallFrame], str]:
     return lambda frame: "{" + ",".join(f"{index.value(frame):g}" for index in indices) + "}"
 
 
-def _label_of_argument(scope: "Scope", expression: syntax.Expression) -> Callable[[Frame], str]:
+def _label_argument(scope: "Scope", expression: syntax.Expression) -> Callable[[CallFrame], str]:
     """Return a function that labels an argument of a function: a number by its value, a target by its own label."""
     try:
         number = link_expression(scope, expression, NUM)

@@ -12,12 +12,12 @@ from ffgym.paths.rapid.instructions import INSTRUCTIONS, WAIT_OPTIONS, Instructi
 from ffgym.paths.rapid.moving import MOVES
 from ffgym.paths.rapid.records import BOOL, NUM, SIGNAL, STRING
 from ffgym.paths.rapid.routines import link_call
-from ffgym.paths.rapid.scope import Frame
+from ffgym.paths.rapid.scope import CallFrame
 
 if TYPE_CHECKING:
     from ffgym.paths.rapid.linker import Scope
 
-Run: TypeAlias = Callable[[Frame], None]
+Run: TypeAlias = Callable[[CallFrame], None]
 """What a statement does, with the data of the call of its routine."""
 
 _SHOWN = frozenset({"TPWrite"})
@@ -65,7 +65,7 @@ def _instruction(scope: "Scope", call: syntax.Call, instruction: Instruction, li
     places = [value.place for value in call.values]
     names = {option.name.lower(): option.name for option in call.options}
 
-    def run(frame: Frame) -> None:
+    def run(frame: CallFrame) -> None:
         try:
             labels = [label(frame) for label in linked.labels]
             values, options = linked.values(frame), linked.options(frame)
@@ -89,7 +89,7 @@ def _wait_until(scope: "Scope", call: syntax.Call) -> Run:
     facts = list(_facts(scope, call.values[0]))
     controller = scope.controller
 
-    def run(frame: Frame) -> None:
+    def run(frame: CallFrame) -> None:
         for signal, value in facts:
             controller.signals.set(signal.value(frame), value.value(frame))
         given = options.options(frame)
@@ -127,7 +127,7 @@ def link_late_call(scope: "Scope", statement: syntax.LateCall) -> Run:
     name = link_expression(scope, statement.name, STRING)
     call = statement.call
 
-    def run(frame: Frame) -> None:
+    def run(frame: CallFrame) -> None:
         found = scope.find_routine(name.value(frame))
         if found is None or found.routine.kind != "PROC":
             raise call.place.error(f"there is no procedure {name.value(frame)!r}, which is called here.")

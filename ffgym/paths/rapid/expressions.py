@@ -8,7 +8,7 @@ from ffgym.core.errors import FFGymError, errors_at
 from ffgym.paths.rapid import syntax
 from ffgym.paths.rapid.operators import Operate, check_size, find_operator
 from ffgym.paths.rapid.records import ANY, BOOL, NUM, SIGNAL, STRING, Type, Value
-from ffgym.paths.rapid.scope import DatumPart, DatumReference, Frame, Meaning, Unreadable
+from ffgym.paths.rapid.scope import CallFrame, DatumPart, DatumReference, Meaning, Unreadable
 
 if TYPE_CHECKING:
     from ffgym.paths.rapid.linker import Scope
@@ -19,7 +19,7 @@ class Typed:
     """An expression whose names and types are right."""
 
     type: Type
-    value: Callable[[Frame], Value]
+    value: Callable[[CallFrame], Value]
     fixed: bool
     """True if its value depends on no data of the program that may change."""
     asks: bool = False
@@ -33,13 +33,13 @@ def link_expression(scope: "Scope", expression: syntax.Expression, wanted: Type)
         FFGymError: if one is unknown, or the expression is not of the type that is wanted; it begins with the place.
     """
     if isinstance(expression, syntax.Aggregate):
-        return _aggregate(scope, expression, wanted)
+        return _link_aggregate(scope, expression, wanted)
     if wanted == SIGNAL and isinstance(expression, syntax.VariableReference):
-        return _signal(scope, expression)
+        return _link_signal(scope, expression)
     if wanted == ANY and isinstance(expression, syntax.VariableReference) and scope.find(expression.name) is None:
         name = expression.name  # a unit, a task or a signal of the controller
         return Typed(ANY, lambda frame: Symbol(name), fixed=True)
-    found = _natural(scope, expression)
+    found = _link_natural(scope, expression)
     if found.type == SIGNAL and wanted == NUM:
         return _ask(scope, found)
     if not wanted.takes(found.type):
@@ -51,19 +51,19 @@ class Symbol(str):
     """Name of something that only the controller knows."""
 
 
-def _natural(scope: "Scope", expression: syntax.Expression) -> Typed:
+def _link_natural(scope: "Scope", expression: syntax.Expression) -> Typed:
     """Link an expression that has a type of its own."""
     if isinstance(expression, syntax.VariableReference):
-        return _variable(scope, expression)
+        return _link_variable(scope, expression)
     if isinstance(expression, syntax.Call):
         return scope.link_function(expression)
     if isinstance(expression, syntax.OperatorChain):
-        return _chain(scope, expression)
-    if isinstance(expression, syntax.Negated):
+        return _link_chain(scope, expression)
+    if isinstance(expression, syntax.Negation):
         operand = link_expression(scope, expression.operand, BOOL)
         return replace(operand, value=lambda frame: not operand.value(frame))
-    if isinstance(expression, syntax.Signed):
-        return _signed(scope, expression)
+    if isinstance(expression, syntax.SignedOperand):
+        return _link_signed(scope, expression)
     if isinstance(expression, syntax.Literal):
         value = expression.value
         if isinstance(value, float):
@@ -76,8 +76,8 @@ def _natural(scope: "Scope", expression: syntax.Expression) -> Typed:
     raise expression.place.error("an aggregate has no type of its own here; assign it to data first.")
 
 
-def _signed(scope: "Scope", expression: syntax.Signed) -> Typed:
-    operand = _natural(scope, expression.operand)
+def _link_signed(scope: "Scope", expression: syntax.SignedOperand) -> Typed:
+    operand = _link_natural(scope, expression.operand)
     if operand.type.name == "pos" and not operand.type.dimensions:
         turned = operand.value
         return replace(operand, value=lambda frame: tuple(-x if expression.negative else x for x in turned(frame)))
@@ -85,11 +85,11 @@ def _signed(scope: "Scope", expression: syntax.Signed) -> Typed:
     return replace(operand, value=lambda frame: -operand.value(frame) if expression.negative else operand.value(frame))
 
 
-def _aggregate(scope: "Scope", expression: syntax.Aggregate, wanted: Type) -> Typed:
+def _link_aggregate(scope: "Scope", expression: syntax.Aggregate, wanted: Type) -> Typed:
     """Link components by the types of their fields, or elements by the type of the array."""
     count = len(expression.items)
     if (wanted.loose and not wanted.dimensions) or wanted == ANY:
-        items = [_loose_item(scope, item) for item in expression.items]
+        items = [_link_loose_item(scope, item) for item in expression.items]
     elif wanted.dimensions:
         if wanted.dimensions[0] not in (0, count):
             raise expression.place.error(f"{wanted} has {wanted.dimensions[0]} elements, got {count}.")
@@ -112,14 +112,14 @@ def _aggregate(scope: "Scope", expression: syntax.Aggregate, wanted: Type) -> Ty
     )
 
 
-def _loose_item(scope: "Scope", item: syntax.Expression) -> Typed:
-    return _aggregate(scope, item, ANY) if isinstance(item, syntax.Aggregate) else _natural(scope, item)
+def _link_loose_item(scope: "Scope", item: syntax.Expression) -> Typed:
+    return _link_aggregate(scope, item, ANY) if isinstance(item, syntax.Aggregate) else _link_natural(scope, item)
 
 
-def _signal(scope: "Scope", reference: syntax.VariableReference) -> Typed:
+def _link_signal(scope: "Scope", reference: syntax.VariableReference) -> Typed:
     """Link a signal: data of a signal type, or a name that only the controller knows."""
     if scope.find(reference.name) is not None:
-        found = _variable(scope, reference)
+        found = _link_variable(scope, reference)
         if found.type != SIGNAL:
             raise reference.place.error(f"a signal is wanted here, this is {found.type}.")
         return found
@@ -133,10 +133,10 @@ def _ask(scope: "Scope", signal: Typed) -> Typed:
     return Typed(NUM, lambda frame: ask(signal.value(frame)), fixed=signal.fixed, asks=True)
 
 
-def _chain(scope: "Scope", chain: syntax.OperatorChain) -> Typed:
+def _link_chain(scope: "Scope", chain: syntax.OperatorChain) -> Typed:
     first = link_operand(scope, chain.first, chain.rest[0][0])
     kind, parts = first.type, [first]
-    steps: list[tuple[Operate, Callable[[Frame], Value], syntax.SourceLocation]] = []
+    steps: list[tuple[Operate, Callable[[CallFrame], Value], syntax.SourceLocation]] = []
     for sign, expression in chain.rest:
         if isinstance(expression, syntax.Aggregate):
             right = link_expression(scope, expression, kind)
@@ -147,7 +147,7 @@ def _chain(scope: "Scope", chain: syntax.OperatorChain) -> Typed:
         steps.append((operate, right.value, expression.place))
         parts.append(right)
 
-    def value(frame: Frame) -> Value:
+    def value(frame: CallFrame) -> Value:
         result = first.value(frame)
         for operate, right, place in steps:
             operand = right(frame)
@@ -165,16 +165,16 @@ def _chain(scope: "Scope", chain: syntax.OperatorChain) -> Typed:
 def link_operand(scope: "Scope", expression: syntax.Expression, sign: str = "=") -> Typed:
     """Link an operand; a signal stands for its value, and next to a comparison an unknown name for a signal."""
     if sign in ("=", "<>") and isinstance(expression, syntax.VariableReference) and scope.find(expression.name) is None:
-        return _ask(scope, _signal(scope, expression))
-    found = _natural(scope, expression)
+        return _ask(scope, _link_signal(scope, expression))
+    found = _link_natural(scope, expression)
     return _ask(scope, found) if found.type == SIGNAL else found
 
 
-def _variable(scope: "Scope", reference: syntax.VariableReference) -> Typed:
+def _link_variable(scope: "Scope", reference: syntax.VariableReference) -> Typed:
     kind, find, meaning, fixed = _follow(scope, reference)
     place = reference.place
 
-    def value(frame: Frame) -> Value:
+    def value(frame: CallFrame) -> Value:
         found = find(frame)
         if found is None:
             raise place.error(f"{reference.name} is not present in this call; ask with Present({reference.name}).")
@@ -188,7 +188,7 @@ class Changeable:
     """Data of a program, or a part of them, that may be changed."""
 
     type: Type
-    find: Callable[[Frame], DatumReference]
+    find: Callable[[CallFrame], DatumReference]
 
 
 def link_changeable(scope: "Scope", expression: syntax.Expression) -> Changeable:
@@ -206,7 +206,7 @@ def link_changeable(scope: "Scope", expression: syntax.Expression) -> Changeable
             raise place.error(f"{name} is the counter of a loop; use other data.")
         raise place.error(f"{name} is constant; declare it as VAR or PERS.")
 
-    def found(frame: Frame) -> DatumReference:
+    def found(frame: CallFrame) -> DatumReference:
         reference = find(frame)
         if reference is None:
             raise place.error(f"{name} is not present in this call; ask with Present({name}).")
@@ -217,13 +217,13 @@ def link_changeable(scope: "Scope", expression: syntax.Expression) -> Changeable
 
 def _follow(
     scope: "Scope", reference: syntax.VariableReference
-) -> tuple[Type, Callable[[Frame], DatumReference | None], Meaning, bool]:
+) -> tuple[Type, Callable[[CallFrame], DatumReference | None], Meaning, bool]:
     """Type of data or of a part of them, what finds them in a frame, their meaning, and if it is always one part."""
     meaning = scope.find(reference.name)
     if meaning is None:
         raise scope.unknown(reference)
     kind, fixed = meaning.type, True
-    path: list[Callable[[Frame, Value], int]] = []
+    path: list[Callable[[CallFrame, Value], int]] = []
     for part in reference.parts:
         if isinstance(part, syntax.Indices):
             if len(part.items) != len(kind.dimensions):
@@ -244,7 +244,7 @@ def _follow(
     if not path:
         return kind, meaning.find, meaning, fixed
 
-    def find(frame: Frame) -> DatumReference | None:
+    def find(frame: CallFrame) -> DatumReference | None:
         whole = meaning.find(frame)
         if whole is None:
             return None
@@ -257,14 +257,14 @@ def _follow(
     return kind, find, meaning, fixed
 
 
-def _component(number: int) -> Callable[[Frame, Value], int]:
+def _component(number: int) -> Callable[[CallFrame, Value], int]:
     return lambda frame, record: number
 
 
-def _index(index: Typed, size: int, place: syntax.SourceLocation) -> Callable[[Frame, Value], int]:
+def _index(index: Typed, size: int, place: syntax.SourceLocation) -> Callable[[CallFrame, Value], int]:
     """Return a function that computes an index from 0, and checks it against the array."""
 
-    def compute(frame: Frame, array: Value) -> int:
+    def compute(frame: CallFrame, array: Value) -> int:
         number = index.value(frame)
         if number != round(number) or not 1 <= number <= len(array):
             raise place.error(f"index {number:g} is out of range, must be a whole number from 1 to {len(array)}.")

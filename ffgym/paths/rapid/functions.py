@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from ffgym.core.errors import FFGymError
+from ffgym.core.errors import FFGymError, check_whole
 from ffgym.paths.rapid.operators import check_size
 from ffgym.paths.rapid.records import ANY, BOOL, NUM, POS, SIGNAL, STRING, Type, Value
 
@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 
 Options: TypeAlias = Mapping[str, Value]
 """Values of optional arguments by name in lower case; True for a switch."""
+
+MOST_DIGITS = 15
+"""Most digits behind the point; RAPID's dnum has no more."""
 
 Compute: TypeAlias = "Callable[[RapidController, Sequence[Value], Options], Value]"
 
@@ -59,30 +62,30 @@ def takes(*types: Type, **options: Type | None) -> CallRule:
     return CallRule(tuple(ArgumentRule(f"argument {i}", kind) for i, kind in enumerate(types, start=1)), options)
 
 
-def _numeric(compute: Callable[..., float], count: int = 1) -> BuiltinFunction:
+def _make_numeric(compute: Callable[..., float], count: int = 1) -> BuiltinFunction:
     """Return a function of numbers that gives a number."""
 
-    def checked(controller: "RapidController", values: Sequence[Value], options: Options) -> Value:
+    def compute_within(controller: "RapidController", values: Sequence[Value], options: Options) -> Value:
         try:
             return check_size(float(compute(*values)))
         except (ValueError, OverflowError, ZeroDivisionError):
             numbers = ", ".join(f"{value:g}" for value in values)
             raise FFGymError(f"there is no value for ({numbers}).") from None
 
-    return BuiltinFunction(takes(*(NUM,) * count), NUM, checked)
+    return BuiltinFunction(takes(*(NUM,) * count), NUM, compute_within)
 
 
-def _to_digits(rounding: Callable[[float], float]) -> BuiltinFunction:
+def _make_rounding(rounding: Callable[[float], float]) -> BuiltinFunction:
     r"""Return a function that rounds a number to `\Dec` digits behind the point."""
 
     def compute(controller: "RapidController", values: Sequence[Value], options: Options) -> Value:
-        scale = 10.0 ** int(options.get("dec", 0.0))
+        scale = 10.0 ** check_whole("\\Dec", options.get("dec", 0.0), low=0, high=MOST_DIGITS)
         return float(rounding(values[0] * scale) / scale)
 
     return BuiltinFunction(takes(NUM, dec=NUM), NUM, compute)
 
 
-def _half_away(value: float) -> float:
+def _round_half_away(value: float) -> float:
     return math.copysign(math.floor(abs(value) + 0.5), value)
 
 
@@ -97,16 +100,21 @@ def show_value(value: Value) -> str:
     return str(value)
 
 
-def _dim(controller: "RapidController", values: Sequence[Value], options: Options) -> Value:
+def _write_number(controller: "RapidController", values: Sequence[Value], options: Options) -> Value:
+    number, digits = values
+    return f"{number:.{check_whole('Dec', digits, low=0, high=MOST_DIGITS)}f}"
+
+
+def _measure_dimension(controller: "RapidController", values: Sequence[Value], options: Options) -> Value:
     array, number = values
-    for _ in range(int(number) - 1):
+    for _ in range(check_whole("dimension", number, low=1, high=3) - 1):
         array = array[0] if isinstance(array, tuple) else None
     if not isinstance(array, tuple):
         raise FFGymError(f"the array has no dimension {number:g}.")
     return float(len(array))
 
 
-def _text_part(controller: "RapidController", values: Sequence[Value], options: Options) -> Value:
+def _cut_text(controller: "RapidController", values: Sequence[Value], options: Options) -> Value:
     text, first, count = values[0], int(values[1]), int(values[2])
     if not (first >= 1 and count >= 0 and first - 1 + count <= len(text)):
         raise FFGymError(f"{text!r} has no {count} characters from character {first} on.")
@@ -117,59 +125,60 @@ def _ask(controller: "RapidController", values: Sequence[Value], options: Option
     return controller.signals.ask(values[0])
 
 
-def _output(controller: "RapidController", values: Sequence[Value], options: Options) -> Value:
+def _read_output(controller: "RapidController", values: Sequence[Value], options: Options) -> Value:
     return controller.signals.output(values[0])
 
 
-def _degrees(compute: Callable[[float], float]) -> Callable[[float], float]:
+def _take_degrees(compute: Callable[[float], float]) -> Callable[[float], float]:
     return lambda x: compute(math.radians(x))
 
 
-def _in_degrees(compute: Callable[..., float]) -> Callable[..., float]:
+def _give_degrees(compute: Callable[..., float]) -> Callable[..., float]:
     return lambda *x: math.degrees(compute(*x))
 
 
 FUNCTIONS: Mapping[str, BuiltinFunction] = {
     **{
-        name: _numeric(compute)
+        name: _make_numeric(compute)
         for name, compute in dict[str, Callable[..., float]](
             {
                 "Abs": abs,
                 "Sqrt": math.sqrt,
                 "Exp": math.exp,
-                "Sin": _degrees(math.sin),
-                "Cos": _degrees(math.cos),
-                "Tan": _degrees(math.tan),
-                "ASin": _in_degrees(math.asin),
-                "ACos": _in_degrees(math.acos),
-                "ATan": _in_degrees(math.atan),
+                "Sin": _take_degrees(math.sin),
+                "Cos": _take_degrees(math.cos),
+                "Tan": _take_degrees(math.tan),
+                "ASin": _give_degrees(math.asin),
+                "ACos": _give_degrees(math.acos),
+                "ATan": _give_degrees(math.atan),
                 "NumToDnum": float,
                 "DnumToNum": float,
             }
         ).items()
     },
-    "Pow": _numeric(math.pow, 2),
-    "ATan2": _numeric(_in_degrees(math.atan2), 2),
-    "Max": _numeric(max, 2),
-    "Min": _numeric(min, 2),
-    "Trunc": _to_digits(math.trunc),
-    "Round": _to_digits(_half_away),
-    "Dim": BuiltinFunction(takes(ANY, NUM), NUM, _dim),
+    "Pow": _make_numeric(math.pow, 2),
+    "ATan2": _make_numeric(_give_degrees(math.atan2), 2),
+    "Max": _make_numeric(max, 2),
+    "Min": _make_numeric(min, 2),
+    "Trunc": _make_rounding(math.trunc),
+    "Round": _make_rounding(_round_half_away),
+    "Dim": BuiltinFunction(takes(ANY, NUM), NUM, _measure_dimension),
     "Distance": BuiltinFunction(
         takes(POS, POS), NUM, lambda _, values, __: float(np.linalg.norm(np.subtract(*values)))
     ),
     "VectMagn": BuiltinFunction(takes(POS), NUM, lambda _, values, __: float(np.linalg.norm(values[0]))),
     "DotProd": BuiltinFunction(takes(POS, POS), NUM, lambda _, values, __: float(np.dot(*values))),
     # texts
-    "NumToStr": BuiltinFunction(
-        takes(NUM, NUM, exp=None), STRING, lambda _, values, __: f"{values[0]:.{max(int(values[1]), 0)}f}"
-    ),
+    "NumToStr": BuiltinFunction(takes(NUM, NUM, exp=None), STRING, _write_number),
     "ValToStr": BuiltinFunction(takes(ANY), STRING, lambda _, values, __: show_value(values[0])),
     "StrLen": BuiltinFunction(takes(STRING), NUM, lambda _, values, __: float(len(values[0]))),
-    "StrPart": BuiltinFunction(takes(STRING, NUM, NUM), STRING, _text_part),
+    "StrPart": BuiltinFunction(takes(STRING, NUM, NUM), STRING, _cut_text),
     # the controller
     **{name: BuiltinFunction(takes(SIGNAL), NUM, _ask, fixed=False) for name in ("DInput", "GInput", "AInput")},
-    **{name: BuiltinFunction(takes(SIGNAL), NUM, _output, fixed=False) for name in ("DOutput", "GOutput", "AOutput")},
+    **{
+        name: BuiltinFunction(takes(SIGNAL), NUM, _read_output, fixed=False)
+        for name in ("DOutput", "GOutput", "AOutput")
+    },
     "TestDI": BuiltinFunction(takes(SIGNAL), BOOL, lambda *asked: _ask(*asked) != 0, fixed=False),
     "RobOS": BuiltinFunction(takes(), BOOL, lambda *_: True),
     "ClkRead": BuiltinFunction(takes(ANY), NUM, lambda *_: 0.0, fixed=False),

@@ -10,7 +10,7 @@ from ffgym.paths.rapid.expressions import Typed, link_expression
 from ffgym.paths.rapid.predefined import PREDEFINED
 from ffgym.paths.rapid.records import NUM, TYPES, Type, Value
 from ffgym.paths.rapid.routines import LinkedRoutine, link_function
-from ffgym.paths.rapid.scope import Datum, Frame, LocalScope, Meaning, Unreadable
+from ffgym.paths.rapid.scope import CallFrame, Datum, LocalScope, Meaning, Unreadable
 
 LARGEST_ARRAY = 100_000
 """Most elements of an array; chosen: more than any program has, and memory must not run out."""
@@ -102,7 +102,7 @@ class LinkedProgram:
         self._pending.append(key)
         try:
             kind, value = Scope(self, home, LocalScope()).declare(declaration)
-            datum = Datum(value([]))
+            datum = Datum(value(CallFrame()))
         finally:
             self._pending.pop()
         return Meaning(kind, declaration.kind, lambda frame: datum)
@@ -129,7 +129,7 @@ class LinkedProgram:
     def state(self) -> tuple[Value, ...]:
         """Values of all data of the modules that were asked for, and of the signals."""
         data = [names.data[key] for names in (self.shared, *(own for _, own in self.modules)) for key in names.data]
-        values = tuple(reference.get() for meaning in data if (reference := meaning.find([])) is not None)
+        values = tuple(reference.get() for meaning in data if (reference := meaning.find(CallFrame())) is not None)
         return (values, tuple(self.controller.signals.values.items()))
 
 
@@ -200,7 +200,7 @@ class Scope:
             raise place.error(f"type {name} is not supported. Available: {', '.join(sorted(TYPES))}.")
         return kind
 
-    def declare(self, declaration: syntax.Declaration) -> tuple[Type, Callable[[Frame], Value]]:
+    def declare(self, declaration: syntax.Declaration) -> tuple[Type, Callable[[CallFrame], Value]]:
         """Type of a declaration, and the function that computes its first value."""
         element = self.type_of(declaration.type_name, declaration.place)
         sizes = tuple(self._size(item) for item in declaration.dimensions)
@@ -223,7 +223,7 @@ class Scope:
         typed = link_expression(self, expression, NUM)
         if not typed.fixed:
             raise expression.place.error("the size of an array must be a constant.")
-        size: float = typed.value([])
+        size: float = typed.value(CallFrame())
         if size != round(size) or size < 1:
             raise expression.place.error(f"size {size:g} of an array must be a whole number >= 1.")
         return round(size)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from ffgym.paths.rapid import syntax
 from ffgym.paths.rapid.instructions import ProgramEnd
 from ffgym.paths.rapid.records import Value
-from ffgym.paths.rapid.scope import Frame
+from ffgym.paths.rapid.scope import CallFrame
 
 if TYPE_CHECKING:
     from ffgym.paths.rapid.linker import LinkedProgram
@@ -50,18 +50,16 @@ class Loop:
     closed: bool
     asks: bool
     """True if the condition depends on inputs."""
-    entered: bool = False
-    """True for a loop by GOTO, whose first pass is over when it is met."""
     passes: int = 0
     _before: tuple[Value, ...] = field(default=())
     _moves: int = 0
 
-    def begin(self, frame: Frame) -> None:
+    def begin(self, frame: CallFrame) -> None:
         """Begin a pass."""
         self._before = self._state(frame)
         self._moves = len(self.program.controller.moves)
 
-    def goes_on(self, frame: Frame) -> bool:
+    def goes_on(self, frame: CallFrame) -> bool:
         """Tell if there is another pass to be run after one has ended; False leaves the loop.
 
         Raises:
@@ -79,6 +77,6 @@ class Loop:
             raise ProgramEnd
         return True
 
-    def _state(self, frame: Frame) -> tuple[Value, ...]:
+    def _state(self, frame: CallFrame) -> tuple[Value, ...]:
         local = tuple(None if reference is None else reference.get() for reference in frame)
         return (self.program.state(), local)

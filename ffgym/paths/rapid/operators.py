@@ -24,11 +24,11 @@ def check_size(value: float) -> float:
     return value
 
 
-def _checked(operate: Callable[[float, float], float]) -> Operate:
+def _check_result(operate: Callable[[float, float], float]) -> Operate:
     return lambda a, b: check_size(operate(a, b))
 
 
-def _vector(operate: Callable[[Any, Any], Any]) -> Operate:
+def _act_on_vectors(operate: Callable[[Any, Any], Any]) -> Operate:
     return lambda a, b: tuple(check_size(x) for x in np.asarray(operate(np.asarray(a), np.asarray(b))).tolist())
 
 
@@ -43,7 +43,7 @@ def multiply_quaternions(first: Value, second: Value) -> Value:
 ARITHMETIC: Mapping[tuple[str, str, str], tuple[Type, Operate]] = MappingProxyType(
     {
         **{
-            (sign, "num", "num"): (NUM, _checked(operate))
+            (sign, "num", "num"): (NUM, _check_result(operate))
             for sign, operate in {
                 "+": operator.add,
                 "-": operator.sub,
@@ -53,11 +53,14 @@ ARITHMETIC: Mapping[tuple[str, str, str], tuple[Type, Operate]] = MappingProxyTy
                 "MOD": math.fmod,
             }.items()
         },
-        **{(sign, "pos", "pos"): (POS, _vector(operate)) for sign, operate in {"+": np.add, "-": np.subtract}.items()},
-        ("*", "pos", "num"): (POS, _vector(np.multiply)),
-        ("*", "num", "pos"): (POS, _vector(np.multiply)),
+        **{
+            (sign, "pos", "pos"): (POS, _act_on_vectors(operate))
+            for sign, operate in {"+": np.add, "-": np.subtract}.items()
+        },
+        ("*", "pos", "num"): (POS, _act_on_vectors(np.multiply)),
+        ("*", "num", "pos"): (POS, _act_on_vectors(np.multiply)),
         ("/", "pos", "num"): (POS, lambda a, b: tuple(check_size(x / b) for x in a)),
-        ("*", "pos", "pos"): (POS, _vector(np.cross)),
+        ("*", "pos", "pos"): (POS, _act_on_vectors(np.cross)),
         ("*", "orient", "orient"): (ORIENT, multiply_quaternions),
         ("+", "string", "string"): (STRING, operator.add),
         **{(sign, "num", "num"): (BOOL, operate) for sign, operate in {"<": operator.lt, ">": operator.gt}.items()},

@@ -45,11 +45,11 @@ class RobotPlace:
 
     def target(self, tool: Value | None, work_object: Value | None) -> Value:
         """Robtarget of the place, of the tool and in the work object of the last move unless others are given."""
-        flange = self._forward(self.joints) if self.flange is None and self.joints is not None else self.flange
+        flange = self._solve_forward(self.joints) if self.flange is None and self.joints is not None else self.flange
         if flange is None:
             raise FFGymError("the robot's place is not known before the first move; begin with MoveAbsJ or MoveJ.")
         held = self.tool if tool is None else tool
-        return self._written(flange, held, self.work_object if work_object is None else work_object)
+        return self._write_target(flange, held, self.work_object if work_object is None else work_object)
 
     def joint_target(self) -> Value:
         """Jointtarget of the place."""
@@ -57,13 +57,13 @@ class RobotPlace:
             raise FFGymError("the robot's place is not known before the first move; begin with MoveAbsJ or MoveJ.")
         if self.joints is None:
             assert self.flange is not None
-            return self._written_joints(self._backward(self.flange))
-        return self._written_joints(self.joints)
+            return self._write_joints(self._solve_backward(self.flange))
+        return self._write_joints(self.joints)
 
     def calculate_target(self, joint_target: Value, tool: Value, *, work_object: Value) -> Value:
         """Robtarget of joint positions (CalcRobT)."""
         q = targets.joint_positions(joint_target, self.robot.kinematics.is_sliding, "the joint target")
-        return self._written(self._forward(q), tool, work_object)
+        return self._write_target(self._solve_forward(q), tool, work_object)
 
     def calculate_joints(self, target: Value, tool: Value, *, work_object: Value) -> Value:
         """Jointtarget of a robtarget (CalcJointT)."""
@@ -71,9 +71,9 @@ class RobotPlace:
         pose = targets.pose(target, "the target", held, work_object)
         assert pose.rotation is not None
         flange = Frame(position=pose.position - pose.rotation @ held.position, rotation=pose.rotation)
-        return self._written_joints(self._backward(flange))
+        return self._write_joints(self._solve_backward(flange))
 
-    def _written(self, flange: Frame, tool: Value, work_object: Value) -> Value:
+    def _write_target(self, flange: Frame, tool: Value, work_object: Value) -> Value:
         inside = targets.object_frame(work_object).inverse().place(flange.place(self.tool_frame(tool)))
         return (
             tuple((inside.position / MILLIMETRE).tolist()),
@@ -82,17 +82,17 @@ class RobotPlace:
             _NO_AXES,
         )
 
-    def _written_joints(self, q: Array) -> Value:
+    def _write_joints(self, q: Array) -> Value:
         sliding = self.robot.kinematics.is_sliding
         values = np.where(sliding, q / MILLIMETRE, np.rad2deg(q)).tolist()
         return ((*values, *(0.0,) * (6 - len(values))), _NO_AXES)
 
-    def _forward(self, q: Array) -> Frame:
+    def _solve_forward(self, q: Array) -> Frame:
         position, rotation = (part[0] for part in self._arm.tcp_pose(q[None]))
         assert self.robot.tool is not None
         return Frame(position=position - rotation @ self.robot.tool.tcp, rotation=rotation)
 
-    def _backward(self, flange: Frame) -> Array:
+    def _solve_backward(self, flange: Frame) -> Array:
         arm, area = self._arm, self.robot.work_area
         assert self.robot.tool is not None
         seed = self.robot.kinematics.range.mean(axis=1) if area is None else area.home

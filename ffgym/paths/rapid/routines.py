@@ -11,7 +11,7 @@ from ffgym.paths.rapid.expressions import Typed, link_changeable, link_expressio
 from ffgym.paths.rapid.functions import FUNCTIONS, BuiltinFunction
 from ffgym.paths.rapid.geometry import GEOMETRY
 from ffgym.paths.rapid.records import BOOL, Type, Value
-from ffgym.paths.rapid.scope import Datum, DatumReference, Frame
+from ffgym.paths.rapid.scope import CallFrame, Datum, DatumReference
 
 if TYPE_CHECKING:
     from ffgym.paths.rapid.linker import Scope
@@ -54,7 +54,7 @@ class LinkedRoutine:
         self.scope = scope
         self._head: list[LinkedParameter] | None = None
         self._block: Block | None = None
-        self._data: list[tuple[int, Callable[[Frame], Value]]] = []
+        self._data: list[tuple[int, Callable[[CallFrame], Value]]] = []
         self._calls = 0
 
     @property
@@ -105,7 +105,7 @@ class LinkedRoutine:
         assert self._block is not None
         if self._calls >= MAX_CALLS:
             raise place.error(f"{self.routine.name} calls itself more than {MAX_CALLS} deep, it must come to an end.")
-        frame: Frame = [*arguments, *([None] * (self.scope.local.size - len(arguments)))]
+        frame = CallFrame([*arguments, *([None] * (self.scope.local.size - len(arguments)))])
         for index, value in self._data:
             frame[index] = Datum(value(frame))
         self._calls += 1
@@ -122,7 +122,7 @@ class LinkedRoutine:
         return None
 
 
-Bind = Callable[[Frame], "list[DatumReference | None]"]
+Bind = Callable[[CallFrame], "list[DatumReference | None]"]
 
 
 def link_call(scope: "Scope", call: syntax.Call, routine: LinkedRoutine) -> tuple[Bind, list[Typed]]:
@@ -141,7 +141,7 @@ def link_call(scope: "Scope", call: syntax.Call, routine: LinkedRoutine) -> tupl
         check_option(call.name, given, known, options)
         options[given.name.lower()] = given
     values = iter(call.values)
-    binds: list[Callable[[Frame], DatumReference | None]] = []
+    binds: list[Callable[[CallFrame], DatumReference | None]] = []
     parts: list[Typed] = []
     for parameter in parameters:
         option = options.get(parameter.name.lower())
@@ -158,7 +158,7 @@ def link_call(scope: "Scope", call: syntax.Call, routine: LinkedRoutine) -> tupl
 
 def _bind(
     scope: "Scope", expression: syntax.Expression, parameter: LinkedParameter, parts: list[Typed]
-) -> Callable[[Frame], DatumReference | None]:
+) -> Callable[[CallFrame], DatumReference | None]:
     """Return a function that makes the reference of a parameter: to data of the caller, or to a value of its own."""
     if parameter.changes:
         data = link_changeable(scope, expression)
@@ -173,7 +173,7 @@ def _bind(
 
 def _bind_option(
     scope: "Scope", expression: syntax.Expression, parameter: LinkedParameter, parts: list[Typed], passed_on: bool
-) -> Callable[[Frame], DatumReference | None]:
+) -> Callable[[CallFrame], DatumReference | None]:
     r"""Return a function that makes the reference of an optional parameter; `\a?b` gives it if b is present."""
     if not passed_on:
         return _bind(scope, expression, parameter, parts)
@@ -198,7 +198,7 @@ def link_function(scope: "Scope", call: syntax.Call) -> Typed:
     linked = link_arguments(scope, call, function.rule)
     controller = scope.controller
 
-    def value(frame: Frame) -> Value:
+    def value(frame: CallFrame) -> Value:
         values, options = linked.values(frame), linked.options(frame)
         with errors_at(str(call.place)):
             return function.compute(controller, values, options)

@@ -1,11 +1,15 @@
 """Data of a running program, and what a name means at a statement."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import Protocol, TypeAlias
+from typing import TYPE_CHECKING, Protocol
 
 from ffgym.core.errors import FFGymError
 from ffgym.paths.rapid.records import Type, Value
+from ffgym.paths.rapid.syntax import SourceLocation
+
+if TYPE_CHECKING:
+    from ffgym.paths.rapid.loops import Loop
 
 
 class DatumReference(Protocol):
@@ -60,8 +64,13 @@ def _replace(value: Value, path: Sequence[int], new: Value) -> Value:
     return (*value[: path[0]], changed, *value[path[0] + 1 :])
 
 
-Frame: TypeAlias = list[DatumReference | None]
-"""Data of one call of a routine: parameters, its own data and counters of its loops; None for an absent parameter."""
+class CallFrame(list[DatumReference | None]):
+    """Data of a call of a routine: parameters, its own data and counters of its loops; None for an absent parameter."""
+
+    def __init__(self, data: Iterable[DatumReference | None] = ()) -> None:
+        super().__init__(data)
+        self.loops: dict[SourceLocation, Loop] = {}
+        """Loops by GOTO that this call is in, by the place of the GOTO."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +80,7 @@ class Meaning:
     type: Type
     kind: str
     """CONST, PERS or VAR; FOR for the counter of a loop, and IN for a parameter that is a value."""
-    find: Callable[[Frame], DatumReference | None]
+    find: Callable[[CallFrame], DatumReference | None]
     optional: bool = False
     """True for a parameter that may be absent."""
 
@@ -81,7 +90,7 @@ class Meaning:
         return self.kind not in ("CONST", "FOR")
 
 
-def at_index(index: int) -> Callable[[Frame], DatumReference | None]:
+def at_index(index: int) -> Callable[[CallFrame], DatumReference | None]:
     """Return a function that finds data at an index of a frame."""
     return lambda frame: frame[index]
 

@@ -11,7 +11,7 @@ from ffgym.paths.rapid.expressions import Typed, link_changeable, link_expressio
 from ffgym.paths.rapid.loops import Loop, leaves
 from ffgym.paths.rapid.records import BOOL, NUM
 from ffgym.paths.rapid.routines import Returned
-from ffgym.paths.rapid.scope import Datum, Frame
+from ffgym.paths.rapid.scope import CallFrame, Datum
 
 if TYPE_CHECKING:
     from ffgym.paths.rapid.linker import Scope
@@ -33,7 +33,7 @@ class Block:
     labels: dict[str, int]
     """Number of statements before each label, by name in lower case."""
 
-    def run(self, frame: Frame) -> None:
+    def run(self, frame: CallFrame) -> None:
         """Run all statements; a jump to a label goes on behind it."""
         i = 0
         while i < len(self.steps):
@@ -76,11 +76,11 @@ class _Linker:
     def _with_count(self, run: Run, place: syntax.SourceLocation) -> Run:
         controller = self.scope.controller
 
-        def counted(frame: Frame) -> None:
+        def count_and_run(frame: CallFrame) -> None:
             controller.count(place)
             run(frame)
 
-        return counted
+        return count_and_run
 
     def _statement(self, statement: syntax.Statement, block: Sequence[syntax.Statement], index: int) -> Run:
         if isinstance(statement, syntax.Call):
@@ -113,7 +113,7 @@ class _Linker:
         branches = [(self._condition(condition), self.block(block)) for condition, block in statement.branches]
         otherwise = self.block(statement.otherwise)
 
-        def run(frame: Frame) -> None:
+        def run(frame: CallFrame) -> None:
             for condition, block in branches:
                 if condition.value(frame):
                     block.run(frame)
@@ -138,7 +138,7 @@ class _Linker:
         ]
         otherwise = self.block(statement.otherwise)
 
-        def run(frame: Frame) -> None:
+        def run(frame: CallFrame) -> None:
             found = value.value(frame)
             for values, block in cases:
                 if any(one.value(frame) == found for one in values):
@@ -161,7 +161,7 @@ class _Linker:
             local.meanings[statement.variable.lower()] = hidden
         controller, place = self.scope.controller, statement.place
 
-        def run(frame: Frame) -> None:
+        def run(frame: CallFrame) -> None:
             number, end = first.value(frame), last.value(frame)
             # without STEP the counter goes down where it has to
             by = step.value(frame) if step is not None else 1.0 if number <= end else -1.0
@@ -181,7 +181,7 @@ class _Linker:
         program, place = self.scope.program, statement.place
         closed = condition.fixed and not leaves(statement.block)
 
-        def run(frame: Frame) -> None:
+        def run(frame: CallFrame) -> None:
             loop = Loop(program, place, closed=closed, asks=condition.asks)
             while condition.value(frame):
                 program.controller.count(place)
@@ -199,12 +199,11 @@ class _Linker:
         # back to a label of the same block, nothing between them that leaves: a loop without end
         names = [one.name.lower() if isinstance(one, syntax.Label) else "" for one in before]
         closed = label in names and not leaves(before[names.index(label) :], own=frozenset({label}))
-        loops: dict[int, Loop] = {}
 
-        def run(frame: Frame) -> None:
-            loop = loops.get(id(frame))
+        def run(frame: CallFrame) -> None:
+            loop = frame.loops.get(place)
             if loop is None:
-                loop = loops[id(frame)] = Loop(program, place, closed=closed, asks=False, entered=True)
+                loop = frame.loops[place] = Loop(program, place, closed=closed, asks=False)
             if loop.goes_on(frame):
                 loop.begin(frame)
                 raise Jump(label)

@@ -76,7 +76,7 @@ class OperatorChain(NamedTuple):
         return self.first.place
 
 
-class Signed(NamedTuple):
+class SignedOperand(NamedTuple):
     """An operand behind a sign."""
 
     negative: bool
@@ -84,7 +84,7 @@ class Signed(NamedTuple):
     place: SourceLocation
 
 
-class Negated(NamedTuple):
+class Negation(NamedTuple):
     """A truth value behind NOT."""
 
     operand: "Expression"
@@ -119,7 +119,9 @@ class Missing(NamedTuple):
     place: SourceLocation
 
 
-Expression: TypeAlias = Missing | Literal | VariableReference | Aggregate | OperatorChain | Signed | Negated | Call
+Expression: TypeAlias = (
+    Missing | Literal | VariableReference | Aggregate | OperatorChain | SignedOperand | Negation | Call
+)
 
 
 class Declaration(NamedTuple):

@@ -175,7 +175,7 @@ def with_tool(robot: RobotDescription, tool: Value, source: str) -> RobotDescrip
         )
     if tool == DESCRIBED_TOOL:
         return robot
-    held = _held(robot.tool, tool)
+    held = _hold(robot.tool, tool)
     own = {f"tool.{name}": np.asarray(getattr(held, name)) for name in ("tcp", "mass", "com", "inertia")}
     described = {path: np.asarray(getattr(robot.tool, path.removeprefix("tool."))) for path in own}
     if all(np.allclose(own[path], x, rtol=0, atol=_ROUNDING * np.abs(x).max()) for path, x in described.items()):
@@ -189,7 +189,7 @@ def with_tool(robot: RobotDescription, tool: Value, source: str) -> RobotDescrip
     return replace(robot, tool=held, geoms=geoms, quantities=quantities)
 
 
-def _held(flange: Tool, tool: Value) -> Tool:
+def _hold(flange: Tool, tool: Value) -> Tool:
     """Tool on the flange of another; tool0 weighs nothing, whatever load the manual gives it."""
     tcp = tool_frame(tool).position
     mass, cog, aom, *moments = tool[2]

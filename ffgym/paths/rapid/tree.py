@@ -190,7 +190,7 @@ class _TreeBuilder(Transformer[Token, tuple[syntax.Module, ...]]):
     def option(self, backslash: Token, name: Token, value: Any) -> syntax.Option:
         return syntax.Option(str(name), value, self._place(backslash))
 
-    def passed_on(self, backslash: Token, name: Token, parameter: Token) -> syntax.Option:
+    def passing(self, backslash: Token, name: Token, parameter: Token) -> syntax.Option:
         place = self._place(parameter)
         value = syntax.VariableReference(str(parameter), (), place)
         return syntax.Option(str(name), value, self._place(backslash), passed_on=True)
@@ -202,11 +202,11 @@ class _TreeBuilder(Transformer[Token, tuple[syntax.Module, ...]]):
             first, tuple((sign.upper(), operand) for sign, operand in zip(rest[::2], rest[1::2], strict=True))
         )
 
-    def signed(self, sign: Token, operand: Any) -> syntax.Signed:
-        return syntax.Signed(sign.type == "MINUS", operand, self._place(sign))
+    def signing(self, sign: Token, operand: Any) -> syntax.SignedOperand:
+        return syntax.SignedOperand(sign.type == "MINUS", operand, self._place(sign))
 
-    def negated(self, word: Token, operand: Any) -> syntax.Negated:
-        return syntax.Negated(operand, self._place(word))
+    def negation(self, word: Token, operand: Any) -> syntax.Negation:
+        return syntax.Negation(operand, self._place(word))
 
     def number(self, token: Token) -> syntax.Literal:
         value = float(int(token, 0)) if token[1:2].lower() in tuple("xbo") else float(token)

@@ -42,6 +42,13 @@ def test_a_loop_that_may_be_left_is_run_until_it_is(irb4600):
     assert done.notes == ()
 
 
+def test_a_loop_by_goto_begins_anew_in_every_call_of_its_routine(irb4600):
+    twice = "PROC twice() VAR num n := 0; again: n := n + 1; WaitTime n; IF n < 2 GOTO again; ENDPROC"
+    done = run(irb4600, "twice; twice; twice;", more=twice)
+    assert [move.duration for move in done.moves[1:]] == [1, 2] * 3
+    assert done.notes == ()
+
+
 def test_a_loop_that_only_waits_for_an_input_is_left_with_a_note(irb4600):
     done = run(irb4600, 'WHILE DInput(diOk) = 0 DO TPWrite "wait"; ENDWHILE WaitTime 2;')
     assert [move.duration for move in done.moves[1:]] == [2]

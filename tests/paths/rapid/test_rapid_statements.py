@@ -1,5 +1,7 @@
 """Statements, routines and expressions of RAPID do what the reference manual says."""
 
+import re
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -188,6 +190,21 @@ def test_functions_give_what_the_manual_says(irb4600, expression, value):
 def test_functions_without_a_value_are_one_error_with_its_place(irb4600, expression):
     with pytest.raises(FFGymError, match=r"^cut.mod:6:10: there is no value for \("):
         waits(irb4600, f"WaitTime {expression};")
+
+
+WRONG_NUMBERS = {
+    "Round(2.5 \\Dec:=400)": r"\Dec = 400.0 is out of range, must be in [0, 15]",
+    "Trunc(2.5 \\Dec:=0.5)": r"\Dec = 0.5 must be a whole number",
+    "StrLen(NumToStr(2, 1E9))": "Dec = 1000000000.0 is out of range, must be in [0, 15]",
+    "Dim([1, 2], 1E30)": "dimension = 1e+30 is out of range, must be in [1, 3]",
+    "Dim([1, 2], 2)": "the array has no dimension 2",
+}
+
+
+@pytest.mark.parametrize(("expression", "said"), WRONG_NUMBERS.items())
+def test_functions_refuse_digits_and_dimensions_that_are_none(irb4600, expression, said):
+    with pytest.raises(FFGymError, match=re.escape(said)):
+        waits(irb4600, f"a := [1, 2]; WaitTime {expression.replace('[1, 2]', 'a')};", "VAR num a{2};")
 
 
 def test_functions_know_where_the_last_move_led(irb4600, arm):
