@@ -31,6 +31,9 @@ class Browser:
         )
         self.driver.get("about:blank")
         self.driver.get(url or self.url)
+        # on a busy machine the driver may take the empty page for the one that it waits for
+        ready = "return location.protocol !== 'about:' && document.readyState === 'complete'"
+        WebDriverWait(self.driver, 30).until(lambda driver: driver.execute_script(ready))
         return self
 
     def column(self, key):
