@@ -136,7 +136,7 @@ def test_two_waves_of_a_gear_error_are_one_error_of_that_shape(arm, circle):
 
 def test_samples_and_batches_with_effects_are_the_same_law(arm, circle, swing):
     law = model_law(machine_with(arm.robot, *WITH_MEMORY, *WITHOUT), arm)
-    check_samples(law, circle)
+    check_samples(law, swing)
     check_batch(law, circle)
     check_side_by_side(law, [swing, circle])
 
@@ -208,7 +208,7 @@ def test_samples_and_batches_with_effects_and_friction_on_the_arm_are_the_same_l
     with_friction_on_the_arm, circle, swing
 ):
     law = model_law(machine_with(with_friction_on_the_arm, *WITH_MEMORY, *WITHOUT))
-    check_samples(law, circle)
+    check_samples(law, swing)
     check_batch(law, circle)
     check_side_by_side(law, [swing, circle])
 

@@ -49,6 +49,7 @@ def test_the_full_budget_beats_the_base_as_the_tutorial_says(name, motions, circ
     assert tutorial["error_left"](tutorial["learn"](name), name, motions, circles) < most
 
 
+@pytest.mark.slow
 def test_half_of_the_budget_beats_elastic_feed_forward_on_the_circles_of_a_workcell():
     name, tutorial = "ffgym/WorkcellCircles-v1", lessons()
     model = tutorial["learn"](name, steps=NUMBERS[name]["n_timesteps"] // 2)

@@ -285,8 +285,9 @@ def test_a_verdict_has_at_most_three_lines_and_ends_at_a_clause():
     assert " ".join(text.split()).endswith("turn of the motor of joint 3, and more that is listed below.")
 
 
-def test_a_page_whose_commands_record_warns_that_the_logs_are_simulated(report):
+def test_a_page_whose_commands_record_warns_that_the_logs_are_simulated(report, page):
     """Without such a command there is no warning."""
     warning = "on the model that it is given, not on the machine"
-    assert warning in render_diagnosis_page(report)
-    assert warning not in render_diagnosis_page(replace(report, commands=("ffgym record --list",)))
+    assert warning in page
+    without = DiagnosisReport(diagnosis=report.diagnosis, commands=("ffgym record --list",))
+    assert warning not in render_diagnosis_page(without)
