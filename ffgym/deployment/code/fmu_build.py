@@ -83,7 +83,7 @@ def _data_text(description: ModelDescription) -> str:
     )
 
 
-_QUIET = ("SetupExperiment", "EnterInitializationMode", "Terminate", "SetDebugLogging", "EnterStepMode")
+_QUIET = ("EnterInitializationMode", "Terminate", "SetDebugLogging", "EnterStepMode")
 """Functions of the standard that have nothing to do here."""
 
 

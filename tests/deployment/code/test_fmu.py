@@ -128,6 +128,36 @@ def test_a_reset_begins_the_motion_again(written):
             assert np.array_equal(slave.get("motor_position"), rest)
 
 
+def test_a_setpoint_that_mujoco_drops_is_an_error_until_the_plant_is_reset(written, tmp_path, monkeypatch, capfd):
+    folder, _ = written
+    monkeypatch.chdir(tmp_path)  # where MuJoCo writes its warning
+    for version, wrong in (("2", 1e15), ("3", np.nan)):
+        with Slave(folder / f"plant_fmi{version}.fmu") as slave:
+            first, rest = slave.get("position"), slave.get("motor_position")
+            slave.set("torque", first + wrong)
+            with pytest.raises(Exception, match=r"doStep|DoStep"):
+                slave.step(0.0, 0.004)
+            assert "the simulation became unstable" in "".join(capfd.readouterr())
+            slave._fmu.reset()
+            assert np.array_equal(slave.get("motor_position"), rest)
+            slave.step(0.0, 0.004)
+
+
+def test_time_begins_where_the_importer_says(written):
+    folder, _ = written
+    with Slave(folder / "program_fmi3.fmu") as slave:
+        slave._fmu.reset()
+        slave._fmu.enterInitializationMode(startTime=2.5)
+        slave._fmu.exitInitializationMode()
+        assert slave.get("time") == [2.5]
+    with Slave(folder / "program_fmi2.fmu") as slave:
+        slave._fmu.reset()
+        slave._fmu.setupExperiment(startTime=2.5)
+        time = ctypes.c_double()
+        slave._fmu.dll.fmi2GetRealStatus(ctypes.c_void_p(slave._fmu.component), 2, ctypes.byref(time))
+        assert time.value == 2.5
+
+
 def test_a_state_that_is_set_again_repeats_the_steps_after_it_bit_for_bit(written):
     folder, _ = written
     for version in "23":

@@ -1,6 +1,7 @@
 """Tables of a law come back with every bit, in Python and in C."""
 
 import ctypes
+import struct
 from dataclasses import replace
 
 import numpy as np
@@ -98,7 +99,26 @@ def test_the_reader_in_c_gives_every_number_and_refuses_other_bytes(table, tmp_p
         assert np.array_equal(found[:-1], wanted)
         assert np.array_equal(found[-1], wanted[-1])
     assert read(data, "speed [rad/s]")[0] == 2
-    for other in (data[:-1], data[:40], data[:31], b"X" + data[1:], data[:8] + b"\0\0\0\1" + data[12:]):
+    head = struct.Struct("<8s4Id")
+    magic, order, n, quantities, samples, dt = head.unpack_from(data)
+    wrong = [
+        (n, quantities, samples + 1),
+        (n, quantities + 1, samples),
+        (n, 0, samples),
+        (2**31, 2**30, 8),  # whose product is 0 in 64 bits
+        (n, 2**32 - 1, samples),
+    ]
+    others = [head.pack(magic, order, *sizes, dt) + data[32:] for sizes in wrong]
+    nothing = head.pack(magic, order, 2**31, 2, 2**31, dt) + bytes(64)  # names, and no numbers
+    for other in (
+        *others,
+        nothing,
+        data[:-1],
+        data[:40],
+        data[:31],
+        b"X" + data[1:],
+        data[:8] + b"\0\0\0\1" + data[12:],
+    ):
         assert read(other, "torque [N m]")[0] == 1
 
 

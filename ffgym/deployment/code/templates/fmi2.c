@@ -69,6 +69,14 @@ void fmi2FreeInstance(fmi2Component c)
     }
 }
 
+fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean tolerance_defined, fmi2Real tolerance, fmi2Real start,
+    fmi2Boolean stop_defined, fmi2Real stop)
+{
+    (void)tolerance_defined, (void)tolerance, (void)stop_defined, (void)stop;
+    ((instance *)c)->model->time = start;
+    return fmi2OK;
+}
+
 fmi2Status fmi2ExitInitializationMode(fmi2Component c) { return told(c, fmu_begin(((instance *)c)->model)); }
 fmi2Status fmi2Reset(fmi2Component c) { return told(c, fmu_reset(((instance *)c)->model)); }
 

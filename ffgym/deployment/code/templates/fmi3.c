@@ -43,6 +43,14 @@ void fmi3FreeInstance(fmi3Instance c)
     }
 }
 
+fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean tolerance_defined, fmi3Float64 tolerance,
+    fmi3Float64 start, fmi3Boolean stop_defined, fmi3Float64 stop)
+{
+    (void)tolerance_defined, (void)tolerance, (void)stop_defined, (void)stop;
+    ((instance *)c)->model->time = start;
+    return fmi3OK;
+}
+
 fmi3Status fmi3ExitInitializationMode(fmi3Instance c) { return told(c, fmu_begin(((instance *)c)->model)); }
 fmi3Status fmi3Reset(fmi3Instance c) { return told(c, fmu_reset(((instance *)c)->model)); }
 

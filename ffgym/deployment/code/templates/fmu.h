@@ -6,7 +6,7 @@
 
 typedef struct {
     double *values; /* by value reference: inputs first, then outputs, then the time */
-    double time;    /* [s] since the start */
+    double time;    /* [s] on the clock of the importer */
     void *own;      /* what the model keeps */
     char message[256];
 } fmu_model;

@@ -27,7 +27,7 @@
 
 typedef struct {
     double memory[${upper}_MEMORY];
-    long step; /* steps of the motion that are done */
+    unsigned long step; /* steps of the motion that are done */
 } ${name}_state;
 
 /* Sets the state to the start of the motion, where the robot rests. */

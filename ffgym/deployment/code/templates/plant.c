@@ -81,6 +81,20 @@ int fmu_begin(fmu_model *fmu)
     return 0;
 }
 
+/* MuJoCo warns of states and set-points that are no numbers, or beyond all bounds, and goes on from others. */
+static int check_stable(fmu_model *fmu)
+{
+    const mjWarningStat *warning = ((plant *)fmu->own)->data->warning;
+    static const int signs[] = {mjWARN_BADQPOS, mjWARN_BADQVEL, mjWARN_BADQACC, mjWARN_BADCTRL};
+    int count = 0;
+    for (size_t k = 0; k < sizeof signs / sizeof signs[0]; ++k)
+        count += warning[signs[k]].number;
+    if (count == 0)
+        return 0;
+    snprintf(fmu->message, sizeof fmu->message, "the simulation became unstable, or a set-point is no number; reset it");
+    return 1;
+}
+
 int fmu_step(fmu_model *fmu, double step)
 {
     plant *own = fmu->own;
@@ -104,13 +118,8 @@ int fmu_step(fmu_model *fmu, double step)
         mj_step(own->model, own->data);
     }
     memcpy(own->last, next, sizeof own->last);
-    for (int j = 0; j < N; ++j)
-        if (!isfinite(own->data->qpos[own->model->jnt_qposadr[own->motor[j]]])) {
-            snprintf(fmu->message, sizeof fmu->message, "the simulation became unstable");
-            return 1;
-        }
     write_outputs(fmu);
-    return 0;
+    return check_stable(fmu);
 }
 
 void fmu_close(fmu_model *fmu)
@@ -135,6 +144,10 @@ void *fmu_copy(const fmu_model *fmu)
     if (copied == NULL)
         return NULL;
     copied->data = mj_copyData(NULL, own->model, own->data);
+    if (copied->data == NULL) {
+        free(copied);
+        return NULL;
+    }
     memcpy(copied->last, own->last, sizeof own->last);
     return copied;
 }

@@ -35,9 +35,15 @@ static inline int table_open(table *t, const unsigned char *bytes, size_t size)
     t->samples = head[3];
     if (head[0] != 1 || t->joints == 0 || t->quantities == 0 || t->samples == 0)
         return 1;
+    /* the rest must hold all names and numbers; told by division, as products of a wrong head may overflow */
+    size -= 32;
+    if (t->quantities > size / 32)
+        return 1;
+    size -= (size_t)32 * t->quantities;
     t->names = bytes + 32;
     t->values = t->names + (size_t)32 * t->quantities;
-    return size != 32 + (size_t)32 * t->quantities + (size_t)8 * t->samples * t->quantities * t->joints;
+    return size % 8 != 0 || size / 8 % t->joints != 0 || size / 8 / t->joints % t->quantities != 0
+        || size / 8 / t->joints / t->quantities != t->samples;
 }
 
 /* Finds a quantity by its name with unit; -1 if there is none. */
