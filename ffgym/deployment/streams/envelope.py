@@ -121,7 +121,7 @@ class Guard:
         if self._last_valid is None:
             return 0.0
         self._watch(now)
-        return max(0.0, min((1 - (now - start) / duration for start, duration in self._ramps), default=1.0))
+        return max(0.0, min([1.0, *(1 - (now - start) / duration for start, duration in self._ramps)]))
 
     def correct(self, wanted: Array, samples: int, now: float) -> Array:
         """Compute the correction to send.

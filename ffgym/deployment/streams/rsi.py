@@ -98,12 +98,12 @@ class RsiWire:
 
 
 def _parse(data: bytes, tag: str) -> ET.Element:
-    """Parse a telegram; declarations, which could define entities without end, are none."""
-    if len(data) > _LONGEST or b"<!" in data:
+    """Parse a telegram in UTF-8; declarations, which could define entities without end, are none in any encoding."""
+    if len(data) > _LONGEST or b"<!" in data or b"\0" in data:  # UTF-16 has zeros
         raise PacketError("not a message")
     try:
-        root = ET.fromstring(data)
-    except (ET.ParseError, ValueError, LookupError):  # wrong XML, characters or encodings
+        root = ET.fromstring(data, ET.XMLParser(encoding="utf-8"))
+    except (ET.ParseError, ValueError):
         raise PacketError("not a message") from None
     if root.tag != tag:
         raise PacketError("kind of message")

@@ -29,7 +29,7 @@ class RtdePort:
         self._socket = connection
         self._selector = selectors.DefaultSelector()
         self._selector.register(connection, selectors.EVENT_READ)
-        self._buffer = b""
+        self._buffer = self._unsent = b""
 
     def receive(self, timeout: float) -> tuple[bytes, Hashable] | None:
         """Wait at most `timeout` [s] for a data package; returns it, or None."""
@@ -45,21 +45,25 @@ class RtdePort:
         while (package := self._cut()) is None:
             if not self._selector.select(max(until - time.perf_counter(), 0.0)):
                 return None
-            with suppress(BlockingIOError):
-                try:
-                    received = self._socket.recv(1 << 16)
-                except OSError:  # the other end is gone
-                    received = b""
-                if not received:
-                    time.sleep(max(until - time.perf_counter(), 0.0))
-                    return None
-                self._buffer += received
+            try:
+                received = self._socket.recv(1 << 16)
+            except BlockingIOError:  # nothing came after all
+                continue
+            except OSError:
+                received = b""
+            if not received:  # the other end is gone
+                time.sleep(max(until - time.perf_counter(), 0.0))
+                return None
+            self._buffer += received
         return package
 
     def send(self, data: bytes, receiver: Hashable) -> None:
-        """Send a package; one that cannot be sent is lost."""
+        """Send a package; one that cannot be sent is lost, and one that was sent in part goes on first."""
         with suppress(OSError):
-            self._socket.sendall(data)
+            if self._unsent:
+                self._unsent = self._unsent[self._socket.send(self._unsent) :]
+            if not self._unsent:
+                self._unsent = data[self._socket.send(data) :]
 
     def request(self, kind: int, payload: bytes) -> bytes:
         """Send a request and return the payload of its answer.
@@ -153,12 +157,12 @@ def accept_rtde(address: tuple[str, int], longest: float) -> RtdePort:
             reason = "no client came" if isinstance(error, TimeoutError) else error.strerror
             raise FFGymError(f"Cannot serve RTDE at {format_address(address)}: {reason}.") from error
     port = RtdePort(connection)
-    known = {"timestamp", *OUTPUTS, *INPUTS}
+    known = OUTPUTS | INPUTS
     while (package := port.next_package(_PATIENCE)) is not None:
         kind, payload = package[2], package[3:]
         if kind in (_OUTPUTS, _INPUTS):
             names = payload[8 if kind == _OUTPUTS else 0 :].decode("ascii", errors="replace").split(",")
-            types = [(OUTPUTS | INPUTS)[name] if name in known else "NOT_FOUND" for name in names]
+            types = [known.get(name, "NOT_FOUND") for name in names]
             port.send(pack_package(kind, b"\x01" + ",".join(types).encode()), None)
         elif kind in (_VERSION, _START):
             port.send(pack_package(kind, b"\x01"), None)

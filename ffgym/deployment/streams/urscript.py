@@ -6,10 +6,6 @@ from typing import final
 
 from ffgym.core.errors import FFGymError, check_number, check_shape
 
-VISCOUS_SCALE = (0.9, 0.9, 0.8, 0.9, 0.9, 0.9)
-"""Share of viscous friction that direct_torque compensates by default (PolyScope 5.25)."""
-COULOMB_SCALE = (0.8, 0.8, 0.7, 0.8, 0.8, 0.8)
-"""Share of Coulomb friction that it compensates by default."""
 _MISSED = 10
 """Cycles without a new set-point after which the program stops the robot: 20 ms."""
 
@@ -39,8 +35,9 @@ class ServoProgram:
 class TorqueProgram:
     """Program that controls positions itself, adds the torques of the stream, and calls direct_torque.
 
-    direct_torque compensates gravity, and shares of the friction by a model of its own. A feed-forward law that stands
-    for all friction needs scales of 0.
+    direct_torque compensates gravity, and shares of the friction by a model of its own: by default 0.9 of the viscous
+    and 0.8 of the Coulomb friction, 0.1 less on the elbow (PolyScope 5.25). A feed-forward law that stands for all
+    friction needs scales of 0.
     """
 
     stiffness: Sequence[float]
@@ -62,13 +59,13 @@ class TorqueProgram:
     @property
     def command(self) -> str:
         """Lines of the program that move the robot for a cycle."""
-        scales = f"viscous_scale={list(self.viscous_scale)}, coulomb_scale={list(self.coulomb_scale)}"
+        scales = f"viscous_scale={_list(self.viscous_scale)}, coulomb_scale={_list(self.coulomb_scale)}"
         return "\n".join(
             [
                 "    q_now = get_actual_joint_positions()",
                 "    qd_now = get_actual_joint_speeds()",
-                f"    stiffness = {list(self.stiffness)}",
-                f"    damping = {list(self.damping)}",
+                f"    stiffness = {_list(self.stiffness)}",
+                f"    damping = {_list(self.damping)}",
                 "    torque = u",
                 "    j = 0",
                 "    while j < 6:",
@@ -78,6 +75,11 @@ class TorqueProgram:
                 f"    direct_torque(torque, {scales})",
             ]
         )
+
+
+def _list(values: Sequence[float]) -> str:
+    """Write numbers as a list of URScript."""
+    return str([float(value) for value in values])
 
 
 def write_urscript(program: ServoProgram | TorqueProgram) -> str:

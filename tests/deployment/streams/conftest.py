@@ -1,5 +1,7 @@
 """Plans and envelopes that tests of streams share."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -39,3 +41,9 @@ def wave(irb4600: RobotDescription) -> SetpointPlan:
         correction=1e-3 * np.outer(np.sin(np.pi * t) ** 2, [1, -1, 0.5, 1, -1, 0.5]),
         torque=np.outer(np.sin(np.pi * t) ** 2, [1, -1, 0.5, 1, -1, 0.5]),
     )
+
+
+@pytest.fixture(scope="session")
+def brief(wave: SetpointPlan) -> SetpointPlan:
+    """The first part of the wave, for what runs in real time."""
+    return replace(wave, **{part: getattr(wave, part)[:151] for part in ("program", "correction", "torque")})

@@ -106,6 +106,12 @@ def test_a_stop_lets_the_correction_leave_within_the_fade_and_a_loss_faster() ->
     assert guard.gate(0.020) == 0.0
 
 
+def test_a_gate_is_never_wider_than_open_though_a_clock_is_read_late() -> None:
+    guard = full_guard()
+    guard.close(0.004)
+    assert guard.gate(0.002) == 1.0
+
+
 def test_torque_keeps_its_limit_and_leaves_with_the_correction() -> None:
     guard = full_guard()
     assert np.array_equal(guard.torque(np.array([9.0, -9.0]), 0.0), [5.0, -1.0])

@@ -4,6 +4,7 @@ import threading
 
 import numpy as np
 import pytest
+from stream_samples import FollowingRobot
 
 from ffgym.control import SetpointResponse
 from ffgym.core.errors import FFGymError
@@ -33,17 +34,17 @@ class Served:
 
 
 @pytest.fixture
-def controller(axes: JointAxes, wave: SetpointPlan, irb4600: RobotDescription, arm: RigidArm) -> EmulatedController:
+def controller(axes: JointAxes, wave: SetpointPlan, irb4600: RobotDescription) -> EmulatedController:
     wire = EgmWire(axes)
-    response = SetpointResponse.low_pass(20.0, delay=0.0093)
-    return EmulatedController(
-        EmulatedRobot(irb4600, wave.program[0], cycle=wire.cycle, response=response, arm=arm), wire
-    )
+    return EmulatedController(FollowingRobot(irb4600, wave.program[0], wire.cycle), wire)
 
 
 def test_a_plan_is_sent_over_sockets_as_in_lock_step(
-    controller: EmulatedController, wave: SetpointPlan, envelope: Envelope, irb4600: RobotDescription
+    axes: JointAxes, wave: SetpointPlan, envelope: Envelope, irb4600: RobotDescription, arm: RigidArm
 ) -> None:
+    response = SetpointResponse.low_pass(20.0, delay=0.0093)
+    robot = EmulatedRobot(irb4600, wave.program[0], cycle=EgmWire.cycle, response=response, arm=arm)
+    controller = EmulatedController(robot, EgmWire(axes))
     session = StreamSession(wave, controller.wire, envelope, irb4600.drive)
     with UdpPort(("127.0.0.1", 0)) as port, Served(controller, port.address):
         timing = run_live(session, port)
@@ -75,12 +76,12 @@ def test_a_controller_that_is_silent_or_elsewhere_ends_a_session_with_the_reason
 
 
 def test_packets_of_another_sender_are_refused_while_a_program_runs(
-    controller: EmulatedController, wave: SetpointPlan, envelope: Envelope, irb4600: RobotDescription
+    controller: EmulatedController, brief: SetpointPlan, envelope: Envelope, irb4600: RobotDescription
 ) -> None:
-    session = StreamSession(wave, controller.wire, envelope, irb4600.drive)
+    session = StreamSession(brief, controller.wire, envelope, irb4600.drive)
     stranger = UdpPort(("127.0.0.1", 0))
     with UdpPort(("127.0.0.1", 0)) as port, Served(controller, port.address):
-        threading.Timer(0.8, stranger.send, (controller.feedback(), port.address)).start()
+        threading.Timer(0.4, stranger.send, (controller.feedback(), port.address)).start()
         run_live(session, port)
     stranger.close()
     assert session.refused["another sender"] == 1

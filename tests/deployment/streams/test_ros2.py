@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from stream_samples import FollowingRobot
 
 from ffgym.control import SetpointResponse
 from ffgym.core.errors import FFGymError
@@ -107,21 +108,20 @@ def test_efforts_reach_the_motors_of_an_emulated_controller(
 
 def test_a_plan_is_sent_over_dds(
     axes: JointAxes,
-    wave: SetpointPlan,
+    brief: SetpointPlan,
     envelope: Envelope,
     irb4600: RobotDescription,
-    arm: RigidArm,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setenv("CYCLONEDDS_URI", LOOPBACK)
     monkeypatch.setenv("ROS_DOMAIN_ID", "77")
     wire = Ros2Wire(axes)
-    robot = EmulatedRobot(irb4600, wave.program[0], cycle=0.004, response=SetpointResponse(delay=0.004), arm=arm)
+    robot = FollowingRobot(irb4600, brief.program[0], cycle=0.004)
     ports = DdsPort(TOPIC), DdsPort(TOPIC, is_controller=True)
     controller = EmulatedController(robot, wire)
     server = threading.Thread(target=serve_live, args=(controller, ports[1], None), kwargs={"longest": 20.0})
     server.start()
-    session = StreamSession(wave, wire, envelope, irb4600.drive)
+    session = StreamSession(brief, wire, envelope, irb4600.drive)
     run_live(session, ports[0])
     server.join()
     for port in ports:

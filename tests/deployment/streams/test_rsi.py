@@ -23,6 +23,16 @@ def feedback_at(position: np.ndarray, **change) -> Feedback:
     return replace(Feedback(sequence=0, time=4208163.634, position=position), **change)
 
 
+@pytest.mark.parametrize("encoding", ["utf-16", "utf-16-le", "cp037"])
+def test_a_declaration_in_another_encoding_is_no_telegram(wire: RsiWire, encoding: str) -> None:
+    plain = wire.encode_feedback(feedback_at(np.zeros(6)), np.zeros(6)).decode()
+    assert wire.decode_feedback(plain.encode()).token == 4208163634
+    declared = b'<?xml version="1.0" encoding="cp037"?>' if encoding == "cp037" else b""
+    entity = '<!DOCTYPE Rob [<!ENTITY run "1">]>' + plain.replace("<Run>1<", "<Run>&run;<")
+    with pytest.raises(PacketError, match="not a message"):
+        wire.decode_feedback(declared + entity.encode(encoding))
+
+
 def test_telegrams_are_those_of_kuka(wire: RsiWire) -> None:
     position = np.deg2rad([10.0, 20.0, -30.0, 40.0, -50.0, 60.0])
     root = ET.fromstring(wire.encode_feedback(feedback_at(position), position))
