@@ -5,13 +5,14 @@ from pathlib import Path
 
 import numpy as np
 
+from ffgym.cli.export import load_machine_or_robot
 from ffgym.cli.outputs import check_outputs, print_places, provenance, write_numbers
-from ffgym.cli.stream import check_fits, describe_session, make_envelope
+from ffgym.cli.stream import describe_session, make_envelope
 from ffgym.cli.stream_options import Emulate, Stream
 from ffgym.control import SetpointResponse
 from ffgym.core.errors import FFGymError, check_choice, check_number
 from ffgym.core.types import Array
-from ffgym.deployment.plan import SetpointPlan, read_plan
+from ffgym.deployment.plan import SetpointPlan, check_fits, read_plan
 from ffgym.deployment.streams.emulators import (
     DirectTorque,
     EmulatedController,
@@ -24,15 +25,41 @@ from ffgym.deployment.streams.live import Timing
 from ffgym.deployment.streams.protocols import axes_of, protocol_named
 from ffgym.deployment.streams.recording import record_session
 from ffgym.deployment.streams.session import StreamSession, sample_plan
-from ffgym.envs.machines import load_described_robot
 from ffgym.recordings.io import FORMATS, write_recording
 from ffgym.robot import RobotDescription
-from ffgym.simulation.plant import Machine, load_machine
-from ffgym.simulation.plant.machine_file import is_machine_file
 
 
 def run(config: Emulate) -> None:
     """Check, emulate, write, print."""
+    _check(config)
+    controller, plan = _make_controller(config)
+    emulated, late = controller.robot, 0
+    title = protocol_named(config.protocol).title
+    print(f"{title} of {emulated.robot.name}, {emulated.response.describe()}", flush=True)
+    if plan is not None and config.log is not None:
+        _stream_in_lock_step(config, plan, config.log, controller)
+    else:
+        late = _serve(config, controller)
+    if config.out is not None:
+        write_recording(emulated.truth("emulated"), config.out)
+    fingerprint = emulated.plant.fingerprint()
+    origin = provenance("ffgym emulate", config, emulated.robot.name, fingerprint, config.seed, passing=("out", "json"))
+    told = {
+        "cycles": emulated.cycles,
+        "cycles_that_began_late": late,
+        "cycles_without_setpoint": emulated.missed,
+        "refused": dict(sorted(controller.refused.items())),
+    }
+    write_numbers(config, origin | told)
+    print(
+        f"{emulated.cycles} cycles, {emulated.missed} without a set-point, {late} began late; "
+        f"{'a stream came' if controller.begun else 'no stream came'}"
+    )
+    print_places(recording=config.out, log=config.log, numbers=config.json)
+
+
+def _check(config: Emulate) -> None:
+    """Check outputs, and that there is a plan where one is streamed."""
     places = {"--out": config.out, "--log": config.log}
     for place in places.values():
         if place is not None:
@@ -40,8 +67,11 @@ def run(config: Emulate) -> None:
     check_outputs({**places, "--json": config.json}, inputs=(config.plan, config.robot))
     if config.log is not None and config.plan is None:
         raise FFGymError(f"--log {config.log}: there is no plan to stream. Name one: --plan.")
-    is_machine = is_machine_file(config.robot)
-    machine = load_machine(config.robot) if is_machine else Machine.of(load_described_robot(config.robot))
+
+
+def _make_controller(config: Emulate) -> tuple[EmulatedController, SetpointPlan | None]:
+    """Make the controller with its robot, at the first pose of the plan if there is one; returns the plan, too."""
+    _, machine = load_machine_or_robot(config.robot)
     robot, protocol = machine.robot, protocol_named(config.protocol)
     wire = protocol.make_wire(axes_of(robot))
     plan = _read_plan(config, robot)
@@ -57,29 +87,7 @@ def run(config: Emulate) -> None:
         program=sample_plan(plan, wire.cycle)[0] if plan is not None and wire.needs_answers else None,
     )
     scales = DirectTorque(viscous_scale=config.viscous_scale, coulomb_scale=config.coulomb_scale)
-    controller = EmulatedController(emulated, wire, direct_torque=scales if wire.torques else None)
-    print(f"{protocol.title} of {robot.name}, {emulated.response.describe()}", flush=True)
-    late = 0
-    if plan is not None and config.log is not None:
-        _stream_in_lock_step(config, plan, config.log, controller)
-    else:
-        late = _serve(config, controller)
-    told = {
-        "cycles": emulated.cycles,
-        "cycles_that_began_late": late,
-        "cycles_without_setpoint": emulated.missed,
-        "refused": dict(sorted(controller.refused.items())),
-    }
-    if config.out is not None:
-        write_recording(emulated.truth("emulated"), config.out)
-    fingerprint = emulated.plant.fingerprint()
-    origin = provenance("ffgym emulate", config, robot.name, fingerprint, config.seed, passing=("out", "json"))
-    write_numbers(config, origin | told)
-    print(
-        f"{emulated.cycles} cycles, {emulated.missed} without a set-point, {late} began late; "
-        f"{'a stream came' if controller.begun else 'no stream came'}"
-    )
-    print_places(recording=config.out, log=config.log, numbers=config.json)
+    return EmulatedController(emulated, wire, direct_torque=scales if wire.torques else None), plan
 
 
 def _serve(config: Emulate, controller: EmulatedController) -> int:

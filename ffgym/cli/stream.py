@@ -8,7 +8,7 @@ from ffgym.cli.outputs import check_outputs, print_places, provenance, write_num
 from ffgym.cli.stream_options import Stream
 from ffgym.control import CorrectionLimits
 from ffgym.core.errors import FFGymError, check_choice, check_number
-from ffgym.deployment.plan import SetpointPlan, read_plan
+from ffgym.deployment.plan import SetpointPlan, check_fits, read_plan
 from ffgym.deployment.streams.envelope import LONGEST_SILENCE, Envelope, usual_silence
 from ffgym.deployment.streams.live import Timing, run_live
 from ffgym.deployment.streams.protocols import axes_of, protocol_named
@@ -57,19 +57,6 @@ def name_robot(plan: SetpointPlan, named: str | None) -> str:
             f"Plan {plan.name!r} is of robot {plan.robot!r}, which is not built in. Name its description: --robot FILE."
         )
     return named or plan.robot
-
-
-def check_fits(plan: SetpointPlan, robot: RobotDescription) -> None:
-    """Check that a plan is for the joints of a robot.
-
-    Raises:
-        FFGymError: if it is not.
-    """
-    if plan.joints != robot.joints:
-        raise FFGymError(
-            f"Plan {plan.name!r} is for joints {', '.join(plan.joints)}, robot {robot.name!r} has "
-            f"{', '.join(robot.joints)}. Name the robot of the plan: --robot."
-        )
 
 
 def make_envelope(config: Stream, robot: RobotDescription, cycle: float) -> Envelope:

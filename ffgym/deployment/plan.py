@@ -2,7 +2,7 @@
 
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -11,6 +11,7 @@ import numpy as np
 from ffgym.core.errors import FFGymError, check_number, check_shape, errors_at
 from ffgym.core.files import decode_arrays, encode_arrays, read_bytes, write_bytes
 from ffgym.core.types import Array
+from ffgym.robot import RobotDescription
 
 _FORMAT = "ffgym.plan 1"
 """Kind and version of the file."""
@@ -72,6 +73,24 @@ class SetpointPlan:
     def largest_correction(self) -> Array:
         """Largest size of the correction of each joint, link side [rad or m], shape (N,)."""
         return np.asarray(np.abs(self.correction).max(axis=0), dtype=np.float64)
+
+
+def numbers_per_unit(units: Sequence[str]) -> Array:
+    """Return degrees for one rad, or millimetres for one m, as controllers write joint positions, shape (N,)."""
+    return np.array([180 / np.pi if unit == "rad" else 1e3 for unit in units])
+
+
+def check_fits(plan: SetpointPlan, robot: RobotDescription) -> None:
+    """Check that a plan is for the joints of a robot.
+
+    Raises:
+        FFGymError: if it is not.
+    """
+    if plan.joints != robot.joints:
+        raise FFGymError(
+            f"Plan {plan.name!r} is for joints {', '.join(plan.joints)} of {plan.robot!r}, robot {robot.name!r} has "
+            f"{', '.join(robot.joints)}. Name the robot of the plan."
+        )
 
 
 def write_plan(plan: SetpointPlan, path: str | os.PathLike[str]) -> None:

@@ -129,7 +129,7 @@ def test_a_plan_goes_to_an_emulated_controller_in_another_process(
             ["--protocol", "rsi", "--patience-ms", "3"],
             "patience = 3 ms must be longer than the controller's cycle of 4 ms",
         ),
-        (["--robot", "irb4600_60_205"], "is for joints j1, robot 'irb4600_60_205' has j1, j2"),
+        (["--robot", "irb4600_60_205"], "is for joints j1 of 'one_axis', robot 'irb4600_60_205' has j1, j2"),
         (["--address", "127.0.0.1:0"], "port of '127.0.0.1:0' = 0"),
         (["--address", "192.0.2.1:6510"], "Cannot listen at 192.0.2.1:6510"),
         (["--protocol", "rtde"], "RTDE is for robots of 6 hinges"),

@@ -7,7 +7,7 @@ import numpy as np
 import scipy
 
 from ffgym.core.types import Array, IntArray
-from ffgym.deployment.programs.points import tool_levers
+from ffgym.deployment.programs.points import distances_from_lines, tool_levers
 from ffgym.robot import RigidArm
 
 _STEP = 1e-4
@@ -58,11 +58,8 @@ def _distances(points: Array, levers: Array, path: Array, weights: Array) -> tup
     distances = np.full(len(points), np.inf)
     for first in np.concatenate(near)[None] - np.array([[0], [1]]):
         start, end = fine[np.maximum(first, 0)], fine[np.clip(first + 1, 0, len(fine) - 1)]
-        line = np.einsum("tij,tj->ti", levers[which], end - start)
-        there = np.einsum("tij,tj->ti", levers[which], points[which] - start)
-        length = np.maximum(np.einsum("ti,ti->t", line, line), np.finfo(np.float64).tiny)
-        share = np.clip(np.einsum("ti,ti->t", line, there) / length, 0.0, 1.0)
-        np.minimum.at(distances, which, np.linalg.norm(there - share[:, None] * line, axis=1))
+        apart, _ = distances_from_lines(levers[which], points[which] - start, end - start)
+        np.minimum.at(distances, which, apart)
     return distances, source[nearest]
 
 

@@ -9,7 +9,7 @@ from typing import Any
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.files import new_folder, write_text
 from ffgym.core.types import Array
-from ffgym.deployment.plan import SetpointPlan
+from ffgym.deployment.plan import SetpointPlan, check_fits
 from ffgym.deployment.programs.changes import ProgramChanges, measure_changes
 from ffgym.deployment.programs.deviation import PathDeviation, measure_deviation
 from ffgym.deployment.programs.krl import read_krl, write_krl
@@ -78,7 +78,7 @@ def write_program(
             than the tolerance; nothing is written then.
     """
     check_choice("format of program", format, list(FORMATS))
-    _check_robot(plan, arm)
+    check_fits(plan, arm.robot)
     files, points = _texts(plan, arm, format, tolerance, period, servo or ServoProgram())
     path, duration = _read(files, arm, format)
     deviation = measure_deviation(arm, plan.setpoints, plan.t, path, duration)
@@ -100,14 +100,6 @@ def write_program(
         for name, text in (files | pages).items():
             write_text(place / name, text)
     return written
-
-
-def _check_robot(plan: SetpointPlan, arm: RigidArm) -> None:
-    if tuple(arm.robot.joints) != plan.joints:
-        raise FFGymError(
-            f"The plan is for joints {', '.join(plan.joints)} of {plan.robot!r}, robot {arm.robot.name!r} has "
-            f"{', '.join(arm.robot.joints)}."
-        )
 
 
 def _texts(

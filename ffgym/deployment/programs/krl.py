@@ -6,8 +6,9 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
+from ffgym.deployment.plan import numbers_per_unit
 from ffgym.deployment.programs.names import program_name
-from ffgym.deployment.programs.points import PathPoints, numbers_per_unit
+from ffgym.deployment.programs.points import PathPoints
 
 _ADVANCE = 3
 """Moves that the controller plans ahead; KUKA's default."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError, check_number, check_shape
 from ffgym.core.types import Array, BoolArray
-from ffgym.deployment.plan import SetpointPlan
+from ffgym.deployment.plan import SetpointPlan, numbers_per_unit
 from ffgym.robot import RigidArm
 
 TOLERANCE = 1e-5
@@ -64,11 +64,6 @@ def round_numbers(q: Array, units: tuple[str, ...], digits: int) -> Array:
     """Round joint positions (K, N) as programs have them: degrees and millimetres, 32 bits, so many digits."""
     scale = numbers_per_unit(units)
     return np.asarray(np.round(q * scale, digits).astype(np.float32), dtype=np.float64) / scale
-
-
-def numbers_per_unit(units: tuple[str, ...]) -> Array:
-    """Degrees per rad, or millimetres per m, of each joint, shape (N,)."""
-    return np.array([180 / np.pi if unit == "rad" else 1e3 for unit in units])
 
 
 def tool_levers(arm: RigidArm, q: Array) -> Array:
@@ -215,12 +210,24 @@ def line_deviation(q: Array, levers: Array, i: int, j: int) -> tuple[float, floa
     """Largest distance of the tool [m], and of the time [samples], between set-points and a line from `i` to `j`."""
     if j - i < 2:
         return 0.0, 0.0
-    away = q[i + 1 : j] - q[i]
-    lever = levers[i + 1 : j]
-    line = np.einsum("tij,j->ti", lever, q[j] - q[i])
-    there = np.einsum("tij,tj->ti", lever, away)
-    length = np.maximum(np.einsum("ti,ti->t", line, line), np.finfo(np.float64).tiny)
-    share = np.clip(np.einsum("ti,ti->t", line, there) / length, 0.0, 1.0)
-    apart = np.linalg.norm(there - share[:, None] * line, axis=1)
+    apart, share = distances_from_lines(levers[i + 1 : j], q[i + 1 : j] - q[i], q[j] - q[i])
     late = np.abs(share * (j - i) - np.arange(1, j - i))
     return float(apart.max()), float(late.max())
+
+
+def distances_from_lines(levers: Array, points: Array, lines: Array) -> tuple[Array, Array]:
+    """Compute how far the tool at points is from lines of joint space, each of which begins at 0.
+
+    Args:
+        levers: motion of the tool per motion of each joint, shape (T, 3, N).
+        points: joint positions from the begin of their lines, shape (T, N).
+        lines: ends of the lines from their begin, shape (T, N) or (N,).
+
+    Returns:
+        Distances [m], shape (T,), and the shares of the lines at which they are nearest, within [0, 1], shape (T,).
+    """
+    line = np.einsum("tij,tj->ti", levers, np.broadcast_to(lines, points.shape))
+    there = np.einsum("tij,tj->ti", levers, points)
+    length = np.maximum(np.einsum("ti,ti->t", line, line), np.finfo(np.float64).tiny)
+    share = np.clip(np.einsum("ti,ti->t", line, there) / length, 0.0, 1.0)
+    return np.linalg.norm(there - share[:, None] * line, axis=1), share

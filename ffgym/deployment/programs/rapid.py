@@ -8,8 +8,9 @@ import numpy as np
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import write_text
 from ffgym.core.types import Array
+from ffgym.deployment.plan import numbers_per_unit
 from ffgym.deployment.programs.names import program_name
-from ffgym.deployment.programs.points import ZONE, PathPoints, numbers_per_unit
+from ffgym.deployment.programs.points import ZONE, PathPoints
 from ffgym.paths.limits import MotionLimits
 from ffgym.paths.motions.composition import rapid_motion
 from ffgym.paths.rapid.geometry import to_orient

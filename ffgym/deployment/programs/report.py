@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ffgym.deployment.plan import SetpointPlan
+from ffgym.deployment.plan import SetpointPlan, numbers_per_unit
 from ffgym.deployment.programs.changes import LargestChange
-from ffgym.deployment.programs.points import numbers_per_unit
 from ffgym.report.figure import ReportFigure, panels
 from ffgym.report.page import Items, Page, Section, words_of
 from ffgym.report.table import Column, Table

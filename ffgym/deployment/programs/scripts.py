@@ -8,9 +8,9 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
-from ffgym.deployment.plan import SetpointPlan
+from ffgym.deployment.plan import SetpointPlan, numbers_per_unit
 from ffgym.deployment.programs.names import program_name
-from ffgym.deployment.programs.points import numbers_per_unit, round_numbers
+from ffgym.deployment.programs.points import round_numbers
 from ffgym.deployment.streams import ServoProgram
 
 

@@ -6,6 +6,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from ffgym.core.types import Array
+from ffgym.deployment.plan import numbers_per_unit
 
 
 class PacketError(Exception):
@@ -110,8 +111,7 @@ class JointAxes:
     """Number in a packet of degrees and millimetres for one rad or m, shape (N,)."""
 
     def __post_init__(self) -> None:
-        scale = np.array([180 / np.pi if unit == "rad" else 1e3 for unit in self.units])
-        object.__setattr__(self, "scale", scale)
+        object.__setattr__(self, "scale", numbers_per_unit(self.units))
         object.__setattr__(self, "n", len(self.units))
 
     def from_degrees(self, numbers: Any) -> Array:

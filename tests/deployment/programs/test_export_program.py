@@ -36,7 +36,7 @@ def test_the_robot_is_that_of_the_plan_unless_another_is_named(place, capsys):
     main(["export", "program", "plan.npz", "--format", "csv", "--out", "table"])
     assert (place / "table" / "short.csv").exists()
     assert main(["export", "program", "plan.npz", "--robot", "two_link", "--out", "no"]) == 1
-    assert "The plan is for joints" in capsys.readouterr().err
+    assert "is for joints" in capsys.readouterr().err
     assert not (place / "no").exists()
 
 

@@ -128,7 +128,7 @@ def test_the_report_tells_the_largest_changes_and_where_they_are(plan, arm, tmp_
 
 
 def test_controllers_get_only_robots_that_they_can_have(plan, arm, one_axis, tmp_path):
-    with pytest.raises(FFGymError, match=r"The plan is for joints j1, .* robot 'one_axis' has"):
+    with pytest.raises(FFGymError, match=r"is for joints j1, .* robot 'one_axis' has"):
         write_program(plan, RigidArm(one_axis), tmp_path / "out", "csv")
     single = replace(
         plan,
