@@ -6,7 +6,18 @@ from typing import Literal
 
 import tyro
 
-from ffgym.cli.options import Cycles, Inputs, Numbers, Procedure, Threads
+from ffgym.cli.options import (
+    Cycles,
+    Inputs,
+    LawName,
+    LawParameters,
+    MachineOrRobot,
+    MotionFile,
+    NewFolder,
+    Numbers,
+    Procedure,
+    Threads,
+)
 
 
 @dataclass(frozen=True)
@@ -17,19 +28,14 @@ class ExportCode:
     largest one.
     """
 
-    robot: tyro.conf.Positional[str]
-    """Built-in robot, or a path that ends in .toml to a description or a machine file."""
-    path: tyro.conf.Positional[str]
-    """Built-in motion, or a file: .toml (motion), .csv (poses or joint positions), .mod (RAPID)."""
+    robot: tyro.conf.Positional[MachineOrRobot]
+    path: tyro.conf.Positional[MotionFile]
     entry: Procedure = None
     inputs: Inputs = ()
     cycles: Cycles = 1
-    out: Path = Path("code")
-    """Folder to write; it must be empty or not exist."""
-    feedforward: str = "elastic"
-    """Name of docs/agents, or file of a learned law. One that learns is trained first, on its standard motions."""
-    parameters: Path | None = None
-    """Parameter file for the law's model of the robot."""
+    out: NewFolder = Path("code")
+    feedforward: LawName = "elastic"
+    parameters: LawParameters = None
     name: str = "law"
     """Begin of the names of files and C functions: lower-case letters, digits and _."""
     unchecked: bool = False
@@ -72,12 +78,9 @@ class ExportTable:
     entry: Procedure = None
     inputs: Inputs = ()
     cycles: Cycles = 1
-    out: Path = Path("table")
-    """Folder to write; it must be empty or not exist."""
-    feedforward: str = "elastic"
-    """Name of docs/agents, or file of a learned law. One that learns is trained first, on its standard motions."""
-    parameters: Path | None = None
-    """Parameter file for the law's model of the robot."""
+    out: NewFolder = Path("table")
+    feedforward: LawName = "elastic"
+    parameters: LawParameters = None
     json: Numbers = None
     threads: Threads = 0
 
@@ -90,17 +93,13 @@ class ExportFmu:
     than 1e-9 in SI units.
     """
 
-    robot: tyro.conf.Positional[str]
-    """Built-in robot, or a path that ends in .toml to a description or a machine file."""
-    path: tyro.conf.Positional[str]
-    """Built-in motion, or a file: .toml (motion), .csv (poses or joint positions), .mod (RAPID)."""
+    robot: tyro.conf.Positional[MachineOrRobot]
+    path: tyro.conf.Positional[MotionFile]
     entry: Procedure = None
     inputs: Inputs = ()
     cycles: Cycles = 1
-    out: Path = Path("fmu")
-    """Folder to write; it must be empty or not exist."""
-    feedforward: str = "elastic"
-    """Name of docs/agents, or file of a learned law. One that learns is trained first, on its standard motions."""
+    out: NewFolder = Path("fmu")
+    feedforward: LawName = "elastic"
     parameters: Path | None = None
     """Parameter file for the law's model of the robot; the plant keeps its own numbers."""
     fmi: tuple[Literal["2.0", "3.0"], ...] = ("2.0", "3.0")
@@ -125,8 +124,7 @@ class ExportProgram:
     """Built-in robot, or a path that ends in .toml to a description or a machine file; none given is the plan's."""
     format: Literal["rapid", "krl", "urscript", "csv"] = "rapid"
     """Language of the controller."""
-    out: Path = Path("program")
-    """Folder to write; it must be empty or not exist."""
+    out: NewFolder = Path("program")
     tolerance_mm: float = 0.01
     """Largest distance of the tool from the plan."""
     period_ms: float | None = None

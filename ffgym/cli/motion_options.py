@@ -14,6 +14,9 @@ from ffgym.cli.options import (
     Friction,
     Gravity,
     Inputs,
+    LawName,
+    MachineOrRobot,
+    NewFolder,
     Numbers,
     PageFile,
     Procedure,
@@ -131,18 +134,15 @@ class Play:
 class Export:
     """Write a folder with the robot's model as MJCF; with a motion, also its set-points, reference and recording."""
 
-    robot: tyro.conf.Positional[str]
-    """Built-in robot, or a path that ends in .toml to a description or a machine file."""
+    robot: tyro.conf.Positional[MachineOrRobot]
     path: tyro.conf.Positional[str | None] = None
     """Built-in motion, or a file: .toml (motion), .csv (poses or joint positions), .mod or .pgf (RAPID); none is the
     model."""
     entry: Procedure = None
     inputs: Inputs = ()
     cycles: Cycles = 1
-    out: Path = Path("export")
-    """Folder to write; it must be empty or not exist."""
-    feedforward: str = "none"
-    """Name of docs/agents, or file of a learned law. One that learns is trained first, on its standard motions."""
+    out: NewFolder = Path("export")
+    feedforward: LawName = "none"
     parameters: Path | None = None
     """Parameter file for the law's model of the robot; the exported machine keeps its own numbers."""
     sides: Literal["both", "motor", "link"] = "both"
@@ -175,8 +175,7 @@ class Record:
     """Folder for the recordings; it is made if there is none. What is complete in it is not made again."""
     joints: tuple[str, ...] = ()
     """Joints that the protocols move; none given is all."""
-    feedforward: str = "none"
-    """Name of docs/agents, or file of a learned law. One that learns is trained first, on its standard motions."""
+    feedforward: LawName = "none"
     parameters: Path | None = None
     """Parameter file for the law's model of the robot; the machine keeps its own numbers."""
     seed: int = 0

@@ -47,6 +47,32 @@ Inputs = Annotated[
 Cycles = Annotated[int, tyro.conf.arg(help="Passes through a loop of a RAPID program that never ends.")]
 """Option `--cycles`."""
 
+MachineOrRobot = Annotated[
+    str,
+    tyro.conf.arg(help="Built-in robot, or a path that ends in .toml to a description or a machine file."),
+]
+"""Robot of a command that takes machines, too."""
+
+MotionFile = Annotated[
+    str,
+    tyro.conf.arg(help="Built-in motion, or a file: .toml (motion), .csv (poses or joint positions), .mod (RAPID)."),
+]
+"""Motion of a command."""
+
+LawName = Annotated[
+    str,
+    tyro.conf.arg(
+        help="Name of docs/agents, or file of a learned law. One that learns is trained first, on its standard motions."
+    ),
+]
+"""Option `--feedforward`."""
+
+LawParameters = Annotated[Path | None, tyro.conf.arg(help="Parameter file for the law's model of the robot.")]
+"""Option `--parameters`."""
+
+NewFolder = Annotated[Path, tyro.conf.arg(help="Folder to write; it must be empty or not exist.")]
+"""Option `--out` of a command that writes a folder."""
+
 Elastic = Annotated[bool, tyro.conf.arg(help="Elastic joints; no-flexible makes them rigid.")]
 """Option `--flexible`."""
 

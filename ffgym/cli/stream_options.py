@@ -6,7 +6,17 @@ from typing import Annotated, Literal
 
 import tyro
 
-from ffgym.cli.options import ColumnMap, Cycles, Inputs, Numbers, Procedure, Threads
+from ffgym.cli.options import (
+    ColumnMap,
+    Cycles,
+    Inputs,
+    LawName,
+    LawParameters,
+    MachineOrRobot,
+    Numbers,
+    Procedure,
+    Threads,
+)
 
 ProtocolName = Literal["egm", "rsi", "rsi_12ms", "rtde", "rtde_torque", "ros2", "ros2_effort"]
 """Protocols, as ffgym.deployment has them."""
@@ -65,10 +75,8 @@ class PlanSetpoints:
     cycles: Cycles = 1
     out: Path = Path("plan.npz")
     """Plan to write, .npz."""
-    feedforward: str = "elastic"
-    """Name of docs/agents, or file of a learned law. One that learns is trained first, on its standard motions."""
-    parameters: Path | None = None
-    """Parameter file for the law's model of the robot."""
+    feedforward: LawName = "elastic"
+    parameters: LawParameters = None
     controller: Path | None = None
     """Delay and filter of the controller, .toml, as ffgym identify controller writes them; absent is none."""
     sends: Literal["positions", "corrections"] = "positions"
@@ -112,8 +120,7 @@ class Emulate:
     """egm: ABB Externally Guided Motion; rsi and rsi_12ms: KUKA Robot Sensor Interface, cycle of 4 or 12 ms; rtde and
     rtde_torque: Universal Robots, positions by servoj or torques by direct_torque; ros2 and ros2_effort: ROS 2 joint
     trajectory controller, positions alone or with effort."""
-    robot: str = "irb4600_60_205"
-    """Built-in robot, or a path that ends in .toml to a description or a machine file."""
+    robot: MachineOrRobot = "irb4600_60_205"
     plan: Path | None = None
     """Plan of set-points at whose first pose the robot stands, and whose program a controller runs that gets
     corrections alone (rsi); absent is the robot's home, or 0 if it has none."""
