@@ -7,7 +7,7 @@ from typing import Literal
 
 from ffgym.agents.law_files import load_law
 from ffgym.agents.trials import SimulatedTrial, Trial
-from ffgym.control import FeedForwardLaw, LawStyle, Policy
+from ffgym.control import FeedForwardLaw, LawStyle, Policy, SetpointChannel
 from ffgym.control.style import STYLES
 from ffgym.core.errors import FFGymError
 from ffgym.core.provenance import is_installed
@@ -77,6 +77,8 @@ class AgentEntry:
     feedback: bool = False
     """True if it observes present errors of the motors: track with feedback. A feed-forward policy runs in an
     environment that shows none."""
+    channel: SetpointChannel | None = None
+    """Set-point channel through which its law acts on the leaderboard; None adds its torque."""
     needs_arm: bool = False
     """True if it works only on a robot with a tool (TCP)."""
     package: str | None = None

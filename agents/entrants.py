@@ -11,7 +11,15 @@ from ffgym.agents.declaration import AgentEntry, AgentSetting
 from ffgym.agents.law_agent import LawPolicy
 from ffgym.agents.submission import LOADERS
 from ffgym.agents.trials import CountedTrial, RigTrial, Trial, add_sensors
-from ffgym.control import CausalLaw, FeedForwardLaw, Policy, sees_errors
+from ffgym.control import (
+    CausalLaw,
+    FeedForwardLaw,
+    Policy,
+    SetpointChannel,
+    SetpointResponse,
+    channel_of,
+    sees_errors,
+)
 from ffgym.core.errors import FFGymError
 from ffgym.leaderboard.entrants import Entrant, Maker, ReadyAgent, Registry, one_by_one
 from ffgym.leaderboard.plants import DRAW, NOMINAL, TestPlant
@@ -60,6 +68,7 @@ def _entrant(entry: AgentEntry) -> Entrant | None:
         page=entry.page,
         base=entry.base,
         feedback=entry.feedback,
+        channel=entry.channel,
         seeds=unread if manifest is None or practises else manifest.seeds,
         command=again if manifest is None else manifest.command,
         ranked=entry.ranked,
@@ -82,7 +91,8 @@ def _make(
     artefact = _artefact(manifest, plant.name, seed)
     return ReadyAgent(
         law=law,
-        timed=_run_in_steps(law),
+        timed=_run_in_steps(law, entry.channel),
+        channel=entry.channel,
         artefact=None if artefact is None else artefact.sha256,
         robot_seconds=trial.robot_seconds,
         env_steps=0 if artefact is None else artefact.env_steps,
@@ -99,7 +109,8 @@ def _practise(
     def learn(seed: int, trial: Trial) -> ReadyAgent:
         counted = CountedTrial(trial)
         law = make(AgentSetting(arm=plant.rig.arm, trial=counted, references=references, seed=seed))
-        return ReadyAgent(law=law, robot_seconds=counted.robot_seconds)  # learned beforehand, so that nothing is timed
+        # learned beforehand, so that nothing is timed
+        return ReadyAgent(law=law, channel=entry.channel, robot_seconds=counted.robot_seconds)
 
     found = learn_together(add_sensors(plant.rig), {seed: (seed, partial(learn, seed)) for seed in seeds})
     return [found[seed] for seed in seeds]
@@ -120,19 +131,27 @@ def _read(
             f"Agent {entry.name!r} is declared with feedback={entry.feedback}, and {artefact.file} holds "
             f"{'a law' if policy is None else 'a policy'} with feedback={not entry.feedback}; declare what it is."
         )
+    if policy is not None and (channel_of(policy) == "setpoint") != (entry.channel is not None):
+        raise FFGymError(
+            f"Agent {entry.name!r} is declared with channel={entry.channel}, and {artefact.file} holds a policy that "
+            f"acts through channel={channel_of(policy)!r}; declare what it is."
+        )
     return ReadyAgent(
         law=law,
         policy=policy,
-        timed=None if law is None else _run_in_steps(law),
+        timed=None if law is None else _run_in_steps(law, entry.channel),
+        channel=None if law is None else entry.channel,
         artefact=artefact.sha256,
         robot_seconds=artefact.robot_seconds,
         env_steps=artefact.env_steps,
     )
 
 
-def _run_in_steps(law: FeedForwardLaw) -> Policy | None:
-    """Return a policy that runs a law sample by sample; None if the law cannot."""
-    return LawPolicy(make=lambda robot: law, preview=law.preview) if isinstance(law, CausalLaw) else None
+def _run_in_steps(law: FeedForwardLaw, channel: SetpointChannel | None) -> Policy | None:
+    """Return a policy that runs a law sample by sample; None if the law cannot, or a delay is compensated."""
+    if not isinstance(law, CausalLaw) or (channel is not None and channel.compensated != SetpointResponse()):
+        return None
+    return LawPolicy(make=lambda robot: law, preview=law.preview, channel="torque" if channel is None else "setpoint")
 
 
 def _artefact(manifest: ArtefactManifest | None, plant: str, seed: int) -> Artefact | None:

@@ -8,6 +8,7 @@ import numpy as np
 
 from ffgym.control import Agent, CausalLaw, FeedForwardLaw, ObservationLayout, Window
 from ffgym.control.corrections import next_correction
+from ffgym.control.observation import Channel
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
 from ffgym.robot import RobotDescription
@@ -169,6 +170,8 @@ class LawPolicy:
     make: Callable[[RobotDescription], FeedForwardLaw]
     preview: int
     action_scale: float = ACTION_SCALE
+    channel: Channel = "torque"
+    """Channel that the law acts through; 'setpoint' corrects the set-points so that the servo gives its torque."""
     feedback: bool = field(default=False, init=False)
     """False, as a law reads the reference alone."""
 

@@ -27,6 +27,7 @@ EXECUTED = [
     "docs/deployment/programs.md",
     "docs/deployment/setpoints.md",
     "docs/deployment/streams.md",
+    "docs/leaderboard/README.md",
     "docs/agents/README.md",
     "docs/agents/bspline.md",
     "docs/agents/learning_stability.md",

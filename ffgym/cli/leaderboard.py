@@ -153,6 +153,7 @@ def _write(
                 "seed": outcome.seed,
                 "track": row.track,
                 "feedback": row.feedback,
+                "channel": row.channel,
                 "robot_seconds": outcome.robot_seconds,
                 "env_steps": outcome.env_steps,
                 "inference_us": outcome.inference_us,

@@ -199,6 +199,9 @@ class Submit:
     feedback: bool = True
     """Track: with feedback observes present errors of the motors; feed-forward (--no-feedback, and every law) does
     not, and is shown none."""
+    channel: Literal["torque", "setpoint"] = "torque"
+    """Quantity that it acts on: torque of the motors, or set-points of position that their servos follow, one every
+    4 ms, as controllers of industrial robots take them."""
     title: str | None = None
     """Title in a line; none is the name."""
     out: Path = Path("agent.zip")

@@ -8,11 +8,12 @@ from ffgym.agents.submission import LOADERS, resolve_agent, rows_beside
 from ffgym.cli.learning_options import NewRound, Submit, Verify
 from ffgym.cli.outputs import check_outputs, print_places, provenance, write_numbers
 from ffgym.cli.progress import progress_bar
+from ffgym.control.observation import Channel
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import write_bytes, write_json
 from ffgym.core.typed_json import to_json
 from ffgym.leaderboard.plants import ROBOT
-from ffgym.leaderboard.results import FEED_FORWARD, WITH_FEEDBACK
+from ffgym.leaderboard.results import CHANNEL_TITLES, FEED_FORWARD, WITH_FEEDBACK
 from ffgym.leaderboard.submission.drawn import BASE, DrawnVerdict, verify_drawn
 from ffgym.leaderboard.submission.judge import CHECKS, Judge, controller_of
 from ffgym.leaderboard.submission.manifest import About, Claim, Refused, read_archive
@@ -79,7 +80,7 @@ def verify(config: Verify) -> None:
     if scored is not None:
         print("\n".join(_drawn_lines(scored)))
     control = WITH_FEEDBACK if own.sees_errors else FEED_FORWARD
-    print(f"{own.name} by {own.author}, {control}, {own.track}: {sentence}")
+    print(f"{own.name} by {own.author}, {control}{_through(own.channel)}, {own.track}: {sentence}")
     print_places(numbers=config.json)
 
 
@@ -114,6 +115,11 @@ def find_round(config: Verify) -> Round | None:
     return drawn if config.round_seed is None else replace(drawn, seed=config.round_seed, salt="")
 
 
+def _through(channel: Channel) -> str:
+    """Name a channel other than torque, after a track."""
+    return "" if channel == "torque" else f" through {CHANNEL_TITLES[channel]}"
+
+
 def _drawn_numbers(scored: DrawnVerdict) -> dict[str, Any]:
     """Convert scores on drawn machines and motions to JSON."""
     return {
@@ -122,7 +128,7 @@ def _drawn_numbers(scored: DrawnVerdict) -> dict[str, Any]:
         "motions": to_json(scored.motions),
         "rows": [
             {"name": row.name, "rank": row.rank, "feedback": row.row.feedback, "public": row.public}
-            | {"by_kind": dict(row.by_kind)}
+            | {"channel": row.row.channel, "by_kind": dict(row.by_kind)}
             | {"score": to_json(row.score)}
             | {"circles": [{"plant": o.plant} | to_json(cell) for o in row.row.outcomes for cell in o.cells]}
             for row in scored.rows
@@ -149,6 +155,7 @@ def _drawn_lines(scored: DrawnVerdict) -> list[str]:
         interval = "" if ends is None else f"{ends.low:.3f} to {ends.high:.3f}"
         lines.append(
             f"{row.name:20} {row.score.left:7.3f} {interval:>16} {row.public:7.3f} {row.rank:5d} {row.row.control}"
+            f"{_through(row.row.channel)}"
         )
     kinds = list(scored.rows[0].by_kind)
     lines.append(f"{'by kind of motion':20}" + "".join(f" {kind:>7}" for kind in kinds))

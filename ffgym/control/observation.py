@@ -2,14 +2,18 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, TypeAlias, get_args
 
 import numpy as np
 
+from ffgym.control.corrections import check_invertible
 from ffgym.core.errors import FFGymError, check_choice, check_whole
 from ffgym.core.types import Array
 from ffgym.robot import RobotDescription
 
+Channel: TypeAlias = Literal["torque", "setpoint"]
+"""Quantity to which actions are added: torque of each motor, or position that its servo follows."""
+CHANNELS: tuple[Channel, ...] = get_args(Channel)
 BOUND = 100.0
 """Limit to which scaled observations are clipped; a robot in order stays far below it."""
 
@@ -53,7 +57,7 @@ class ObservationLayout(Mapping[str, ObservationEntry]):
         preview: int,
         action_size: Array,
         *,
-        channel: Literal["torque", "setpoint"] = "torque",
+        channel: Channel = "torque",
         sees_errors: bool = True,
         features: bool = False,
     ) -> None:
@@ -240,3 +244,21 @@ class Scales:
             position=np.where(robot.kinematics.is_sliding, np.ptp(robot.kinematics.range, axis=1) / 2, np.pi),
             **{key: breakaway / values for key, (_, values) in divisors.items()},
         )
+
+
+def size_actions(robot: RobotDescription, scale: float | Array, channel: Channel) -> Array:
+    """Compute what an action of 1 adds, motor side: torque [N m], or position of the set-point [rad], shape (N,).
+
+    Args:
+        robot: robot of the controller.
+        scale: torque in breakaway torques f_s of each joint; of set-points, position in f_s / K_p.
+        channel: quantity that an action is added to.
+
+    Raises:
+        FFGymError: if the servo does not take corrections of set-points.
+    """
+    torque: Array = scale * robot.friction.static
+    if channel == "torque":
+        return torque
+    check_invertible(robot.servo)
+    return torque / robot.servo.position_gain

@@ -1,8 +1,9 @@
 """Protocols of agents, and of policies that make an agent for an environment."""
 
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, Protocol, cast, runtime_checkable
 
-from ffgym.control.observation import ObservationLayout
+from ffgym.control.observation import CHANNELS, Channel, ObservationLayout
+from ffgym.core.errors import check_choice
 from ffgym.core.types import Array
 from ffgym.robot import RobotDescription
 
@@ -31,7 +32,7 @@ class Policy(Protocol):
 
     @property
     def action_scale(self) -> float:
-        """Torque of an action of 1 in breakaway torques, as the environment's keyword argument."""
+        """Size of an action of 1 in breakaway torques, as the environment's keyword argument."""
 
     def agent(self, robot: RobotDescription, layout: ObservationLayout) -> Agent:
         """Return the agent.
@@ -45,3 +46,12 @@ class Policy(Protocol):
 def sees_errors(policy: Policy) -> bool:
     """Check that a policy observes present errors of the motors; it does unless its attribute `feedback` is False."""
     return bool(getattr(policy, "feedback", True))
+
+
+def channel_of(policy: Policy) -> Channel:
+    """Return the channel that a policy acts through: its attribute `channel`, 'torque' if it has none.
+
+    Raises:
+        FFGymError: if there is no such channel.
+    """
+    return cast(Channel, check_choice("channel of a policy", getattr(policy, "channel", "torque"), CHANNELS))

@@ -29,14 +29,18 @@ class SetpointChannel:
                 f"{self.known!r}."
             )
 
+    @property
+    def compensated(self) -> SetpointResponse:
+        """What the sender compensates of the response."""
+        return self.response if self.known is None else self.known
+
     def send(self, servo: Servo, torque: Array) -> Array:
         """Compute the corrections to send for a torque (T, N) [N m]: motor side [rad], shape (T, N).
 
         Raises:
             FFGymError: if the servo has a gain that is not positive.
         """
-        known = self.response if self.known is None else self.known
-        sent = known.invert(invert_servo(servo, torque), servo.control_dt)
+        sent = self.compensated.invert(invert_servo(servo, torque), servo.control_dt)
         sent -= sent[0]  # which the machine begins at
         return sent if self.limits is None else limit_correction(self.limits, sent, servo.control_dt)
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, cast, overload
 import numpy as np
 
 from ffgym.control import FeedForwardLaw
-from ffgym.control.corrections import check_invertible
+from ffgym.control.observation import CHANNELS, Channel, size_actions
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_shape, check_whole
 from ffgym.core.types import Array
 from ffgym.envs.recorder import EpisodeRecorder
@@ -27,8 +27,6 @@ dynamic LuGre need 2.9 on circles at 40 mm/s and 6.7 at 100 mm/s, so choose 8 th
 the motors against their servos, needs 7.2 and 102."""
 SENSINGS = {"exact": Sensing(), "resolver": Sensing(encoder_bits=16)}
 """Sensing by name."""
-CHANNELS = ("torque", "setpoint")
-"""Quantities to which an action is added."""
 TRACKS = ("feedback", "feed-forward")
 """Tracks: whether an agent sees the present error of the motors."""
 PlantName = Machine | RobotDescription | str | Path
@@ -56,7 +54,7 @@ class EnvSettings:
     base: str | FeedForwardLaw = "none"
     """Law whose torque is added beside the action, however large: 'none', 'lugre_static', 'lugre_dynamic', 'elastic',
     'model:machine.toml', made for the robot of the controller, or a law."""
-    channel: Literal["torque", "setpoint"] = "torque"
+    channel: Channel = "torque"
     """'torque' adds action and base to the torque of each motor, 'setpoint' to the position that its servo follows: an
     action of 1 is `action_scale` times f_s / K_p then, and the base is what makes the servo give its torque."""
     track: Literal["feedback", "feed-forward"] = "feedback"
@@ -128,11 +126,7 @@ class EnvSettings:
         scale = check_shape("action_scale", scale, (n,))
         if np.any(scale <= 0):
             raise FFGymError(f"action_scale = {self.action_scale} must be > 0 on every joint.")
-        torque: Array = scale * robot.friction.static
-        if self.channel == "torque":
-            return torque
-        check_invertible(robot.servo)
-        return torque / robot.servo.position_gain
+        return size_actions(robot, scale, self.channel)
 
 
 _KINDS: dict[str, tuple[type, bool, str]] = {

@@ -8,10 +8,10 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, TypeAlias
 
-from ffgym.control import FeedForwardLaw, Policy
+from ffgym.control import FeedForwardLaw, Policy, SetpointChannel
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.leaderboard.plants import TestPlant
-from ffgym.leaderboard.results import Row
+from ffgym.leaderboard.results import Row, SentSetpoints
 from ffgym.leaderboard.tasks import Task
 
 
@@ -23,6 +23,8 @@ class ReadyAgent:
     policy: Policy | None = None
     timed: Policy | None = None
     """A law as a policy, whose decisions are timed; None where a law needs the whole motion beforehand."""
+    channel: SetpointChannel | None = None
+    """Set-point channel that the law acts through; None adds its torque. A policy has `channel_of` its own."""
     artefact: str | None = None
     """sha256 of the file it was read from; None if it was not read from one."""
     robot_seconds: float = 0.0
@@ -33,6 +35,8 @@ class ReadyAgent:
     def __post_init__(self) -> None:
         if (self.law is None) == (self.policy is None):
             raise FFGymError("An agent is either a law or a policy; give one of both.")
+        if self.policy is not None and self.channel is not None:
+            raise FFGymError("A policy acts through its own attribute channel, 'torque' or 'setpoint'; leave this out.")
 
 
 Maker: TypeAlias = Callable[[TestPlant, Sequence[int], tuple[Task, ...]], list[ReadyAgent | None]]
@@ -59,6 +63,8 @@ class Entrant:
     page: str | None = None
     base: str | None = None
     feedback: bool = False
+    channel: SetpointChannel | None = None
+    """Set-point channel that it acts through; None adds torque."""
     seeds: tuple[int, ...] = (0,)
     """Seeds to run; one, unless a seed changes the agent."""
     command: str | None = None
@@ -71,11 +77,20 @@ class Entrant:
     ready: Maker = field(repr=False)
     """Function that makes the agent for a plant, each seed, and the tasks to come; None if it has none."""
 
+    def __post_init__(self) -> None:
+        if not isinstance(self.channel, SetpointChannel | None):
+            raise FFGymError(
+                f"channel of agent {self.name!r} must be a SetpointChannel(), or None for torque, got {self.channel!r}."
+            )
+
     def row(self) -> Row:
         """Make its row, without outcomes."""
         names = ("name", "title", "track", "about", "page", "base", "feedback", "command", "ranked")
         said: dict[str, Any] = {name: getattr(self, name) for name in names}
-        return Row(**said, seeded=len(self.seeds) > 1, outcomes=(), learning_curve=self.learning_curve())
+        sent = None if self.channel is None else SentSetpoints.through(self.channel)
+        return Row(
+            **said, setpoints=sent, seeded=len(self.seeds) > 1, outcomes=(), learning_curve=self.learning_curve()
+        )
 
 
 @dataclass(frozen=True)

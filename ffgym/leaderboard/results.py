@@ -2,11 +2,13 @@
 
 import json
 from collections import Counter
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
+from ffgym.control import SetpointChannel, SetpointResponse
+from ffgym.control.observation import Channel
 from ffgym.core.errors import FFGymError, check_choice, check_number
 from ffgym.core.files import read_text
 from ffgym.core.typed_json import from_json
@@ -21,6 +23,8 @@ DIGITS = 6
 
 FEED_FORWARD, WITH_FEEDBACK = "feed-forward", "with feedback"
 """Tracks: from the reference and what is remembered of earlier motions; with present errors of the motors, too."""
+CHANNEL_TITLES: Mapping[Channel, str] = {"torque": "torque", "setpoint": "set-points"}
+"""Titles of the channels: what an agent acts on, torques of the motors or positions that their servos follow."""
 
 _AGAIN = "Remove it, and run `ffgym leaderboard` again."
 
@@ -112,6 +116,35 @@ class Margins:
 
 
 @dataclass(frozen=True, kw_only=True)
+class SentSetpoints:
+    """Set-points that an agent acts through, one at every sample of the controller: 4 ms, as EGM at 250 Hz."""
+
+    response: SetpointResponse = field(default_factory=SetpointResponse)
+    """What the controller does to them between sender and servo."""
+    known: SetpointResponse = field(default_factory=SetpointResponse)
+    """What the sender compensates of it."""
+
+    @classmethod
+    def through(cls, channel: SetpointChannel) -> Self:
+        """Describe what is sent through a channel."""
+        return cls(response=channel.response, known=channel.compensated)
+
+    @property
+    def lateness_ms(self) -> float:
+        """Time by which set-points are late at low frequencies [ms], after all that the sender compensates."""
+        return (self.response.total_delay - self.known.total_delay) * 1e3
+
+    def describe(self) -> str:
+        """Describe delay and filter of the controller, and what is compensated, in one phrase."""
+        nothing = SetpointResponse()
+        if self.response == self.known == nothing:
+            return nothing.describe()
+        known = {self.response: "compensated", nothing: "not compensated"}
+        what = known.get(self.known, f"compensated as {self.known.describe()}")
+        return f"{self.response.describe()}, {what}"
+
+
+@dataclass(frozen=True, kw_only=True)
 class Row:
     """One agent on the leaderboard."""
 
@@ -138,19 +171,27 @@ class Row:
     """True if it observes present errors of the motors."""
     margins: tuple[Margins, ...] = ()
     """Stability margins by seed; empty for rows of the track feed-forward, and where they were not measured."""
+    setpoints: SentSetpoints | None = None
+    """Set-points that it acts through; None adds torque."""
 
     @property
     def control(self) -> str:
         """Track of the two that are told apart: 'feed-forward' or 'with feedback'."""
         return WITH_FEEDBACK if self.feedback else FEED_FORWARD
 
+    @property
+    def channel(self) -> Channel:
+        """Channel that it acts through: 'torque' or 'setpoint'."""
+        return "torque" if self.setpoints is None else "setpoint"
+
 
 def encode_row(row: Row) -> str:
     """Encode a row as the text of its file: one line per circle, so that differences can be read."""
     head = {"format": FORMAT} | {key: value for key, value in asdict(row).items() if key != "outcomes"}
     head |= {"margins": [_short(asdict(each)) for each in row.margins]}
-    if not row.margins:
-        del head["margins"]
+    for name in ("margins", "setpoints"):  # which rows without them lack
+        if not head[name]:
+            del head[name]
     lines = []
     for outcome in row.outcomes:
         entry = asdict(outcome)
@@ -183,7 +224,7 @@ def decode_row(text: str, path: str) -> Row:
         raise FFGymError(f"{path}: has format {found!r}, this version of ffgym reads {FORMAT}.")
     try:
         # structure, then the values that must be names, numbers or unique
-        tree = {"feedback": False, "margins": []} | {  # which older ones lack, and rows without feedback
+        tree = {"feedback": False, "margins": [], "setpoints": None} | {  # which older ones lack, and rows without
             key: value for key, value in tree.items() if key != "format"
         }
         row: Row = from_json(Row, tree, "row")

@@ -47,10 +47,11 @@ class Proportional:
     """Gain in those of the servo."""
     preview: int = 1
     action_scale: float = 1e5
+    channel: str = "torque"
 
     def agent(self, robot, layout):
         assert layout.preview >= self.preview
-        gain = self.gain * robot.servo.position_gain / layout["added_torque"].scale
+        gain = self.gain * robot.servo.position_gain / layout.action_size
 
         class Feedback:
             def predict(self, observation, state=None, episode_start=None, deterministic=False):
@@ -156,7 +157,8 @@ def test_torque_of_the_base_is_not_changed(linear_plant):
     assert found(Proportional(6.0), Proportional(6.0, preview=2)) == [False, False]
 
 
-def test_a_pulse_is_a_torque_of_one_sample_up_and_down_in_breakaway_torques(linear_plant, monkeypatch):
+@pytest.mark.parametrize("channel", ["torque", "setpoint"])
+def test_a_pulse_is_one_sample_up_and_down_in_breakaway_torques(channel, linear_plant, monkeypatch):
     torques = []
 
     def watched(*args, **options):
@@ -166,11 +168,13 @@ def test_a_pulse_is_a_torque_of_one_sample_up_and_down_in_breakaway_torques(line
         return env
 
     monkeypatch.setattr(margins, "environment_for", watched)
-    find_stable(linear_plant, Proportional(0.0), None, [Change()], circles=SLOW, pulse=100.0, n_threads=1)
+    policy = Proportional(0.0, channel=channel)
+    find_stable(linear_plant, policy, None, [Change()], circles=SLOW, pulse=100.0, n_threads=1)
     [reference] = make_references(linear_plant.rig.arm, SLOW)
     [start] = [phase.start for phase in reference.phases if phase.kind == "circle"]
     assert np.flatnonzero(np.any(torques, axis=(1, 2))) == [round(start / 0.004)]
-    push = 100.0 * linear_plant.rig.robot.friction.static
+    robot = linear_plant.rig.robot
+    push = 100.0 * robot.friction.static / (robot.servo.position_gain if channel == "setpoint" else 1.0)
     np.testing.assert_allclose(np.sum(torques, axis=0), [push, -push])
 
 

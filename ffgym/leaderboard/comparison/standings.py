@@ -52,7 +52,7 @@ class Standing:
     rank: int | None
     """Rank among all rows; None if it is shown only."""
     track_rank: int | None
-    """Rank among rows of the same track and knowledge."""
+    """Rank among rows of the same track, knowledge and channel."""
     against_base: AgainstBase | None
     """Comparison with its base; None if it is no residual."""
     against_gains: AgainstBase | None
@@ -113,7 +113,7 @@ def standings(rows: Sequence[Row], group: str, selection: str) -> Standings:
     best = min(gains, key=lambda each: each.mean).row.name if gains else None
     learned = {name: best for name in residuals if name not in SERVO_GAINS} if best is not None else {}
     against_gains = _compare(by_name, group, learned, "servo gains")
-    # ranks among all, and among those of one track and knowledge
+    # ranks among all, and among those of one track, knowledge and channel
     best_first = sorted(scored.values(), key=lambda each: (each.mean, each.row.name))
     ranked = [each for each in best_first if _is_ranked(each.row)]
     ranks, within = rank_rows(ranked, compare_rows), {}
@@ -163,9 +163,9 @@ def _score_rows(by_name: Mapping[str, Row], group: str, splits: Sequence[str]) -
     return grid, {row.name: ScoredRow.of(row, collect_sample(row, grid), zero) for row in complete}
 
 
-def _kind_of(scored: ScoredRow) -> tuple[bool, str]:
-    """Return track and knowledge of a row, within which like is compared with like."""
-    return scored.row.feedback, scored.row.track
+def _kind_of(scored: ScoredRow) -> tuple[bool, str, str]:
+    """Return track, knowledge and channel of a row, within which like is compared with like."""
+    return scored.row.feedback, scored.row.track, scored.row.channel
 
 
 def _is_ranked(row: Row) -> bool:

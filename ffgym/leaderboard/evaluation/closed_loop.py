@@ -11,7 +11,8 @@ import gymnasium as gym
 import numpy as np
 from gymnasium.vector import AutoresetMode
 
-from ffgym.control import Agent, ObservationLayout, Policy, sees_errors
+from ffgym.control import Agent, ObservationLayout, Policy, channel_of, sees_errors
+from ffgym.control.observation import Channel
 from ffgym.core.errors import FFGymError
 from ffgym.core.registration import find_spec
 from ffgym.core.types import Array, BoolArray
@@ -59,8 +60,8 @@ def run_rollouts(
         plant: the machine.
         machines: machine of each task, all under the controller of `plant`, each with noise of its own; None runs
             every task on `plant`.
-        policies: policies to run, all with one preview, one action scale and one track; those of the track feed-forward
-            observe no errors.
+        policies: policies to run, all with one preview, action scale, track and channel; those of the track
+            feed-forward observe no errors, those of the channel 'setpoint' correct set-points.
         tasks: motions for each of them.
         agents: agents in place of the policies' own, e.g. in another process; None makes these.
         seeds: seed of the sensors' noise for each policy, None for 0; one task and seed have the same noise for every
@@ -72,13 +73,15 @@ def run_rollouts(
         FFGymError: if a policy does not fit the robot, or an action is not finite or has the wrong shape.
     """
     recorder, n = EpisodeRecorder(), len(tasks)
-    views = {(policy.preview, policy.action_scale, sees_errors(policy)) for policy in policies}
+    views = {(policy.preview, policy.action_scale, sees_errors(policy), channel_of(policy)) for policy in policies}
     if len(views) > 1:
-        raise FFGymError(f"Policies must have one preview, action scale and track to run side by side, got {views}.")
-    [(preview, scale, feedback)] = views
+        raise FFGymError(
+            f"Policies must have one preview, action scale, track and channel to run side by side, got {views}."
+        )
+    [(preview, scale, feedback, channel)] = views
     size = len(policies) * n
     of_tasks = [plant] * n if machines is None else list(machines)
-    made: dict[str, Any] = {"feedback": feedback, "recorder": recorder, "n_threads": n_threads}
+    made: dict[str, Any] = {"feedback": feedback, "channel": channel, "recorder": recorder, "n_threads": n_threads}
     if all(task.kind == CIRCLE for task in tasks):
         env = environment_for(plant, preview, scale, size, **made)
         each: list[dict[str, Any]] = [{"position": t.place, "speed": t.speed, "radii": t.radii} for t in tasks]
@@ -144,6 +147,7 @@ def run_references(
         policy.action_scale,
         len(references),
         feedback=sees_errors(policy),
+        channel=channel_of(policy),
         recorder=recorder,
         n_threads=n_threads,
     )
@@ -161,11 +165,18 @@ def run_references(
 
 
 def environment_for(
-    plant: TestPlant, preview: int, action_scale: float, n: int, *, feedback: bool = True, **arguments: Any
+    plant: TestPlant,
+    preview: int,
+    action_scale: float,
+    n: int,
+    *,
+    feedback: bool = True,
+    channel: Channel = "torque",
+    **arguments: Any,
 ) -> Any:
     """Make the environment of a plant: `n` sub-environments that run each task to its end and wait.
 
-    Without `feedback` they show no errors of the motors.
+    Without `feedback` they show no errors of the motors; in the channel 'setpoint' actions correct set-points.
     """
     return gym.make_vec(
         find_spec(plant.env_id),
@@ -174,6 +185,7 @@ def environment_for(
         preview=preview,
         action_scale=action_scale,
         track="feedback" if feedback else "feed-forward",
+        channel=channel,
         **dict(plant.env_arguments) | arguments,
     )
 
@@ -187,6 +199,7 @@ def _environment_along(
     n: int,
     *,
     feedback: bool,
+    channel: Channel,
     **arguments: Any,
 ) -> Any:
     """Make the environment of a machine along any motions, for the rest as `environment_for`."""
@@ -200,6 +213,7 @@ def _environment_along(
         preview=preview,
         action_scale=action_scale,
         track="feedback" if feedback else "feed-forward",
+        channel=channel,
         sensing="resolver",
         **arguments,
     )
@@ -241,7 +255,8 @@ def _run(
 
 def inference_time(plant: TestPlant, policy: Policy) -> float:
     """Measure the median time of one decision for one robot [us], at the start of a motion; all take as long."""
-    robot, layout, observation = _waiting(plant, policy.preview, policy.action_scale, sees_errors(policy))
+    seen = policy.preview, policy.action_scale, sees_errors(policy), channel_of(policy)
+    robot, layout, observation = _waiting(plant, *seen)
     agent = policy.agent(robot, layout)
     state, times = None, []
     for k in range(TIMED):
@@ -253,14 +268,14 @@ def inference_time(plant: TestPlant, policy: Policy) -> float:
 
 @lru_cache(maxsize=8)
 def _waiting(
-    plant: TestPlant, preview: int, action_scale: float, feedback: bool
+    plant: TestPlant, preview: int, action_scale: float, feedback: bool, channel: Channel
 ) -> tuple[RobotDescription, ObservationLayout, Array]:
     """Return robot, layout and observation of a plant when a motion begins, for agents with such arguments.
 
     The motion is a short one, as its inverse kinematics take most of the time.
     """
     short: dict[str, Any] = {"positions": [TRAIN_POSITION], "speeds": [max(SPEEDS)], "radii": [min(RADII)]}
-    env = environment_for(plant, preview, action_scale, 1, feedback=feedback, n_threads=1, **short)
+    env = environment_for(plant, preview, action_scale, 1, feedback=feedback, channel=channel, n_threads=1, **short)
     observation, _ = env.reset(seed=0)
     core: TrackingCore = env.unwrapped.core
     env.close()

@@ -126,7 +126,11 @@ def run_agents(
     # laws on the rig, all side by side in one batch
     if laws:
         references = make_references(plant.rig.arm, tasks)
-        runs = [Run(reference=reference, law=law) for _, law in laws for reference in references]
+        runs = [
+            Run(reference=reference, law=law, channel=agent.ready.channel)
+            for agent, law in laws
+            for reference in references
+        ]
         noise = [np.random.default_rng(noise_seed(task, agent.seed)) for agent, _ in laws for task in tasks]
         recorded = plant.rig.run(runs, seed=noise, n_threads=threads)
         recordings += [recorded[i : i + len(tasks)] for i in range(0, len(recorded), len(tasks))]

@@ -27,7 +27,8 @@ from typing import Any
 
 import numpy as np
 
-from ffgym.control import Policy
+from ffgym.control import Policy, channel_of
+from ffgym.control.observation import size_actions
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.envs.core import TrackingCore
 from ffgym.leaderboard.evaluation.closed_loop import environment_for
@@ -41,9 +42,9 @@ CIRCLES = (
 )
 """One circle at each speed of the thesis; chosen: as large as takes seconds, as an answer needs time to grow."""
 PULSE = 0.3
-"""Torque of the pulse in breakaway torques, at one sample. Chosen: half the bound of the residuals on the leaderboard,
-so that they answer it in full; an answer is some steps of a resolver then. What half and twice of it find of three
-rows, mostly the same, is in docs/leaderboard/margins.md."""
+"""Torque of the pulse in breakaway torques, at one sample; of set-points, position in f_s / K_p. Chosen: half the bound
+of the residuals on the leaderboard, so that they answer it in full; an answer is some steps of a resolver then. What
+half and twice of it find of three rows, mostly the same, is in docs/leaderboard/margins.md."""
 WINDOW = 0.08
 """Window in which answers are compared [s]; chosen: a servo settles within it, and a lap has several."""
 FACTORS = tuple(2.0**k for k in range(-4, 5))
@@ -154,7 +155,7 @@ def find_stable(
     """
     n = len(changes) * len(circles)
     preview = policy.preview if base is None else max(policy.preview, base.preview)
-    env = environment_for(plant, preview, policy.action_scale, 2 * n, n_threads=n_threads)
+    env = environment_for(plant, preview, policy.action_scale, 2 * n, channel=channel_of(policy), n_threads=n_threads)
     core: TrackingCore = env.unwrapped.core
     each = [{"position": task.place, "speed": task.speed, "radii": task.radii} for task in circles]
     try:
@@ -216,7 +217,7 @@ def _run_pulses(
     factors, delays = (
         np.tile(np.repeat([getattr(change, name) for change in changes], repeats), 2) for name in ("factor", "delay")
     )
-    push = pulse * robot.friction.static / core.action_size
+    push = pulse * size_actions(robot, 1.0, layout.channel) / core.action_size
     signs, at = np.repeat([1.0, -1.0], len(starts)), np.tile(starts, 2)
     # agent's own torque, the newest first, none before the motion
     past = np.zeros((delays.max() + 1, len(rows), robot.n_joints))

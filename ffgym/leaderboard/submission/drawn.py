@@ -23,8 +23,15 @@ from ffgym.leaderboard.evaluation.closed_loop import run_rollouts
 from ffgym.leaderboard.evaluation.jobs import lost_cells, score_motion
 from ffgym.leaderboard.motions import CIRCLE
 from ffgym.leaderboard.plants import TestPlant, find_plant
-from ffgym.leaderboard.results import CircleResult, Outcome, Row
-from ffgym.leaderboard.submission.judge import ACTION_TOLERANCE, SCORE_TOLERANCE, Judge, check_physics, controller_of
+from ffgym.leaderboard.results import CircleResult, Outcome, Row, SentSetpoints
+from ffgym.leaderboard.submission.judge import (
+    ACTION_TOLERANCE,
+    SCORE_TOLERANCE,
+    Judge,
+    check_physics,
+    controller_of,
+    view_of,
+)
 from ffgym.leaderboard.submission.manifest import Manifest, Refused, decode_submission, sha256_of
 from ffgym.leaderboard.submission.python_agent import View
 from ffgym.leaderboard.submission.rounds import DRAWN, Round
@@ -282,16 +289,11 @@ def _run_submitted(
     manifest = one.manifest
     with ExitStack() as stack:
         every, alone = (
-            stack.enter_context(
-                judge.start_agent(
-                    manifest.agent, one.content, pairs[0][0].name, manifest.seed, manifest.sees_errors, one.whose
-                )
-            )
+            stack.enter_context(judge.start_agent(manifest.agent, one.content, pairs[0][0].name, manifest, one.whose))
             for _ in range(2)
         )
         check = SpotCheck(every, alone, drawn.seed % len(pairs), one.whose)
-        view = View(preview=manifest.preview, action_scale=manifest.action_scale, feedback=manifest.sees_errors)
-        found = _run(judge, pairs, {name: view}, check, drawn.noise, f"drawn machines, {name}")
+        found = _run(judge, pairs, {name: view_of(manifest)}, check, drawn.noise, f"drawn machines, {name}")
         check.compare()
     return found
 
@@ -333,6 +335,7 @@ def _row(name: str, cells: Cells, submitted: Submitted | None) -> Row:
         title=name if about is None else about.title,
         track="" if about is None else about.track,
         feedback=about is not None and about.sees_errors,
+        setpoints=SentSetpoints() if about is not None and about.channel == "setpoint" else None,
         about="" if about is None else f"Submitted by {about.author}.",
         page=None,
         base=None,

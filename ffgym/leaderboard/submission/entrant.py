@@ -5,11 +5,11 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 
-from ffgym.control import Policy
+from ffgym.control import Policy, SetpointChannel
 from ffgym.core.errors import FFGymError
 from ffgym.leaderboard.entrants import Entrant, ReadyAgent, one_by_one
 from ffgym.leaderboard.plants import TestPlant
-from ffgym.leaderboard.submission.judge import controller_of
+from ffgym.leaderboard.submission.judge import controller_of, view_of
 from ffgym.leaderboard.submission.manifest import Manifest, Refused, decode_submission, read_archive, sha256_of
 from ffgym.leaderboard.submission.process import AgentProcess
 from ffgym.leaderboard.submission.python_agent import View
@@ -46,6 +46,7 @@ def make_entrant(path: Path, loaders: Mapping[str, str]) -> Entrant:
         title=manifest.title,
         track=manifest.track,
         feedback=manifest.sees_errors,
+        channel=SetpointChannel() if manifest.channel == "setpoint" else None,
         about=f"Submitted by {manifest.author}, who claims {manifest.robot_seconds:g} s of robot time in training; "
         "not ranked, as torques of public circles can be stored: its rank is that of ffgym leaderboard verify.",
         ranked=False,
@@ -89,11 +90,7 @@ def _make_policy(manifest: Manifest, content: bytes | None, robot: str, loaders:
         loaders=loaders,
         seed=manifest.seed,
         feedback=manifest.sees_errors,
+        channel=manifest.channel,
         whose=f"The submission {manifest.name!r} was ended: ",
     )
-    return View(
-        preview=manifest.preview,
-        action_scale=manifest.action_scale,
-        feedback=manifest.sees_errors,
-        make=lambda robot, layout: start(),
-    )
+    return view_of(manifest, lambda robot, layout: start())

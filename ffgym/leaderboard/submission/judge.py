@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ffgym.control import Agent
+from ffgym.control import Agent, ObservationLayout
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import decode_arrays, encode_arrays
 from ffgym.core.provenance import versions
@@ -35,7 +35,7 @@ from ffgym.leaderboard.submission.process import AgentProcess, Limits
 from ffgym.leaderboard.submission.python_agent import View
 from ffgym.leaderboard.tasks import Task
 from ffgym.paths import RADII
-from ffgym.robot import load_robot
+from ffgym.robot import RobotDescription, load_robot
 from ffgym.simulation.run import Progress
 from ffgym.studies import in_mm
 
@@ -66,6 +66,17 @@ CHECKS: Mapping[str, str] = {
 def controller_of(plant: str) -> str:
     """Return the name of the nominal description of a plant's controller, which agents have too."""
     return find_controller(plant) if is_workcell(plant) else ROBOT
+
+
+def view_of(manifest: Manifest, make: Callable[[RobotDescription, ObservationLayout], Agent] | None = None) -> View:
+    """Return the view of the agent of a submission, and what makes the agent if it is not passed in another way."""
+    return View(
+        preview=manifest.preview,
+        action_scale=manifest.action_scale,
+        feedback=manifest.sees_errors,
+        channel=manifest.channel,
+        make=make,
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -127,8 +138,13 @@ class Judge:
         files_of.decode_submission(pack_archive(View(preview=1, action_scale=1.0)))  # refuse now, not after minutes
         # run on every plant, and log errors and actions
         for plant in self.plan:
-            with self.start_agent(source, content, plant, about.seed, feedback) as agent:
-                view = View(preview=agent.preview, action_scale=agent.action_scale, feedback=feedback)
+            with self.start_agent(source, content, plant, about) as agent:
+                view = View(
+                    preview=agent.preview,
+                    action_scale=agent.action_scale,
+                    feedback=feedback,
+                    channel=about.channel,
+                )
                 rollouts = self._run_rollouts(plant, view, agent, about.seed, "running")
             claims += self._claims(plant, rollouts)
             actions |= {_key(plant, k): rollout.actions.astype("<f4") for k, rollout in enumerate(rollouts)}
@@ -143,9 +159,7 @@ class Judge:
         # contents, and physics of the claims
         manifest, files = files_of.decode_submission(data)
         check_physics(manifest, self.plan)
-        source, seed = manifest.agent, manifest.seed
-        feedback = manifest.sees_errors
-        view = View(preview=manifest.preview, action_scale=manifest.action_scale, feedback=feedback)
+        source, seed, view = manifest.agent, manifest.seed, view_of(manifest)
         claims: list[Claim] = []
         replays: list[ActionReplay] = []
         for plant, logs in read_logged_actions(files[ACTIONS], self.plan).items():
@@ -155,7 +169,7 @@ class Judge:
             with ExitStack() as stack:
                 for robots in {*((k,) for k in every), every}:  # each alone, and all together
                     content = files.get(str(source.file))
-                    agent = stack.enter_context(self.start_agent(source, content, plant, seed, feedback))
+                    agent = stack.enter_context(self.start_agent(source, content, plant, manifest))
                     if (agent.preview, agent.action_scale) != (view.preview, view.action_scale):
                         asks = f"preview and action scale {(agent.preview, agent.action_scale)}"
                         ran = (view.preview, view.action_scale)
@@ -181,7 +195,7 @@ class Judge:
         )
 
     def start_agent(
-        self, source: AgentSource, content: bytes | None, plant: str, seed: int, feedback: bool, whose: str = ""
+        self, source: AgentSource, content: bytes | None, plant: str, about: About, whose: str = ""
     ) -> AgentProcess:
         """Start the process of an agent, made from a source and the content of its file, for the robot of a plant."""
         return AgentProcess(
@@ -189,8 +203,9 @@ class Judge:
             content,
             controller_of(plant),
             loaders=self.loaders,
-            seed=seed,
-            feedback=feedback,
+            seed=about.seed,
+            feedback=about.feedback and source.kind != "law",
+            channel=about.channel,
             limits=self.limits,
             whose=whose,
         )

@@ -11,6 +11,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Literal, get_args
 
+from ffgym.control.observation import CHANNELS, Channel
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
 from ffgym.core.files import read_bytes
 from ffgym.core.typed_json import from_json
@@ -95,6 +96,8 @@ class About:
     """Seed of the agent's randomness and the sensors' noise."""
     feedback: bool = True
     """True if it observes errors of the motors: track with feedback."""
+    channel: Channel = "torque"
+    """Quantity that its actions are added to."""
     env_steps: int = 0
     """Control steps of simulated training."""
     robot_seconds: float = 0.0
@@ -108,6 +111,7 @@ class About:
             if not text.strip() or not text.isprintable() or len(text) > longest:
                 raise FFGymError(f"{name} = {text!r} must be a line of 1 to {longest} characters.")
         check_choice("track", self.track, get_args(Track))
+        check_choice("channel", self.channel, CHANNELS)
         check_whole("seed", self.seed, low=0, high=2**31 - 1)
         check_whole("env_steps", self.env_steps, low=0, high=2**53)
         check_number("robot_seconds", self.robot_seconds, unit="s", low=0.0)
@@ -123,7 +127,7 @@ class Manifest(About):
     preview: int
     """Samples of the reference that the agent observes ahead."""
     action_scale: float
-    """Torque of an action of 1 in breakaway torques."""
+    """Size of an action of 1: torque in breakaway torques f_s, position of set-points in f_s / K_p."""
     versions: dict[str, str]
     plants: dict[str, str]
     """Physics fingerprints by plant."""
@@ -135,6 +139,8 @@ class Manifest(About):
         super().__post_init__()
         check_whole("preview", self.preview, low=0, high=1000)
         check_number("action_scale", self.action_scale, unit="breakaway torques", low=0.0, open_low=True)
+        if self.channel == "setpoint" and self.agent.kind == "policy":
+            raise FFGymError("A residual policy adds torque, and cannot act through set-points; leave --channel out.")
 
     @property
     def sees_errors(self) -> bool:
@@ -144,6 +150,8 @@ class Manifest(About):
     def tree(self) -> dict[str, Any]:
         """Convert to JSON, with format and digest."""
         tree: dict[str, Any] = {"format": FORMAT, **asdict(self)}
+        if self.channel == "torque":
+            del tree["channel"]  # as in older ones
         return tree | {"digest": digest_of(tree)}
 
 
@@ -191,7 +199,8 @@ def decode_manifest(data: bytes) -> Manifest:
         raise Refused("manifest", f"{MANIFEST} has format {found!r}, this version of ffgym reads {FORMAT}.")
     try:
         digest = tree.pop("digest", None)
-        manifest: Manifest = from_json(Manifest, {"feedback": True} | tree, "manifest")  # older ones lack it
+        absent = {"feedback": True, "channel": "torque"}  # in older ones
+        manifest: Manifest = from_json(Manifest, absent | tree, "manifest")
         changed = digest_of(tree | {"format": found}) != digest
     except (ValueError, OverflowError) as error:
         raise Refused("manifest", f"{MANIFEST} is not complete or not valid: {error}") from error

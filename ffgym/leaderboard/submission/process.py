@@ -25,6 +25,7 @@ from weakref import finalize
 import numpy as np
 
 import ffgym
+from ffgym.control.observation import Channel
 from ffgym.core.errors import FFGymError, check_number
 from ffgym.core.types import Array
 from ffgym.leaderboard.submission.manifest import AgentSource, Refused
@@ -73,6 +74,7 @@ class AgentProcess:
         loaders: modules that load agents, by kind: each has load(source, folder, robot), which returns a Policy.
         seed: seed of its randomness.
         feedback: False leaves out errors of the motors in its observations.
+        channel: quantity that its actions are added to.
         limits: limits of time and memory.
         whose: first words of a refusal.
 
@@ -90,6 +92,7 @@ class AgentProcess:
         loaders: Mapping[str, str],
         seed: int,
         feedback: bool = True,
+        channel: Channel = "torque",
         limits: Limits | None = None,
         whose: str = "",
     ) -> None:
@@ -121,7 +124,7 @@ class AgentProcess:
         self.close = finalize(self, _end, self._process, folder)
         order = {"source": asdict(source), "robot": robot, "loader": loaders[source.kind], "seed": seed}
         try:
-            order |= {"feedback": feedback, "folder": str(own), "limits": asdict(self._limits)}
+            order |= {"feedback": feedback, "channel": channel, "folder": str(own), "limits": asdict(self._limits)}
             told, _ = self._ask(order, b"", self._limits.start_s, "to be made")
             self.preview = int(self._number("preview", told, 1000))
             self.action_scale = self._number("action_scale", told)

@@ -8,6 +8,7 @@ from types import ModuleType
 from typing import Any, cast
 
 from ffgym.control import Agent, ObservationLayout
+from ffgym.control.observation import Channel
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import read_text
 from ffgym.robot import RobotDescription
@@ -21,6 +22,8 @@ class View:
     action_scale: float
     feedback: bool = True
     """True if it observes errors of the motors."""
+    channel: Channel = "torque"
+    """Quantity that its actions are added to."""
     make: Callable[[RobotDescription, ObservationLayout], Agent] | None = None
     """Function that makes the agent; None if the agent is passed in another way."""
 

@@ -19,6 +19,7 @@ from typing import IO, Any
 import numpy as np
 
 from ffgym.control import Agent, ObservationLayout
+from ffgym.control.observation import size_actions
 from ffgym.core.errors import FFGymError, check_number, check_whole
 from ffgym.core.types import Array
 from ffgym.leaderboard.submission.process import receive, send
@@ -65,7 +66,9 @@ def _serve(order: Mapping[str, Any], messages: Iterator[tuple[dict[str, Any], by
     policy = import_module(order["loader"]).load(order["source"], Path(order["folder"]), robot)
     preview = check_whole("PREVIEW", policy.preview, unit="samples", low=0, high=1000)
     scale = check_number("ACTION_SCALE", policy.action_scale, unit="breakaway torques", low=0.0, open_low=True)
-    layout = ObservationLayout(robot, preview, scale * robot.friction.static, sees_errors=order["feedback"])
+    channel, feedback = order["channel"], order["feedback"]
+    size = size_actions(robot, scale, channel)
+    layout = ObservationLayout(robot, preview, size, channel=channel, sees_errors=feedback)
     agent: Agent = policy.agent(robot, layout)
     send(told, {"preview": preview, "action_scale": scale})
     # observations in, actions out
