@@ -132,6 +132,7 @@ def test_a_plan_goes_to_an_emulated_controller_in_another_process(
         (["--robot", "irb4600_60_205"], "is for joints j1 of 'one_axis', robot 'irb4600_60_205' has j1, j2"),
         (["--address", "127.0.0.1:0"], "port of '127.0.0.1:0' = 0"),
         (["--address", "192.0.2.1:6510"], "Cannot listen at 192.0.2.1:6510"),
+        (["--address", ".."], "There is no host '..'"),
         (["--protocol", "rtde"], "RTDE is for robots of 6 hinges"),
         (["--out", "log.txt"], "Unknown recording format '.txt'"),
     ],
@@ -163,6 +164,7 @@ def test_a_controller_that_never_speaks_is_one_line(plan_file: Path, capsys, tmp
     [
         (["--delay-ms", "2"], "delay = 2 ms must be at least the cycle of 4 ms"),
         (["--damping", "0.7"], "--damping has no effect without --cutoff-hz"),
+        (["--address", ".."], "There is no host '..'"),
         (["--drop", "2"], "share of packets: drop = 2.0"),
         (["--robot", "nobody"], "nobody"),
         (["--robot", "irb4600_60_205", "--plan", "plan.npz"], "is for joints j1"),

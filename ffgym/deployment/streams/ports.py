@@ -84,16 +84,19 @@ class UdpPort:
 
 
 def parse_address(text: str, default_port: int) -> tuple[str, int]:
-    """Read `host:port`, `host` or `:port`.
+    """Read `host:port`, `host` or `:port`, and look the host up: its address has numbers.
 
     Raises:
-        FFGymError: if the port is no number from 1 to 65535.
+        FFGymError: if the port is no number from 1 to 65535, or there is no such host.
     """
     host, _, port = text.partition(":")
-    if not port:
-        return host or "127.0.0.1", default_port
-    number = int(port) if port.isdecimal() else port
-    return host or "127.0.0.1", check_whole(f"port of {text!r}", number, low=1, high=65535)
+    number = int(port) if port.isdecimal() else port or default_port
+    number = check_whole(f"port of {text!r}", number, low=1, high=65535)
+    try:
+        return socket.gethostbyname(host or "127.0.0.1"), number
+    except (OSError, UnicodeError) as error:  # unknown, or no name that a host can have
+        reason = getattr(error, "strerror", None) or "no name of a host"
+        raise FFGymError(f"There is no host {host!r}: {reason}. Check its name, or give its address (IPv4).") from error
 
 
 def format_address(address: tuple[str, int]) -> str:

@@ -79,11 +79,16 @@ def _join_ros_as_controller(topic: str | None, longest: float) -> Connection:
 
 def _over_udp(title: str, port: int, make_wire: Callable[[JointAxes], Wire]) -> StreamProtocol:
     """Make a protocol in which the controller sends to the stream's UDP port."""
+
+    def open_emulator(address: str | None, longest: float) -> Connection:
+        there = parse_address(address or "", port)
+        return UdpPort(), there
+
     return StreamProtocol(
         title=title,
         make_wire=make_wire,
         open_stream=lambda address: UdpPort(parse_address(address or "0.0.0.0", port)),
-        open_emulator=lambda address, longest: (UdpPort(), parse_address(address or "", port)),
+        open_emulator=open_emulator,
     )
 
 

@@ -10,7 +10,9 @@ FIRST = 10
 _OLDEST = 0.010
 """Age at which a packet is of no use [s]: beyond it the next ones have come (chosen)."""
 _AHEAD = 0.005
-"""How far a packet may be ahead of all before it [s] (chosen): the controller's clock jumped if it is more."""
+"""How far packets may be ahead of those that agreed first [s] (chosen): the controller's clock jumped if it is more."""
+_QUEUED = 0.5
+"""Share of a cycle by which a packet follows the one before so closely that both waited in a queue (chosen)."""
 _ANOTHER = 0.1
 """Disagreement of clocks that no network explains [s] (chosen)."""
 _DRIFT = 1e-3
@@ -30,6 +32,7 @@ class Order:
         self._wire = wire
         self._last: Feedback | None = None
         self._offset = 0.0
+        self._floor = 0.0
         self._heard = 0.0
         self.agreed = 0
         """Packets that agreed with those before them."""
@@ -74,11 +77,26 @@ class Order:
         if late > _OLDEST:
             self._doubt(feedback, now, late > _ANOTHER)
             raise PacketError("late")
-        if offset < self._offset - drift - _AHEAD - self._wire.clock_step:
+        if offset < self._floor - drift - _AHEAD - self._wire.clock_step:
             self._doubt(feedback, now, True)
             raise PacketError("ahead of its time")
+        self._agree(feedback, now, offset, drift)
+
+    def _agree(self, feedback: Feedback, now: float, offset: float, drift: float) -> None:
+        """Take note of a packet in order and in time.
+
+        Those that come out of a queue are faster one by one. Until `FIRST` packets came at their own rate, they tell
+        the difference of the clocks; later, the floor under which they are ahead of their time goes with drift alone.
+        """
+        faster = self._offset - offset
         self._last, self._offset, self._heard = feedback, min(offset, self._offset + drift), now
-        self.agreed += 1
+        if self.agreed >= FIRST:
+            self.agreed += 1
+            self._floor = max(self._offset, self._floor - drift)
+            return
+        waited = faster > _QUEUED * self._wire.cycle + self._wire.clock_step
+        self.agreed = 1 if waited else self.agreed + 1
+        self._floor = self._offset
 
     def _doubt(self, feedback: Feedback, now: float, contradicts: bool) -> None:
         """Begin anew with a packet that contradicts those before it, unless these have agreed often enough."""
@@ -86,4 +104,5 @@ class Order:
             self._begin_with(feedback, now)
 
     def _begin_with(self, feedback: Feedback, now: float) -> None:
-        self._last, self._offset, self._heard, self.agreed = feedback, now - feedback.time, now, 1
+        self._last, self._heard, self.agreed = feedback, now, 1
+        self._offset = self._floor = now - feedback.time

@@ -67,3 +67,19 @@ def test_a_first_packet_that_is_wrong_does_not_lock_the_others_out(wire: EgmWire
     taken = [order.read(packet(wire, 10 + k, 50 + 0.004 * k), 0.004 * k) for k in range(1, 40)]
     assert all(feedback is not None for feedback in taken[2:])
     assert order.agreed >= FIRST
+
+
+def test_packets_out_of_a_queue_do_not_run_ahead_of_the_clock(order: Order, wire: EgmWire) -> None:
+    taken = [order.read(packet(wire, k, 50 + 0.004 * k), 0.080) for k in range(20, 100)]
+    assert sum(feedback is not None for feedback in taken) <= 3
+    assert order.refused["ahead of its time"] >= 77
+
+
+def test_packets_that_waited_before_the_start_do_not_agree(wire: EgmWire) -> None:
+    order = Order(wire)
+    for k in range(100):  # 0.4 s in a queue, read at once
+        assert order.read(packet(wire, k, 50 + 0.004 * k), 0.4) is not None
+    assert order.agreed < FIRST
+    for k in range(100, 100 + FIRST):
+        assert order.read(packet(wire, k, 50 + 0.004 * k), 0.004 * k) is not None
+    assert order.agreed >= FIRST
