@@ -3,6 +3,7 @@
 from dataclasses import asdict
 
 from ffgym.cli.outputs import check_outputs, hash_inputs, print_places, provenance, write_numbers
+from ffgym.cli.progress import progress_bar
 from ffgym.cli.stream_options import IdentifyController
 from ffgym.core.errors import FFGymError
 from ffgym.deployment.controller_file import write_controller
@@ -25,7 +26,8 @@ def run(config: IdentifyController) -> None:
         for path in config.logs
         for recording in read_logs(path, config.columns, robot=None if config.columns is None else robot)
     ]
-    fit = identify_response(recordings, RigidArm(robot), n_threads=config.threads)
+    with progress_bar("identifying", "fits") as progress:
+        fit = identify_response(recordings, RigidArm(robot), n_threads=config.threads, progress=progress)
     if config.out is not None:
         source = f"identified from {', '.join(path.name for path in config.logs)}"
         write_controller(config.out, fit.response, source=source, intervals=fit.intervals)
@@ -49,12 +51,15 @@ def _numbers(fit: ResponseFit) -> dict[str, object]:
 
 def _describe(fit: ResponseFit, joints: tuple[str, ...]) -> list[str]:
     """Say what was found."""
-    units = {"delay": ("ms", 1e3), "lag": ("ms", 1e3), "curvature": ("ms^2", 1e6)}
+    units = {"total_delay": ("ms", 1e3), "delay": ("ms", 1e3), "lag": ("ms", 1e3), "curvature": ("ms^2", 1e6)}
+    titles = {"total_delay": "delay + lag, which paths need"}
     lines = [fit.response.describe()]
     for name, (low, high) in fit.intervals.items():
         unit, scale = units[name]
         value = getattr(fit.response, name)
-        lines.append(f"{name}: {scale * value:.3f} {unit}, 95 % interval {scale * low:.3f} to {scale * high:.3f}")
+        title = titles.get(name, name)
+        lines.append(f"{title}: {scale * value:.3f} {unit}, 95 % interval {scale * low:.3f} to {scale * high:.3f}")
+    lines.append("intervals know noise alone; how the drive makes speeds of set-points moves delay against lag by more")
     lines.append(f"explained variance of what the delay leaves: {fit.explained:.2%}")
     left = ", ".join(
         f"{joint} {1e3 * value:.3f}" for joint, value in zip(joints, fit.residual, strict=True) if value == value

@@ -14,11 +14,11 @@ def progress_bar(title: str, unit: str) -> Iterator[Progress]:
     from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
     from rich.progress import Progress as Bar
 
-    columns = (TextColumn(title), BarColumn(), TextColumn(f"{{task.completed:.0f}}/{{task.total:.0f}} {unit}"))
+    columns = (TextColumn(title), BarColumn(), TextColumn("{task.fields[done]}"))
     console = Console(file=sys.stderr)
     with Bar(*columns, TimeRemainingColumn(), console=console, disable=not console.is_terminal) as bar:
-        task = bar.add_task(title, total=None)
-        yield lambda done, total: bar.update(task, completed=done, total=total)
+        task = bar.add_task(title, total=None, done="")  # the bar is drawn before the first numbers come
+        yield lambda done, total: bar.update(task, completed=done, total=total, done=f"{done:.0f}/{total:.0f} {unit}")
 
 
 @contextmanager

@@ -132,11 +132,18 @@ def test_delay_and_filter_are_found_from_a_log_of_a_stream(one_axis: RobotDescri
     more = {name: 1.2 * getattr(one_axis.friction, name) for name in ("coulomb", "static")}
     friction = replace(one_axis.friction, **more)
     log, _ = stream(probe, replace(one_axis, friction=friction), response)
-    fit = identify_response([log], RigidArm(one_axis))
+    told = []
+    fit = identify_response([log], RigidArm(one_axis), progress=lambda done, total: told.append((done, total)))
+    assert told == [(done, 5) for done in range(len(told))]
     assert fit.response.delay == pytest.approx(response.delay, abs=0.3e-3)
     assert fit.response.lag == pytest.approx(response.lag, rel=0.05)
     low, high = fit.intervals["delay"]
     assert low < response.delay < high < response.delay + 1.5e-3
+    # the sum, which paths need, is known better than how it divides
+    least, most = fit.intervals["total_delay"]
+    assert least < fit.response.total_delay < most
+    assert most - least < 0.5 * (high - low)
+    assert fit.response.total_delay == pytest.approx(response.total_delay, abs=0.1e-3)
     assert fit.factors["Coulomb friction"][0] == pytest.approx(1.2, rel=0.05)
     assert fit.explained > 0.999
 

@@ -26,6 +26,7 @@ from ffgym.paths import Reference
 from ffgym.recordings import Recording
 from ffgym.robot import RigidArm, RobotDescription
 from ffgym.simulation import Run, simulate
+from ffgym.simulation.run import Progress
 
 NAMES = ("delay", "lag", "curvature")
 """Parameters of a response; a simpler one has the first of them."""
@@ -47,6 +48,8 @@ _STRAIN = 9.0
 """Sum of squares of nuisance parameters, in standard deviations, by which it must fall otherwise; three of one."""
 _FINER = 4
 """Set-points of the model's servo for each one that was sent; chosen: every millisecond, of 4."""
+_FITS = 5
+"""Most fits until a response is selected."""
 _BLOCK = 0.25
 """Length of a block of time [s]; chosen: some periods of the servo."""
 _BETTER = 0.1
@@ -60,7 +63,11 @@ class ResponseFit:
 
     response: SetpointResponse
     intervals: dict[str, tuple[float, float]]
-    """95 % intervals of the parameters that it has, in SI units."""
+    """95 % intervals of the parameters that it has, and of `total_delay` if it has a filter, in SI units.
+
+    They know noise alone. A drive that makes speeds of set-points otherwise than the model moves `total_delay` by some
+    0.1 ms, delay and lag against each other by more.
+    """
     factors: dict[str, Array]
     """Factors of friction and inertia that were fitted beside it, by `NUISANCES`, shape (N,)."""
     residual: Array
@@ -74,7 +81,9 @@ class ResponseFit:
         return float(1 - np.nansum(self.residual**2) / np.nansum(self.undelayed**2))
 
 
-def identify_response(recordings: Sequence[Recording], arm: RigidArm, *, n_threads: int = 0) -> ResponseFit:
+def identify_response(
+    recordings: Sequence[Recording], arm: RigidArm, *, n_threads: int = 0, progress: Progress | None = None
+) -> ResponseFit:
     """Identify delay and filter of the controller that made recordings.
 
     Args:
@@ -82,6 +91,7 @@ def identify_response(recordings: Sequence[Recording], arm: RigidArm, *, n_threa
             a second and more with changes of speed up to some Hz.
         arm: the robot as it is documented.
         n_threads: threads of the engine, 0 for all cores.
+        progress: function called with the fits that are done and their largest number.
 
     Raises:
         FFGymError: if there are no recordings, nothing moves, a joint moves beyond its limits, or the model cannot
@@ -94,11 +104,11 @@ def identify_response(recordings: Sequence[Recording], arm: RigidArm, *, n_threa
         raise FFGymError(
             f"No set-point moves by more than {_MOVES} rad, motor side: the delay cannot be found. Record a motion."
         )
-    fit = _select(model)
+    fit = _select(model, progress or (lambda done, total: None))
     n = arm.robot.n_joints
     return ResponseFit(
         response=_response(fit.values, fit.count),
-        intervals={name: fit.interval(i) for i, name in enumerate(NAMES[: fit.count])},
+        intervals=fit.intervals(),
         factors=dict(zip(NUISANCES, np.exp(fit.values[fit.count :]).reshape(3, n), strict=True)),
         residual=np.where(model.moves, fit.spread, np.nan),
         undelayed=np.where(model.moves, model.spread_at_once(), np.nan),
@@ -250,15 +260,25 @@ class _Fit:
         strain = [((each.values[each.count :] / PRIOR) ** 2).sum() for each in (self, other)]
         return bool(larger < 1 / (1 - _BETTER) and strain[0] < strain[1] + _STRAIN)
 
-    def interval(self, i: int) -> tuple[float, float]:
-        """Compute the 95 % interval of parameter `i` of the response, in SI units."""
-        own, k = self.values[: self.count], self.count
+    def intervals(self) -> dict[str, tuple[float, float]]:
+        """Compute the 95 % intervals of the parameters of the response and of its total delay, in SI units."""
+        k = self.count
+        found = {}
+        if k > 1:
+            found["total_delay"] = _interval(1e-3 * self.values[0], 1e-3 * np.sqrt(self.covariance[0, 0]))
+        own = self.values[:k]
         slopes = np.stack([_parameters(own + h) - _parameters(own - h) for h in _TINY * np.eye(k)], axis=1) / (
             2 * _TINY
         )
-        half = 1.96 * np.sqrt(slopes[i] @ self.covariance[:k, :k] @ slopes[i])
-        middle = _parameters(own)[i]
-        return float(middle - half), float(middle + half)
+        sigma = np.sqrt(np.einsum("ij,jk,ik->i", slopes, self.covariance[:k, :k], slopes))
+        return found | {
+            name: _interval(value, s) for name, value, s in zip(NAMES, _parameters(own), sigma, strict=False)
+        }
+
+
+def _interval(middle: float, sigma: float) -> tuple[float, float]:
+    """Return the ends of a 95 % interval."""
+    return float(middle - 1.96 * sigma), float(middle + 1.96 * sigma)
 
 
 def _response(values: Array, count: int) -> SetpointResponse:
@@ -277,17 +297,22 @@ def _parameters(values: Array) -> Array:
     return np.maximum(found, 0.0)[: len(values)]
 
 
-def _select(model: _Model) -> _Fit:
+def _select(model: _Model, progress: Progress) -> _Fit:
     """Fit a delay, then a filter of second order, then one of first order if the second is better than none."""
     n = model.arm.robot.n_joints
+    progress(0, _FITS)
     sigma, late = model.guess()
     delay = _fit(model, np.r_[late, np.zeros(3 * n)], 1, sigma)
+    progress(1, _FITS)
     delay = _fit(model, delay.values, 1, delay.sigma)
+    progress(2, _FITS)
     start = np.r_[delay.values[0], _SOME_LAG * delay.values[0], 0.0, np.zeros(3 * n)]
     second = _fit(model, start, 3, delay.sigma)
+    progress(3, _FITS)
     if delay.is_as_good(second):
         return delay
     second = _fit(model, second.values, 3, second.sigma)
+    progress(4, _FITS)
     first = _fit(model, np.delete(second.values, 2), 2, second.sigma)
     return first if first.is_as_good(second) else second
 
