@@ -2,9 +2,9 @@
 
 python -m scripts.trial_coverage --json docs/deployment/trial_coverage.json
 
-Every repetition is a trial of its own on a workcell: the order of runs is drawn anew, the machine begins at another
-time of its day and warms up while it runs, Coulomb friction of every joint differs from run to run, and sensors are
-noisy. Nothing is shared between repetitions. Logs are read as `ffgym trial read` reads them.
+Every repetition is a trial of its own on a workcell: the order of runs is drawn anew, the machine was switched on at
+most half an hour before and warms up while it runs, Coulomb friction of every joint differs from run to run, and
+sensors are noisy. Nothing is shared between repetitions. Logs are read as `ffgym trial read` reads them.
 
 **The true gain** of a repetition is that of the same workcell with perfect sensors, at the times of its runs:
 1 - exp(mean over the slots of its pairs of E[ln e_on] - E[ln e_off]), where e is the error of a run at the temperature
@@ -13,7 +13,7 @@ friction in pairs of opposite sign, and interpolated.
 
 Three corrections are tried: elastic feed-forward, one that does nothing, and one that gains nothing while it moves the
 error to the other side: elastic feed-forward, made larger until the RMS error is as without it (`mirrored`). It is so
-at one temperature only, about which all its trials begin: what it gains at first it loses later.
+at one temperature only, that of the middle of its trials: what it gains before, it loses later, or the other way.
 """
 
 import json
@@ -52,7 +52,10 @@ CIRCLES: tuple[Circle, ...] = (("p1", 0.1, 0.005), ("p2", 0.04, 0.003))
 LAWS = ("elastic", "nothing", "mirrored")
 """Corrections that are tried."""
 LATEST = 1800.0
-"""Latest begin of a trial since that of the day that the machine is set up for [s]."""
+"""Latest begin of a trial since the machine was switched on [s]."""
+DRIFT = 0.01
+"""Least change of an error, without correction or with, from the first trial to the last, as a share: without any,
+intervals could not be wrong about drift."""
 _PARTS = ("gain", "low", "high", "p", "p_adjusted")
 """Numbers of a gain that are kept."""
 _TIMES, _DRAWS = 7, 8
@@ -76,8 +79,8 @@ class Scaled(FeedForwardLaw):
 class Config:
     """Machines and repetitions."""
 
-    machines: tuple[str, ...] = ("workcell:12",)
-    """Workcells."""
+    machines: tuple[str, ...] = ("workcell:thesis", "workcell:3")
+    """Workcells, with friction that temperature changes."""
     laws: tuple[str, ...] = LAWS
     """Corrections."""
     repetitions: int = 100
@@ -112,7 +115,11 @@ def find_factor(rig: Rig, program: TrialProgram, law: FeedForwardLaw, machine: M
 def find_truth(
     rig: Rig, program: TrialProgram, laws: Mapping[str, FeedForwardLaw], latest: float, rng: np.random.Generator
 ) -> dict[str, Callable[[Array], Array]]:
-    """Find the true log ratio of errors with each law over time since the begin of the day [s]."""
+    """Find the true log ratio of errors with each law over time since the machine was switched on [s].
+
+    Raises:
+        FFGymError: if no error drifts, without or with a law.
+    """
     assert rig.machine is not None
     times = np.linspace(0.0, latest, _TIMES)
     # the same draws of friction at all times, and each with its opposite
@@ -127,6 +134,8 @@ def find_truth(
         name: measure_exactly(rig, program, law, machines).reshape(_TIMES, -1).mean(axis=1)
         for name, law in {"none": NoCompensation(), **laws}.items()
     }
+    if max(np.ptp(mean) for mean in means.values()) < DRIFT:
+        raise FFGymError(f"No error of {rig.name} changes by {DRIFT:.0%} while it warms up: nothing would drift.")
     return {name: scipy.interpolate.CubicSpline(times, means[name] - means["none"]) for name in laws}
 
 
@@ -181,6 +190,8 @@ def prepare_study(
     rig = make_rig(name)
     if rig.machine is None or rig.machine.climate is None:
         raise FFGymError(f"{name} is no workcell that warms up, so that nothing would drift.")
+    machine = rig.machine.at(0.0)
+    rig = replace(rig, machine=machine)
     programs = tuple(
         make_program(rig.arm, cartesian_reference(rig.arm, circle_path(rig.robot, position, speed, [radius])))
         for position, speed, radius in circles
@@ -189,7 +200,7 @@ def prepare_study(
     latest = LATEST + compute_starts(_plan(rig, programs, pairs, 0))[-1]
     elastic, factors = elastic_law(rig.arm, rig.arm), dict[str, float]()
     if Scaled.name in laws:
-        middle = rig.machine.later(latest / 2)
+        middle = machine.later(latest / 2)
         factors = {program.name: find_factor(rig, program, elastic, middle) for program in programs}
     known = {"elastic": elastic, "nothing": NoCompensation(), Scaled.name: Scaled(elastic, factors)}
     tried = {law: known[check_choice("correction", law, LAWS)] for law in laws}
@@ -229,7 +240,7 @@ def count_rows(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
 
 
 def count_trials(rows: Sequence[Mapping[str, Any]], law: str, claim: str) -> int:
-    """Count the trials of a law that make a claim of any program or of all."""
+    """Count the trials of a law on all machines of the rows that make a claim of any program or of all."""
     found = [row for row in rows if (row["law"], row["claim"]) == (law, claim)]
     return len({(row["machine"], row["repetition"]) for row in found})
 
