@@ -12,8 +12,7 @@ over blocks of time, as residuals are not independent.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import dataclass, field
 
 import numpy as np
 import scipy
@@ -21,11 +20,10 @@ import scipy
 from ffgym.control import SetpointResponse
 from ffgym.core.errors import FFGymError
 from ffgym.core.measures import rms
-from ffgym.core.types import Array, BoolArray
-from ffgym.paths import Reference
+from ffgym.core.types import Array
+from ffgym.diagnosis.identification.setpoint_model import MOVES, NUISANCES, ResponseModel, SetpointLog
 from ffgym.recordings import Recording
-from ffgym.robot import RigidArm, RobotDescription
-from ffgym.simulation import Run, simulate
+from ffgym.robot import RigidArm
 from ffgym.simulation.run import Progress
 
 NAMES = ("delay", "lag", "curvature")
@@ -34,24 +32,17 @@ _TINY = 1e-4
 """Step by which parameters are differentiated by coordinates."""
 _SOME_LAG = 1 / 3
 """Share of the delay that the fit of a filter of second order begins with as lag, with the curvature of a delay."""
-NUISANCES = ("Coulomb friction", "viscous friction", "rotor inertia")
-"""Nuisance parameters of each joint, as logarithms of factors."""
 PRIOR = 0.3
-"""Standard deviation of their priors; chosen: numbers of friction are a third off from robot to robot."""
+"""Standard deviation of the priors of nuisance parameters; chosen: numbers of friction are a third off from robot to
+robot."""
 _UPPER = np.array([200.0, 100.0, 5000.0])
 """Largest coordinates of a response, see `_response`; slower controllers follow no path."""
 _STEPS = (0.2, 0.2, 5.0, 0.05, 0.05, 0.05)
 """Steps of numerical derivatives: of these coordinates, then of the nuisance parameters."""
-_MOVES = 2e-3
-"""Range of set-points below which a joint counts as at rest, motor side [rad]; some steps of a resolver."""
 _STRAIN = 9.0
 """Sum of squares of nuisance parameters, in standard deviations, by which it must fall otherwise; three of one."""
-_FINER = 4
-"""Set-points of the model's servo for each one that was sent; chosen: every millisecond, of 4."""
 _FITS = 5
 """Most fits until a response is selected."""
-_BLOCK = 0.25
-"""Length of a block of time [s]; chosen: some periods of the servo."""
 _BETTER = 0.1
 """Share of the sum of squares by which it must fall for another coefficient; chosen: models of drives are that wrong
 between set-points, where some join them by straight lines."""
@@ -99,10 +90,12 @@ def identify_response(
     """
     if not recordings:
         raise FFGymError("There are no recordings; record set-points and motor angles of a motion of some seconds.")
-    model = _Model(arm=arm, logs=tuple(_Log.of(each, arm.robot) for each in recordings), n_threads=n_threads)
+    model = ResponseModel(
+        arm=arm, logs=tuple(SetpointLog.of(each, arm.robot) for each in recordings), n_threads=n_threads
+    )
     if not model.moves.any():
         raise FFGymError(
-            f"No set-point moves by more than {_MOVES} rad, motor side: the delay cannot be found. Record a motion."
+            f"No set-point moves by more than {MOVES} rad, motor side: the delay cannot be found. Record a motion."
         )
     fit = _select(model, progress or (lambda done, total: None))
     n = arm.robot.n_joints
@@ -111,124 +104,7 @@ def identify_response(
         intervals=fit.intervals(),
         factors=dict(zip(NUISANCES, np.exp(fit.values[fit.count :]).reshape(3, n), strict=True)),
         residual=np.where(model.moves, fit.spread, np.nan),
-        undelayed=np.where(model.moves, model.spread_at_once(), np.nan),
-    )
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Log:
-    """Set-points and motor angles of one recording."""
-
-    name: str
-    sent: Array
-    """Set-points every control step, motor side [rad], shape (T, N)."""
-    t: Array
-    """Times of measurements [s], shape (M,), within the samples."""
-    measured: Array
-    """Motor angles, motor side [rad], shape (M, N)."""
-
-    @classmethod
-    def of(cls, recording: Recording, robot: RobotDescription) -> "_Log":
-        """Read a recording, from the first control step to the last whole one."""
-        t, dt = recording.t - recording.t[0], robot.servo.control_dt
-        grid = np.arange(int(t[-1] / dt + 1e-9) + 1) * dt
-        if len(grid) < 2:
-            raise FFGymError(f"Recording {recording.header.segment!r} lasts {t[-1]:.3g} s, needs a second or more.")
-        sent, measured = (
-            recording.header.motor_side(recording.joint_array(f"{name}.position")) for name in ("reference", "motor")
-        )
-        within = t <= grid[-1] + 1e-9
-        samples = scipy.interpolate.make_interp_spline(t, sent, k=1)(np.minimum(grid, t[-1]))
-        return cls(name=recording.header.segment, sent=samples, t=t[within], measured=measured[within])
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Model:
-    """Motor angles of the documented robot, by parameters: response, then logarithms of factors (3 N)."""
-
-    arm: RigidArm
-    logs: tuple[_Log, ...]
-    n_threads: int
-
-    @property
-    def step(self) -> float:
-        """Smallest noise of a motor angle [rad]: that of the steps of the documented resolver."""
-        return self.arm.robot.sensors.resolver_step / float(np.sqrt(12))
-
-    @cached_property
-    def robot(self) -> RobotDescription:
-        """Robot whose servo gets set-points so often that lines between those that were sent stay straight."""
-        servo = self.arm.robot.servo
-        return replace(self.arm.robot, servo=replace(servo, control_dt=servo.control_dt / _FINER))
-
-    @cached_property
-    def moves(self) -> BoolArray:
-        """True for joints whose set-points move, shape (N,)."""
-        moves: BoolArray = np.max([np.ptp(log.sent, axis=0) for log in self.logs], axis=0) > _MOVES
-        return moves
-
-    @cached_property
-    def blocks(self) -> Array:
-        """Number of the block of each row of all logs, shape (M,)."""
-        starts = np.cumsum([0, *(int(log.t[-1] / _BLOCK) + 1 for log in self.logs[:-1])])
-        return np.concatenate([start + log.t // _BLOCK for start, log in zip(starts, self.logs, strict=True)])
-
-    def residuals(self, each: Sequence[tuple[SetpointResponse, Array]]) -> list[Array]:
-        """Compute measured angles less those of the model for several parameters, side by side: (M, N) each."""
-        runs, machines = [], []
-        for response, factors in each:
-            machine = scale(self.robot, *np.exp(factors.reshape(3, -1)))
-            runs += [Run(reference=self._reference(log, response)) for log in self.logs]
-            machines += [machine] * len(self.logs)
-        dt = self.robot.servo.control_dt
-        recordings = simulate(runs, arm=self.arm, machine=machines, record_dt=dt, n_threads=self.n_threads)
-        found = [
-            log.measured
-            - scipy.interpolate.make_interp_spline(recording.t, recording.joint_array("motor.position"), k=3)(log.t)
-            for recording, log in zip(recordings, self.logs * len(each), strict=True)
-        ]
-        count = len(self.logs)
-        return [np.concatenate(found[i * count : (i + 1) * count]) for i in range(len(each))]
-
-    def spread_at_once(self) -> Array:
-        """Compute the RMS of residuals of set-points that arrive at once, motor side [rad], shape (N,)."""
-        (residual,) = self.residuals([(SetpointResponse(), np.zeros(3 * self.arm.robot.n_joints))])
-        return rms(residual, 0)
-
-    def guess(self) -> tuple[Array, float]:
-        """Guess the noise of each joint [rad] and the delay [ms], by the shift at which motors move like the model."""
-        nothing = np.zeros(3 * self.arm.robot.n_joints)
-        (residual,) = self.residuals([(SetpointResponse(), nothing)])
-        measured = np.concatenate([log.measured for log in self.logs])
-        speed = np.concatenate([np.gradient(log.measured, log.t, axis=0) for log in self.logs])
-        # late by tau: measured = model(t - tau), so that residual = -tau times the speed
-        weight = self.moves / np.maximum(rms(measured - measured.mean(axis=0), 0), 1e-9) ** 2
-        late = -float((weight * speed * residual).sum() / (weight * speed**2).sum())
-        return np.hypot(rms(residual + late * speed, 0), self.step), 1e3 * float(np.clip(late, 1e-3, 0.09))
-
-    def _reference(self, log: _Log, response: SetpointResponse) -> Reference:
-        """Make the reference that a response makes of a log's set-points, which a drive joins by straight lines."""
-        robot, dt = self.robot, self.robot.servo.control_dt
-        arrived = response.apply(log.sent, _FINER * dt, _FINER)
-        t = dt * np.arange(len(arrived), dtype=np.float64)
-        path = scipy.interpolate.make_interp_spline(t, robot.drive.joint_angle(arrived), k=3)
-        q, dq, ddq = (np.asarray(path(t, order), dtype=np.float64) for order in range(3))
-        if not response.lag:  # lines have corners, over which a controller differences speeds
-            cycle = _FINER * dt
-            ddq = (dq - np.vstack([np.tile(dq[:1], (_FINER, 1)), dq[:-_FINER]])) / cycle
-        return Reference(name=log.name, robot=robot, t=t, q=q, dq=dq, ddq=ddq, phases=())
-
-
-def scale(robot: RobotDescription, coulomb: Array, viscous: Array, inertia: Array) -> RobotDescription:
-    """Multiply static and Coulomb friction, viscous friction and rotor inertia of a robot by factors, (N,) each."""
-    friction = replace(
-        robot.friction,
-        coulomb=robot.friction.coulomb * coulomb,
-        static=robot.friction.static * coulomb,
-        viscous=robot.friction.viscous * viscous,
-    )
-    return replace(
-        robot, friction=friction, drive=replace(robot.drive, rotor_inertia=robot.drive.rotor_inertia * inertia)
+        undelayed=np.where(model.moves, rms(model.late, 0), np.nan),
     )
 
 
@@ -297,7 +173,7 @@ def _parameters(values: Array) -> Array:
     return np.maximum(found, 0.0)[: len(values)]
 
 
-def _select(model: _Model, progress: Progress) -> _Fit:
+def _select(model: ResponseModel, progress: Progress) -> _Fit:
     """Fit a delay, then a filter of second order, then one of first order if the second is better than none."""
     n = model.arm.robot.n_joints
     progress(0, _FITS)
@@ -317,7 +193,7 @@ def _select(model: _Model, progress: Progress) -> _Fit:
     return first if first.is_as_good(second) else second
 
 
-def _fit(model: _Model, start: Array, count: int, sigma: Array) -> _Fit:
+def _fit(model: ResponseModel, start: Array, count: int, sigma: Array) -> _Fit:
     """Fit `count` parameters of the response and all nuisance parameters, with residuals in units of `sigma` (N,)."""
     n_factors = len(start) - count
     lower = np.r_[[0.0, 0.1, -_UPPER[2]][:count], np.full(n_factors, -2.0)]
@@ -347,14 +223,18 @@ def _fit(model: _Model, start: Array, count: int, sigma: Array) -> _Fit:
 class _Problem:
     """Weighted residuals of a fit and their derivatives: of all angles, then of the priors."""
 
-    model: _Model
+    model: ResponseModel
     count: int
     weight: Array
     """One over the noise of each joint [1/rad], 0 for joints at rest, shape (N,)."""
+    known: dict[bytes, Array] = field(default_factory=dict)
+    """Angles of residuals by the parameters that they were last computed for; derivatives are asked for there next."""
 
     def residuals(self, values: Array) -> Array:
         """Compute the residuals."""
         (residual,) = self.model.residuals([self._split(values)])
+        self.known.clear()
+        self.known[values.tobytes()] = residual
         return np.r_[(residual * self.weight).ravel(), values[self.count :] / PRIOR]
 
     def jacobian(self, values: Array) -> Array:
@@ -364,12 +244,16 @@ class _Problem:
         """
         n, k = len(self.weight), self.count
         steps = np.r_[_STEPS[:k], _STEPS[3:]]
-        moved = [values]
+        first, moved = self.known.get(values.tobytes()), []
         for i, step in enumerate(steps):
             change = np.zeros_like(values)
             change[i if i < k else slice(k + (i - k) * n, k + (i - k + 1) * n)] = step
             moved.append(values + change)
-        first, *others = self.model.residuals([self._split(each) for each in moved])
+        if first is None:
+            moved.append(values)
+        others = self.model.residuals([self._split(each) for each in moved])
+        if first is None:
+            first = others.pop()
         slopes = [self.weight * (other - first) / step for other, step in zip(others, steps, strict=True)]
         columns = [slope.ravel() for slope in slopes[:k]]
         columns += [(slope * (np.arange(n) == j)).ravel() for slope in slopes[k:] for j in range(n)]
