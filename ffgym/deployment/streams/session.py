@@ -77,7 +77,8 @@ class StreamSession:
         """True if somebody stopped the correction."""
         self.log = StreamLog()
         self.received = self.sent = 0
-        self._start: float | None = None
+        self.started_at: float | None = None
+        """Controller's clock at the first set-point [s]; None before it."""
         self._index = self._corrected = 0
         self._is_closing = False
         self._begun_at = self._valid_at = self._due = float("nan")
@@ -117,10 +118,10 @@ class StreamSession:
         if not feedback.ready:  # as if it had been silent: the correction leaves, then the session is given up
             self.refused["not ready"] += 1
             return None
-        assert self._start is not None
+        assert self.started_at is not None
         self._guard.hear(now)
         self._valid_at, self._due = now, now + 1.5 * self.wire.cycle
-        elapsed = feedback.time - self._start
+        elapsed = feedback.time - self.started_at
         self._index = max(self._index, round(elapsed / self.wire.cycle))
         if not (feedback.started or self._is_closing):  # the controller broke off its program
             self._close(now)
@@ -164,7 +165,7 @@ class StreamSession:
         if (away > self.envelope.start_tolerance).any():
             self.state, self.refusal = "refused", self._describe_pose(feedback.position)
             return False
-        self.state, self._start, self._begun_at = "running", feedback.time, now
+        self.state, self.started_at, self._begun_at = "running", feedback.time, now
         return True
 
     def _keep_alive(self, feedback: Feedback) -> bytes | None:

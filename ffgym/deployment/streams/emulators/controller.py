@@ -60,7 +60,9 @@ class EmulatedController:
             first: number of its first packet.
         """
         self.robot, self.wire, self.direct_torque = robot, wire, direct_torque
-        self._clock, self._first = clock, first
+        self.start = clock
+        """What the clock showed at the start [s]."""
+        self._first = first
         self._answer: StreamCommand | None = None
         self._last = -1
         self._silent = self._answered = 0
@@ -85,7 +87,7 @@ class EmulatedController:
         robot = self.robot
         feedback = Feedback(
             sequence=self._first + robot.cycles,
-            time=self._clock + robot.time,
+            time=self.start + robot.time,
             position=robot.position,
             ready=not self.stopped,
             started=robot.runs,
@@ -102,7 +104,7 @@ class EmulatedController:
         if self.begun and not 0 < (command.sequence - self._last) % self.wire.wrap < self.wire.wrap // 2:
             self.refused["out of order"] += 1
             return
-        if self.wire.needs_answers and command.time < self._clock + self.robot.time - 0.5 * self.wire.cycle:
+        if self.wire.needs_answers and command.time < self.start + self.robot.time - 0.5 * self.wire.cycle:
             self.refused["late"] += 1
             return
         self._last, self._answer, self.begun = command.sequence, command, True

@@ -11,8 +11,9 @@ import numpy as np
 import scipy
 
 from ffgym.control import SetpointResponse
+from ffgym.control.setpoints import servo_torque
 from ffgym.core.errors import FFGymError, check_choice
-from ffgym.core.types import Array
+from ffgym.core.types import Array, IntArray
 from ffgym.deployment.planning import FeedForward
 from ffgym.deployment.streams.emulators.reference import ControllerReference, Missing
 from ffgym.deployment.streams.recording import header_of
@@ -20,6 +21,7 @@ from ffgym.paths import Reference
 from ffgym.recordings import Phase, Recording, clip_phases
 from ffgym.robot import ModelOptions, RigidArm, RobotDescription
 from ffgym.simulation.plant import Machine, Plant
+from ffgym.simulation.plant.engine_state import PlantState
 
 
 @final
@@ -81,7 +83,7 @@ class EmulatedRobot:
         self._arm, self._source, self._delays_all = arm or RigidArm(self.robot), feedforward, program is None
         self._feedforward = np.zeros(len(start))
         self.plant.rest(start[None])
-        self._rows: list[tuple[Array, Array, Array, Array, Array]] = []
+        self._rows: list[tuple[Array, Array, Array, Array, Array, Array]] = []
         self.runs = False
         """True while the controller runs its own program; set it to begin."""
         self.cycles = 0
@@ -134,13 +136,14 @@ class EmulatedRobot:
         controls = np.empty((1, len(position) - 1, 3 * self.robot.n_joints))
         positions, speeds, torques = self.plant.split_controls(controls)
         positions[0], speeds[0] = position[:-1], speed[:-1]
-        torques[0] = self._rigid_torques() + (0.0 if torque is None else torque)
+        added = self._rigid_torques() + (0.0 if torque is None else torque)
+        torques[0] = added[:-1]
         qpos, qvel, act = (part[0].copy() for part in self.plant.advance(controls))
-        self._rows.append((position[1:], speed[1:], qpos, qvel, act))
+        self._rows.append((position[1:], speed[1:], added[1:], qpos, qvel, act))
         self.cycles += 1
 
     def _rigid_torques(self) -> Array:
-        """Compute the rigid feed-forward at the steps of a cycle, motor side [N m], (S, N), straight over the cycle."""
+        """Compute the rigid feed-forward at the steps of a cycle and its end, motor side [N m], (S + 1, N)."""
         before, reference = self._feedforward, self._reference
         if self._source != "none":
             drive = self.robot.drive
@@ -149,7 +152,7 @@ class EmulatedRobot:
             links = self._arm.inverse_dynamics(q, dq, change[None])[0]
             self._feedforward = drive.motor_torque(links) + drive.rotor_inertia * drive.motor_angle(change)
         steps = len(reference.position) - 1
-        share = (np.arange(steps) / steps)[:, None]
+        share = (np.arange(steps + 1) / steps)[:, None]
         torques: Array = (1 - share) * before + share * self._feedforward
         return torques
 
@@ -168,13 +171,14 @@ class EmulatedRobot:
         """
         if not self._rows:
             raise FFGymError("The robot has not moved yet; run it before its truth is asked for.")
-        position, speed, qpos, qvel, act = (np.concatenate(part) for part in zip(*self._rows, strict=True))
+        position, speed, added, qpos, qvel, act = (np.concatenate(part) for part in zip(*self._rows, strict=True))
         state = self.plant.unpack(qpos, qvel, act)
         families = {
             "reference.position": position,
             "reference.velocity": speed,
             "motor.position": state.motor_position,
             "motor.velocity": state.motor_velocity,
+            "motor.effort": self._motor_torque(position, speed, added, state),
             "link.position": state.link_position,
             "link.velocity": state.link_velocity,
         }
@@ -194,8 +198,27 @@ class EmulatedRobot:
             "physics_fingerprint": self.plant.fingerprint(),
             "physics_dt": self._step,
         }
-        header = replace(header_of(self.robot, segment, provenance=provenance), phases=phases)
+        header = header_of(self.robot, segment, provenance=provenance)
+        header = replace(header, phases=phases, torque_semantics="motor_side", hold="sampled")
         return Recording(columns=columns, header=header)
+
+    def torque_at(self, cycles: IntArray) -> Array:
+        """Return the motor torque at the beginning of cycles that are done, or at the end of the last, (K, N) [N m].
+
+        At the beginning of the first cycle it is that of the first step.
+        """
+        position, speed, added, qpos, qvel, act = (np.concatenate(part) for part in zip(*self._rows, strict=True))
+        rows = np.maximum(cycles * round(self.cycle / self._step) - 1, 0)
+        state = self.plant.unpack(qpos[rows], qvel[rows], act[rows])
+        return self._motor_torque(position[rows], speed[rows], added[rows], state)
+
+    def _motor_torque(self, position: Array, speed: Array, added: Array, state: PlantState) -> Array:
+        """Compute the torque that the servos ask of the motors, within their limits, motor side [N m], shape (T, N)."""
+        machine = self.plant.machines[0]
+        servo, peak = machine.physical.servo, machine.physical.drive.peak_torque
+        angle, rate = machine.read_by_resolver(state.motor_position, state.motor_velocity)
+        feedback = servo_torque(servo, position - angle, speed - rate, state.integral)
+        return np.clip(feedback.u_fb + added, -peak, peak)
 
     def _delay(self, reference: Reference, t: Array) -> tuple[Array, tuple[Phase, ...]]:
         """Sample a motion that was meant at times `t` [s] of the robot, as late as the controller is, link side."""
