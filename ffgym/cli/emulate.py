@@ -18,6 +18,7 @@ from ffgym.deployment.streams.emulators import (
     EmulatedController,
     EmulatedRobot,
     Faults,
+    record_drive,
     run_in_lock_step,
 )
 from ffgym.deployment.streams.emulators.live import serve_live
@@ -65,6 +66,8 @@ def _check(config: Emulate) -> None:
         if place is not None:
             check_choice("recording format", place.suffix, list(FORMATS))
     check_outputs({**places, "--json": config.json}, inputs=(config.plan, config.robot))
+    if config.torque and config.log is None:
+        raise FFGymError("--torque has no effect without --log. Leave it out, or name a log.")
     if config.log is not None and config.plan is None:
         raise FFGymError(f"--log {config.log}: there is no plan to stream. Name one: --plan.")
 
@@ -104,7 +107,7 @@ def _stream_in_lock_step(config: Emulate, plan: SetpointPlan, log: Path, control
     envelope = make_envelope(Stream(log), robot, controller.wire.cycle)
     session = StreamSession(plan, controller.wire, envelope, robot.drive)
     run_in_lock_step(session, controller, to_stream=faults, to_controller=faults)
-    write_recording(record_session(session, robot), log)
+    write_recording(record_drive(session, controller) if config.torque else record_session(session, robot), log)
     print("\n".join(describe_session(session, Timing())))
 
 

@@ -1,5 +1,7 @@
 """`ffgym plan`: the set-points of a motion, corrected by a feed-forward law, for streams and programs."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from ffgym.cli.export import load_machine_or_robot, prepare_motion
@@ -8,10 +10,11 @@ from ffgym.cli.outputs import check_outputs, given_options, print_places, proven
 from ffgym.cli.stream_options import PlanSetpoints
 from ffgym.control import CorrectionLimits, NoCompensation, SetpointResponse
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
-from ffgym.deployment.controller_file import read_controller
+from ffgym.deployment.controller_file import read_controller, read_servo
 from ffgym.deployment.plan import SetpointPlan, write_plan
 from ffgym.deployment.planning import plan_probe, plan_setpoints
-from ffgym.robot import ModelOptions, RigidArm, physics_fingerprint
+from ffgym.robot import ModelOptions, RigidArm, RobotDescription, physics_fingerprint
+from ffgym.robot.parts import Servo
 from ffgym.simulation.plant import Machine
 
 
@@ -21,10 +24,13 @@ def run(config: PlanSetpoints) -> None:
     inputs = (config.robot, config.path, config.parameters, config.controller, config.feedforward)
     check_outputs({"--out": config.out, "--json": config.json}, inputs=inputs)
     known, machine = load_machine_or_robot(config.robot)
-    arm = RigidArm(known)
-    plan, machine, notes = (
-        _plan_probe(config, arm, machine) if config.path is None else _plan_motion(config, arm, machine)
-    )
+    if config.path is None:
+        plan, machine, notes = _plan_probe(config, RigidArm(known), machine)
+    else:
+        found = _find_servo(config, known)
+        if found is not None:
+            known, machine = replace(known, servo=found), _with_servo(machine, known, found)
+        plan, machine, notes = _plan_motion(config, RigidArm(known), machine, found is not None)
     write_plan(plan, config.out)
     fingerprint = physics_fingerprint(machine.spec(ModelOptions(looks=False)).compile())
     info = provenance("ffgym plan", config, plan.robot, fingerprint, config.seed if config.path is None else None)
@@ -34,8 +40,22 @@ def run(config: PlanSetpoints) -> None:
     print_places(plan=config.out, origin=config.json)
 
 
+def _find_servo(config: PlanSetpoints, robot: RobotDescription) -> Servo | None:
+    """Read the servo that was identified; None for that of the description."""
+    if config.controller is None or config.gains == "description":
+        return None
+    return read_servo(config.controller, robot)
+
+
+def _with_servo(machine: Machine, known: RobotDescription, servo: Servo) -> Machine:
+    """Give a machine the servo that was found."""
+    if machine.robot is known:
+        return Machine.of(replace(known, servo=servo))
+    return replace(machine, robot=replace(machine.robot, servo=servo))
+
+
 def _plan_motion(
-    config: PlanSetpoints, arm: RigidArm, machine: Machine
+    config: PlanSetpoints, arm: RigidArm, machine: Machine, found: bool
 ) -> tuple[SetpointPlan, Machine, tuple[str, ...]]:
     """Plan a motion with its law."""
     if given := given_options(config, ("largest_speed_rad_s", "seconds", "seed")):
@@ -56,6 +76,7 @@ def _plan_motion(
         sends=config.sends,
         feedforward=config.controller_feedforward,
         limits=limits,
+        meta={"gains": "controller" if found else "description"},
     )
     return plan, ready.machine, tuple(ready.motion.notes)
 
@@ -71,6 +92,7 @@ def _plan_probe(
         "feedforward",
         "parameters",
         "controller",
+        "gains",
         "sends",
         "controller_feedforward",
         "largest_mrad",
@@ -91,6 +113,7 @@ def _describe(plan: SetpointPlan) -> list[str]:
     largest = ", ".join(
         f"{joint} {1e3 * size:.3f}" for joint, size in zip(plan.joints, plan.largest_correction, strict=True)
     )
+    lines.append(f"gains of the servo: those of the {plan.meta['gains']}")
     lines.append(f"largest correction [mrad, mm]: {largest}")
     if plan.meta["beyond_limits"]:
         lines.append("note: the correction was cut to its limits, and gives less than the law's torque there")

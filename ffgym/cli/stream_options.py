@@ -78,7 +78,10 @@ class PlanSetpoints:
     feedforward: LawName = "elastic"
     parameters: LawParameters = None
     controller: Path | None = None
-    """Delay and filter of the controller, .toml, as ffgym identify controller writes them; absent is none."""
+    """Delay and filter of the controller, .toml, and gains of its servo if it has them, as ffgym identify controller
+    writes them; absent is no delay, and gains of the description."""
+    gains: Literal["controller", "description"] = "controller"
+    """Gains of the servo: those of the file of the controller where it has any, or of the description in any case."""
     sends: Literal["positions", "corrections"] = "positions"
     """positions: whole set-points, which all arrive late (EGM, RTDE, ROS 2); corrections: what is added to a program
     that the controller runs by itself, sent early by its delay (RSI)."""
@@ -99,13 +102,19 @@ class PlanSetpoints:
 
 @dataclass(frozen=True)
 class IdentifyController:
-    """Identify delay and smoothing filter of a controller from set-points that were sent and measured motor angles."""
+    """Identify delay and smoothing filter of a controller from set-points that were sent and measured motor angles.
+
+    Where the torque of the motors was recorded, too, the gains of the servo are found.
+    """
 
     logs: tyro.conf.Positional[tuple[Path, ...]]
     """Recordings, .npz or .csv, as ffgym stream writes them; files of other tools with --columns."""
     robot: str
     """Built-in robot, or a path to a description that ends in .toml."""
     columns: ColumnMap = None
+    controller_feedforward: Literal["setpoints", "none"] = "setpoints"
+    """What the torque has beside that of the servo: rigid feed-forward that the controller computes from set-points, or
+    nothing; for gains."""
     out: Path | None = None
     """File of the controller to write, .toml."""
     json: Numbers = None
@@ -127,6 +136,8 @@ class Emulate:
     log: Path | None = None
     """Stream the plan to the emulator at once, without network and clock, and write the log of the stream, .npz or
     .csv; absent waits for ffgym stream."""
+    torque: bool = False
+    """Write the torque of the motors into the log, too, as a logger of the drives measures it."""
     address: str | None = None
     """Address of the stream, host:port; absent is this computer, usual port. For rtde that of the emulator; for
     ros2 the topic."""

@@ -8,6 +8,7 @@ from .code import write_law_code as write_law_code
 from .code import write_policy_onnx as write_policy_onnx
 from .code import write_table as write_table
 from .controller_file import read_controller as read_controller
+from .controller_file import read_servo as read_servo
 from .controller_file import write_controller as write_controller
 from .plan import SetpointPlan as SetpointPlan
 from .plan import read_plan as read_plan
@@ -35,6 +36,7 @@ from .streams.emulators import DirectTorque as DirectTorque
 from .streams.emulators import EmulatedController as EmulatedController
 from .streams.emulators import EmulatedRobot as EmulatedRobot
 from .streams.emulators import Faults as Faults
+from .streams.emulators import record_drive as record_drive
 from .streams.emulators import run_in_lock_step as run_in_lock_step
 from .trial import Gain as Gain
 from .trial import TrialLog as TrialLog

@@ -159,9 +159,9 @@ def read_motor_torque(robot: RobotDescription, recording: Recording, family: str
     return convert_to_motor_side(robot.drive, header, recording.joint_array(family))
 
 
-def read_acting_torque(robot: RobotDescription, recording: Recording) -> Array:
-    """Read the motor torque that acts about the time of each row, motor side [N m], shape (T, N)."""
-    torque, hold = read_motor_torque(robot, recording), recording.header.hold
+def read_acting_torque(robot: RobotDescription, recording: Recording, family: str = "motor.effort") -> Array:
+    """Read torques of a family that act about the time of each row, motor side [N m], shape (T, N)."""
+    torque, hold = read_motor_torque(robot, recording, family), recording.header.hold
     if hold == "unspecified":
         raise FFGymError(
             f"Recording {recording.header.segment!r} does not say when its torque acts, and half a sample matters: set "

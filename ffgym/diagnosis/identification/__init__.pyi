@@ -1,5 +1,7 @@
 from .arm_share import ArmShare as ArmShare
 from .arm_share import ArmShareFit as ArmShareFit
+from .controller import ControllerFit as ControllerFit
+from .controller import identify_controller as identify_controller
 from .estimate import Estimate as Estimate
 from .friction import FrictionIdentification as FrictionIdentification
 from .friction import Validation as Validation
@@ -11,6 +13,7 @@ from .friction_data import ModelError as ModelError
 from .friction_data import friction_torque as friction_torque
 from .friction_data import friction_torques as friction_torques
 from .joint_friction import JointFriction as JointFriction
+from .servo_gains import ServoFit as ServoFit
 from .setpoint_response import ResponseFit as ResponseFit
 from .setpoint_response import identify_response as identify_response
 from .signals import LowPass as LowPass

@@ -13,6 +13,7 @@ over blocks of time, as residuals are not independent.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 import scipy
@@ -36,7 +37,7 @@ PRIOR = 0.3
 """Standard deviation of the priors of nuisance parameters; chosen: numbers of friction are a third off from robot to
 robot."""
 _UPPER = np.array([200.0, 100.0, 5000.0])
-"""Largest coordinates of a response, see `_response`; slower controllers follow no path."""
+"""Largest coordinates of a response, see `make_response`; slower controllers follow no path."""
 _STEPS = (0.2, 0.2, 5.0, 0.05, 0.05, 0.05)
 """Steps of numerical derivatives: of these coordinates, then of the nuisance parameters."""
 _STRAIN = 9.0
@@ -59,6 +60,8 @@ class ResponseFit:
     They know noise alone. A drive that makes speeds of set-points otherwise than the model moves `total_delay` by some
     0.1 ms, delay and lag against each other by more.
     """
+    covariance: Array
+    """Covariance of these parameters, SI units, shape (K, K)."""
     factors: dict[str, Array]
     """Factors of friction and inertia that were fitted beside it, by `NUISANCES`, shape (N,)."""
     residual: Array
@@ -100,8 +103,9 @@ def identify_response(
     fit = _select(model, progress or (lambda done, total: None))
     n = arm.robot.n_joints
     return ResponseFit(
-        response=_response(fit.values, fit.count),
+        response=make_response(fit.values, fit.count),
         intervals=fit.intervals(),
+        covariance=fit.response_covariance,
         factors=dict(zip(NUISANCES, np.exp(fit.values[fit.count :]).reshape(3, n), strict=True)),
         residual=np.where(model.moves, fit.spread, np.nan),
         undelayed=np.where(model.moves, rms(model.late, 0), np.nan),
@@ -136,20 +140,22 @@ class _Fit:
         strain = [((each.values[each.count :] / PRIOR) ** 2).sum() for each in (self, other)]
         return bool(larger < 1 / (1 - _BETTER) and strain[0] < strain[1] + _STRAIN)
 
-    def intervals(self) -> dict[str, tuple[float, float]]:
-        """Compute the 95 % intervals of the parameters of the response and of its total delay, in SI units."""
-        k = self.count
-        found = {}
-        if k > 1:
-            found["total_delay"] = _interval(1e-3 * self.values[0], 1e-3 * np.sqrt(self.covariance[0, 0]))
-        own = self.values[:k]
+    @cached_property
+    def response_covariance(self) -> Array:
+        """Covariance of the parameters of the response, in SI units, shape (K, K)."""
+        own, k = self.values[: self.count], self.count
         slopes = np.stack([_parameters(own + h) - _parameters(own - h) for h in _TINY * np.eye(k)], axis=1) / (
             2 * _TINY
         )
-        sigma = np.sqrt(np.einsum("ij,jk,ik->i", slopes, self.covariance[:k, :k], slopes))
-        return found | {
-            name: _interval(value, s) for name, value, s in zip(NAMES, _parameters(own), sigma, strict=False)
-        }
+        return np.asarray(slopes @ self.covariance[:k, :k] @ slopes.T)
+
+    def intervals(self) -> dict[str, tuple[float, float]]:
+        """Compute the 95 % intervals of the parameters of the response and of its total delay, in SI units."""
+        found = {}
+        if self.count > 1:
+            found["total_delay"] = _interval(1e-3 * self.values[0], 1e-3 * np.sqrt(self.covariance[0, 0]))
+        sigma, own = np.sqrt(np.diag(self.response_covariance)), _parameters(self.values[: self.count])
+        return found | {name: _interval(value, s) for name, value, s in zip(NAMES, own, sigma, strict=False)}
 
 
 def _interval(middle: float, sigma: float) -> tuple[float, float]:
@@ -157,7 +163,7 @@ def _interval(middle: float, sigma: float) -> tuple[float, float]:
     return float(middle - 1.96 * sigma), float(middle + 1.96 * sigma)
 
 
-def _response(values: Array, count: int) -> SetpointResponse:
+def make_response(values: Array, count: int) -> SetpointResponse:
     r"""Make a response of its coordinates: d + a_1 [ms], a_1 [ms], a_1^2 / 2 - a_2 [ms^2].
 
     They are the slopes of phase and magnitude at low frequencies, log F = -s (d + a_1) + s^2 (a_1^2 / 2 - a_2) + ...,
@@ -281,4 +287,4 @@ class _Problem:
         return np.r_[np.zeros(self.count), np.full(3 * len(self.weight), PRIOR**-2)]
 
     def _split(self, values: Array) -> tuple[SetpointResponse, Array]:
-        return _response(values, self.count), values[self.count :]
+        return make_response(values, self.count), values[self.count :]
