@@ -12,6 +12,7 @@ from ffgym.agents import (
     narx,
     oracle,
     residual_torque,
+    setpoint_rows,
     tensor_bspline,
 )
 from ffgym.agents.residual import gains, policy
@@ -26,6 +27,7 @@ MODULES = (
     residual_torque,
     iterative,
     elastic,
+    setpoint_rows,
     model,
     adapters,
     gains,

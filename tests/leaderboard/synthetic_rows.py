@@ -6,9 +6,10 @@ from zlib import crc32
 
 import numpy as np
 
+from ffgym.control import SetpointResponse
 from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL, draw_name
 from ffgym.leaderboard.presentation.page import ToolTrace
-from ffgym.leaderboard.results import CircleResult, Outcome, Row
+from ffgym.leaderboard.results import CircleResult, Outcome, Row, SentSetpoints
 
 POSITIONS = ("p1", "p2", "p3", "p4")
 SPEEDS = (10.0, 40.0, 100.0)
@@ -30,6 +31,7 @@ class Sort:
     steps: int = 0
     us: float | None = None
     ranked: bool = True
+    setpoints: SentSetpoints | None = None
 
 
 SORTS = {
@@ -43,7 +45,10 @@ SORTS = {
         "extended B-spline network with prior", (0.44, 0.7, 0.95), track="causal", seconds=790.0
     ),
     "mlp_fel": Sort("perceptron, feedback-error learning", (0.5, 0.74, 0.94), spread=0.03, seconds=1630.0),
-    "narx": Sort("NARX network", (0.55, 0.78, 0.99), track="causal", seconds=420.0),
+    "narx": Sort(
+        "NARX network", (0.55, 0.78, 0.99), track="causal", seconds=420.0,
+        setpoints=SentSetpoints(response=SetpointResponse(delay=0.008)),
+    ),
     "residual_gp": Sort("residual torque model", (0.36, 0.69, 0.93), track="causal", seconds=420.0),
     "ilc_motor": Sort("iterative learning on motor positions", (0.25, 0.55, 0.9), track="per task", seconds=2105.0),
     "ilc_tcp": Sort("iterative learning on the tool's position", (0.11, 0.12, 0.13), track="per task", seconds=2105.0),
@@ -117,6 +122,7 @@ def row(name: str, plants: list[str], seeds: int = 5) -> Row:
         about=f"Invented for tests: what {sort.title} might leave of the error.",
         page="lugre.md" if name.startswith("lugre") else None,
         base=sort.base,
+        setpoints=sort.setpoints,
         seeded=seeded,
         command=f"ffgym train {name} --seeds {seeds}" if sort.seconds or sort.steps else None,
         ranked=sort.ranked,

@@ -12,8 +12,10 @@ from ffgym.leaderboard.board import Board
 from ffgym.leaderboard.comparison.samples import DRAWS, GROUPS, WORKCELLS, group_of
 from ffgym.leaderboard.comparison.standings import standings
 from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL, draw_name, find_plant
+from ffgym.leaderboard.presentation.figures import share
 from ffgym.leaderboard.presentation.page import all_standings
 from ffgym.leaderboard.presentation.table import format_standings, table_of
+from ffgym.leaderboard.presentation.words import group_title
 from ffgym.leaderboard.submission.rounds import read_round
 
 DOCS = Path(__file__).parents[2] / "docs" / "leaderboard"
@@ -42,7 +44,7 @@ def test_laws_that_are_made_from_the_robot_still_give_these_results(rows):
     made = [entrant for entrant in ENTRANTS.values() if entrant.seeds == (0,) and entrant.name not in fitted]
     board = Board(registry=REGISTRY)
     board.run(made, [NOMINAL], ["speeds"], 1, Executor())
-    assert len(board.rows) == 8
+    assert len(board.rows) == 10
     for name, row in board.rows.items():
         now = {cell.key: cell.rms_mm for cell in row.outcomes[0].cells}
         (committed,) = (outcome for outcome in rows[name].outcomes if outcome.plant == NOMINAL)
@@ -60,7 +62,8 @@ def test_rows_say_what_entrants_say(rows):
     for name, row in rows.items():
         own = ENTRANTS[name].row()
         told = [
-            (r.title, r.track, r.about, r.page, r.base, r.seeded, r.command, r.ranked, r.control) for r in (row, own)
+            (r.title, r.track, r.about, r.page, r.base, r.seeded, r.command, r.ranked, r.control, r.setpoints)
+            for r in (row, own)
         ]
         assert told[0] == told[1]
 
@@ -114,6 +117,21 @@ def test_drawn_workcells_are_those_of_the_round_whose_hash_was_published(rows):
 def test_the_standings_in_the_docs_are_those_of_these_results(group, rows):
     text = format_standings(standings(list(rows.values()), group, "held_out"))
     assert f"```\n{text}\n```" in (DOCS / "README.md").read_text(encoding="utf-8")
+
+
+def test_what_set_points_leave_in_the_docs_is_of_these_results(rows):
+    names = ("elastic", "elastic_setpoints", "elastic_setpoints_late")
+    text = (DOCS / "README.md").read_text(encoding="utf-8")
+    some = [rows[name] for name in ("none", *names)]
+    for group in GROUPS:
+        lines = {line.row.name: line.score for line in standings(some, group, "held_out").lines}
+        left = " | ".join(share(lines[name].left, lines[name].left_interval).plain for name in names)
+        assert f"| {group_title(group)} | {left} |" in text
+    thesis = {name: standings([rows["none"], rows[name]], THESIS_WORKCELL, "held_out").line(name) for name in names}
+    at = {name: {each.speed_mm_s: each.rms_um for each in line.score.speeds} for name, line in thesis.items()}
+    late, sent = at["elastic_setpoints_late"], at["elastic_setpoints"]
+    assert f"{late[100]:.0f} instead of {sent[100]:.0f} um at 100 mm/s" in text
+    assert f"{late[40]:.1f} instead of {sent[40]:.1f} um" in text
 
 
 def test_the_page_shows_these_results(rows):

@@ -45,6 +45,20 @@ def test_the_page_has_every_table_and_every_card(board_page):
     assert len(widths) > 1  # a column per speed
 
 
+def test_cards_and_table_tell_what_a_row_acts_through(board_page):
+    sent = re.search(r'id="agent-narx".*?</details>', board_page, re.S)[0]
+    assert "set-points of position, one every 4 ms; delay 8.00 ms, no filter, not compensated" in sent
+    assert '<span class="tag">set-points</span>' in sent
+    added = re.search(r'id="agent-elastic".*?</details>', board_page, re.S)[0]
+    assert "<dt>channel</dt><dd>torque of the motors</dd>" in added
+    assert '<span class="tag">set-points</span>' not in added
+    table = data_of(board_page)[f"{THESIS_WORKCELL}|held_out"]
+    k = [column[0] for column in table["columns"]].index("channel")
+    told = {line[1]: (line[4][k][0], *line[4][k][2:]) for line in table["lines"]}
+    assert told["narx"] == ("set-points", "+8 ms")
+    assert {each for name, each in told.items() if name != "narx"} == {("torque",)}
+
+
 def test_cards_are_of_the_held_out_circles_that_were_run():
     some = [
         replace(each, outcomes=tuple(replace(o, cells=o.cells[:36]) for o in each.outcomes))  # those of the thesis

@@ -215,6 +215,14 @@ def test_track_learning_and_search_narrow_the_rows(page):
     assert page.find("#count").text == f"1 of {everything} rows"
 
 
+def test_channels_narrow_the_rows_and_are_told_in_the_table(page):
+    Select(page.find("#channel")).select_by_visible_text("set-points")
+    assert page.column("agent") == ["NARX network"]
+    assert page.column("channel") == ["set-points +8 ms"]
+    Select(page.find("#channel")).select_by_visible_text("torque")
+    assert set(page.column("channel")) == {"torque"}
+
+
 def test_enter_in_the_search_field_does_not_leave_the_page(page):
     page.find("#search").send_keys("elastic" + Keys.ENTER)
     assert page.driver.current_url == page.url

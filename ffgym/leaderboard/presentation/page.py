@@ -77,6 +77,7 @@ def render_page(
         groups=[(group, group_title(group)) for group in dict.fromkeys(each.group for each in every)],
         selections=[(name, SELECTION_TITLES[name]) for name in dict.fromkeys(each.selection for each in every)],
         tracks=sorted({line.control for table in tables for line in table.lines}),
+        channels=sorted({line.channel for table in tables for line in table.lines}),
         knowledge=sorted({line.track for table in tables for line in table.lines}),
         where="; ".join(sorted({path.where for own in paths.values() for path in own.values() if path.where})),
         agent_pages=agent_pages,

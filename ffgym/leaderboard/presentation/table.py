@@ -28,7 +28,7 @@ from ffgym.leaderboard.presentation.words import (
     margins_sentence,
     residual_sentence,
 )
-from ffgym.leaderboard.results import Row
+from ffgym.leaderboard.results import CHANNEL_TITLES, Row
 from ffgym.report import table as report
 from ffgym.report.page import resource
 
@@ -57,6 +57,8 @@ class StandingsLine:
     """Track: feed-forward, with feedback, or published."""
     track: str
     """What it may know."""
+    channel: str
+    """Title of the channel that it acts through; published methods add torque."""
     learned: bool
     """True if it learned from motion of a machine, simulated or real."""
     cells: tuple[Figure, ...]
@@ -82,7 +84,7 @@ class StandingsTable:
             for cell in cells:
                 while len(cell) > 1 and cell[-1] in (None, ""):
                     cell.pop()
-            lines.append([line.kind, line.name, line.control, int(line.learned), cells, line.track])
+            lines.append([line.kind, line.name, line.control, int(line.learned), cells, line.track, line.channel])
         return {"columns": heads, "lines": lines, "note": self.note}
 
 
@@ -118,6 +120,7 @@ def table_of(standings: Standings) -> StandingsTable:
             name=line.row.name,
             control=line.row.control,
             track=line.row.track,
+            channel=CHANNEL_TITLES[line.row.channel],
             learned=any(outcome.robot_seconds > 0 or outcome.env_steps > 0 for outcome in line.row.outcomes),
             cells=cells(_figures(line)),
         )
@@ -129,6 +132,7 @@ def table_of(standings: Standings) -> StandingsTable:
             name=f"published_{row.method}",
             control="published",
             track="published",
+            channel=CHANNEL_TITLES["torque"],
             learned=row.method.startswith("bsn"),
             cells=cells(_figures_of_thesis(row)),
         )
@@ -164,6 +168,7 @@ def _figures(line: Standing) -> dict[str, Figure]:
         "delay": _delay_margin(row),
         "base": NOTHING if line.against_base is None else _against(line.against_base),
         "control": Figure(text=row.control, sort=row.control),
+        "channel": _channel(row),
         "track": Figure(text=row.track, sort=row.track),
         "within": _rank(line.track_rank),
         "seeds": Figure(text=str(len(score.seeds)), sort=len(score.seeds)),
@@ -179,12 +184,19 @@ def _figures_of_thesis(row: PublishedRow) -> dict[str, Figure]:
         "agent": Figure(text=row.title, detail="published, real robot", sort=row.title.lower()),
         "largest": NOTHING if row.max_um is None else length(row.max_um),
         "control": Figure(text="published", sort="published"),
+        "channel": Figure(text=CHANNEL_TITLES["torque"], sort=CHANNEL_TITLES["torque"]),
         "track": Figure(text="published", sort="published"),
     }
 
 
 def _rank(rank: int | None) -> Figure:
     return Figure(text="–" if rank is None else str(rank), sort=rank)
+
+
+def _channel(row: Row) -> Figure:
+    """Name the channel of a row, and how late its set-points are at low frequencies."""
+    title, late = CHANNEL_TITLES[row.channel], 0.0 if row.setpoints is None else row.setpoints.lateness_ms
+    return Figure(text=title, detail=f"+{late:g} ms" if late else "", sort=title)
 
 
 def _gain_margin(row: Row) -> Figure:

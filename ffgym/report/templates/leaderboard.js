@@ -24,10 +24,10 @@
     });
   }
 
-  function matches([kind, name, track, learned, cells, knowledge]) {
+  function matches([kind, name, track, learned, cells, knowledge, channel]) {
     const words = at("search").value.trim().toLowerCase().split(/\s+/);
-    const text = (name + " " + track + " " + knowledge + " " + kind + " " + cells.map((cell) => cell[TEXT] + " " + (cell[DETAIL] ?? "")).join(" ")).toLowerCase();
-    return (!at("track").value || at("track").value === track) && (!at("knowledge").value || at("knowledge").value === knowledge) && (at("learning").value === "" || Number(at("learning").value) === learned) && words.every((word) => text.includes(word));
+    const text = (name + " " + track + " " + channel + " " + knowledge + " " + kind + " " + cells.map((cell) => cell[TEXT] + " " + (cell[DETAIL] ?? "")).join(" ")).toLowerCase();
+    return (!at("track").value || at("track").value === track) && (!at("channel").value || at("channel").value === channel) && (!at("knowledge").value || at("knowledge").value === knowledge) && (at("learning").value === "" || Number(at("learning").value) === learned) && words.every((word) => text.includes(word));
   }
 
   function heading([key, title, unit, isText]) {
