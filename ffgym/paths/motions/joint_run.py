@@ -118,9 +118,10 @@ def _bounds(arm: RigidArm, leg: Leg, s: Array, limits: MotionLimits) -> Bounds:
         twist = np.einsum("tij,tj->ti", arm.jacobian(position), slopes[0])
         moved, turned = np.linalg.norm(twist[:, :3], axis=1), np.linalg.norm(twist[:, 3:], axis=1)
         tiny = np.finfo(np.float64).tiny
-        fastest = MARGIN * np.minimum(
-            leg.speed.tcp / np.maximum(moved, tiny), leg.speed.turn / np.maximum(turned, tiny)
-        )
+        with np.errstate(over="ignore"):  # a tool that does not turn, or not move, sets no bound
+            fastest = MARGIN * np.minimum(
+                leg.speed.tcp / np.maximum(moved, tiny), leg.speed.turn / np.maximum(turned, tiny)
+            )
     shares = (1.0, 1.0) if leg.speed is None else (leg.speed.acceleration, leg.speed.jerk)
     cap = Bounds(
         speed=fastest,

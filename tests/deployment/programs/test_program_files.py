@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 from ffgym.core.errors import FFGymError
-from ffgym.deployment import ServoProgram, choose_points, write_program
+from ffgym.deployment import ServoProgram, choose_points, plan_probe, write_program
 from ffgym.deployment.programs import folder
 from ffgym.deployment.programs.names import program_name
 from ffgym.paths import load_program
 from ffgym.robot import RigidArm
+from tests.robot.arm_samples import ARMS
 
 
 def written(plan, arm, tmp_path, form, **how):
@@ -141,6 +142,14 @@ def test_controllers_get_only_robots_that_they_can_have(plan, arm, one_axis, tmp
     with pytest.raises(FFGymError, match=r"Unknown format of program 'gcode'\. Available: csv, krl, rapid, urscript"):
         write_program(plan, arm, tmp_path / "out", "gcode")
     assert not (tmp_path / "out").exists()
+
+
+def test_a_rapid_module_of_an_arm_that_cannot_turn_its_tool_is_read_back(tmp_path):
+    gantry = RigidArm(ARMS["gantry"]())
+    plan = plan_probe(gantry, np.random.default_rng(1), duration=1.2)
+    result, texts = written(plan, gantry, tmp_path, "rapid", tolerance=1e-4)
+    assert result.deviation.distance < 1e-4
+    assert "MoveAbsJ [[100,0,200,0,0,0]," in texts["mod"]  # millimetres
 
 
 @pytest.mark.parametrize(
