@@ -50,11 +50,11 @@ def read_servo_script(files: dict[str, str]) -> tuple[Array, float]:
 
 
 def write_csv(plan: SetpointPlan, digits: int) -> dict[str, str]:
-    """Write times and set-points with their correction, in degrees and millimetres, with units in the titles."""
+    """Write times and set-points with their correction, in degrees and millimetres, as tables of motions have them."""
     text = io.StringIO()
     rows = csv.writer(text, lineterminator="\n")
     units = ["deg" if unit == "rad" else "mm" for unit in plan.units]
-    rows.writerow(["t [s]", *(f"{joint} [{unit}]" for joint, unit in zip(plan.joints, units, strict=True))])
+    rows.writerow(["t_s", *(f"{joint}_{unit}" for joint, unit in zip(plan.joints, units, strict=True))])
     numbers = round_numbers(plan.setpoints, plan.units, digits) * numbers_per_unit(plan.units)
     for t, row in zip(plan.t, numbers, strict=True):
         rows.writerow([f"{t:.6g}", *(f"{x:.{digits}f}" for x in row)])

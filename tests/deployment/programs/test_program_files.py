@@ -11,7 +11,7 @@ from ffgym.core.errors import FFGymError
 from ffgym.deployment import ServoProgram, choose_points, plan_probe, write_program
 from ffgym.deployment.programs import folder
 from ffgym.deployment.programs.names import program_name
-from ffgym.paths import load_program
+from ffgym.paths import load_motion, load_program
 from ffgym.robot import RigidArm
 from tests.robot.arm_samples import ARMS
 
@@ -78,10 +78,13 @@ def test_a_urscript_sends_every_set_point_in_radians(plan, arm, tmp_path):
 def test_a_table_has_units_in_its_titles_and_every_set_point(plan, arm, tmp_path):
     _, texts = written(plan, arm, tmp_path, "csv")
     titles, *rows = list(csv.reader(texts["csv"].splitlines()))
-    assert titles == ["t [s]", *(f"{joint} [deg]" for joint in plan.joints)]
+    assert titles == ["t_s", *(f"{joint}_deg" for joint in plan.joints)]
     numbers = np.array(rows, dtype=float)
     np.testing.assert_allclose(numbers[:, 0], plan.t, atol=1e-6)
     np.testing.assert_allclose(numbers[:, 1:], np.rad2deg(plan.setpoints), atol=1e-5)
+    # ffgym reads it as a motion, between rests
+    q = load_motion(arm, tmp_path / "out" / "short.csv").reference.q
+    np.testing.assert_allclose(q[[0, -1]], plan.setpoints[[0, -1]], atol=1e-6)
 
 
 @pytest.mark.parametrize("form", ["rapid", "krl", "urscript", "csv"])
