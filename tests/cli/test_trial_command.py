@@ -94,7 +94,10 @@ def test_a_rehearsed_trial_is_read_with_its_gain_page_and_numbers(inside):
 def test_a_pilot_says_how_many_pairs_the_next_trial_needs(inside, capsys):
     pilot = json.loads(Path("gain.json").read_text())["gains"][0]["spread"]
     assert main([*PLAN[:-1], "next", "--pilot", "gain.json", "--gain-percent", "1"]) == 0
-    assert "gain.json leaves open" in " ".join(capsys.readouterr().out.split())
+    printed = " ".join(capsys.readouterr().out.split())
+    assert "gain.json leaves open" in printed
+    assert "13 runs: 6 pairs of sine; 1 to warm up" in printed
+    assert "with a probability of 90 %" in printed
     assert json.loads(Path("next/plan.json").read_text())["origin"]["assumed"]["spread"] > pilot
 
 

@@ -146,7 +146,7 @@ def _look_at(
         recording = condition(kept)
         report = check_quality(recording, robot, accept=accept)
         if report.verdict == "insufficient":
-            found.why = f"its log is insufficient: {report.problems[0].message}"
+            found.why = f"its log is insufficient: {report.problems[0].message.removesuffix('.')}"
             return found
         notes += [f"Log {log.name}: {said}" for said in (*notes_of(recording), *(p.message for p in report.problems))]
         passes = find_passes(plan.program(run.program), recording)

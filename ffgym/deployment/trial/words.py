@@ -85,8 +85,10 @@ def format_trial(result: TrialResult) -> str:
 def format_plan(plan: TrialPlan, power: Power) -> str:
     """Format a plan for a terminal: how many runs, how long, and what they can show."""
     programs = ", ".join(program.name for program in plan.programs)
+    each = "each of " if len(plan.programs) > 1 else ""
+    pairs = f"{plan.pairs} pair{'s' if plan.pairs > 1 else ''} of {each}{programs}"
     lines = [
-        f"{len(plan.runs)} runs: {plan.pairs} pairs of each of {programs}; {plan.warm_up} to warm up; "
+        f"{len(plan.runs)} runs: {pairs}; {plan.warm_up} to warm up; "
         f"{plan.seconds / 60:.1f} min in motion. Seed {plan.seed}, plan {plan.digest[:12]}.",
         *say_power(plan, power),
     ]
@@ -95,20 +97,20 @@ def format_plan(plan: TrialPlan, power: Power) -> str:
 
 def say_power(plan: TrialPlan, power: Power) -> list[str]:
     """Say how many pairs show the gain that is wanted, and what the planned ones show."""
-    wanted = f"To show a gain of {100 * power.gain:.3g} % with a probability of {power.power:.0%}"
+    wanted = f"To show a gain of {100 * power.gain:.3g} % with a probability of {100 * power.power:.3g} %"
     needed = "more than 500" if power.needed is None else str(power.needed)
     chance = compute_power(power.gain, power.spread, plan.pairs, places=power.places)
     least = find_least_gain(power.spread, plan.pairs, power=power.power, places=power.places)
     shown = "none" if least is None else f"one of {100 * least:.2g} % and more"
     lines = [
         f"{wanted}, where the ratios of pairs scatter by {100 * power.spread:.2g} % ({power.source}), {needed} pairs "
-        f"of each program are needed; {plan.pairs} are planned, and show it with {chance:.0%}. The smallest gain that "
-        f"they show with {power.power:.0%}: {shown}."
+        f"of each program are needed. With {plan.pairs}, as planned, it is {100 * chance:.0f} %, and the smallest gain "
+        f"that they show with {100 * power.power:.3g} %: {shown}."
     ]
     if plan.pairs < (fewest := count_least_pairs(power.places)):
         lines.append(
             f"With fewer than {fewest} pairs of each program nothing can be claimed of a single one: their order could "
-            f"have come about by chance with more than {LEVEL:.0%}, however large the gain is."
+            f"have come about by chance with more than {100 * LEVEL:.0f} %, however large the gain is."
         )
     return lines
 

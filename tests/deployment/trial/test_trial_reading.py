@@ -192,10 +192,13 @@ def test_runs_can_be_left_out_on_request_and_unknown_ones_are_refused():
 def test_a_log_that_is_no_use_is_left_out_with_the_reason_of_the_quality_gate():
     logs = Machine().carry_out(ONE)
     bad = logs[4].recording
-    held = {name: np.full(len(bad), values[0]) for name, values in bad.columns.items() if name != "timestamp"}
-    still = bad.derive({"timestamp": bad.t, **held})
-    result = read_trial(ONE, [*logs[:4], TrialLog(logs[4].name, still), *logs[5:]])
-    assert why(result, 5)
+    twice = {name: values.copy() for name, values in bad.columns.items() if name != "timestamp"}
+    for values in twice.values():
+        values[200:260] = values[140:200]  # a second that was copied into the next one
+    copied = bad.derive({"timestamp": bad.t, **twice})
+    result = read_trial(ONE, [*logs[:4], TrialLog(logs[4].name, copied), *logs[5:]])
+    assert why(result, 5).startswith("its log is insufficient: ")
+    assert not why(result, 5).endswith(".")
     assert result.gains[0].pairs == 5
 
 
