@@ -46,8 +46,22 @@ def test_packets_are_messages_of_abb_in_degrees_and_milliseconds(wire: EgmWire) 
     none = np.zeros(6)
     command = StreamCommand(sequence=3, time=0.5, position=position, correction=none, velocity=none, effort=none)
     sent = egm_pb2.EgmSensor.FromString(wire.encode_command(command))
+    assert (sent.header.seqno, sent.header.tm) == (3, 500)
     assert sent.header.mtype == egm_pb2.EgmHeader.MSGTYPE_CORRECTION
     assert np.allclose(sent.planned.joints.joints, [10, 20, -30, 40, -50, 60])
+
+
+def test_a_controller_is_ready_with_motors_on_and_its_guidance_running(wire: EgmWire) -> None:
+    from abb_robot_client.egm import egm_pb2
+
+    data = wire.encode_feedback(Feedback(sequence=7, time=1.0, position=np.zeros(6)), np.zeros(6))
+    for change in (
+        lambda m: setattr(m.motorState, "state", m.motorState.MOTORS_OFF),
+        lambda m: setattr(m.mciState, "state", m.mciState.MCI_STOPPED),
+    ):
+        message = egm_pb2.EgmRobot.FromString(data)
+        change(message)
+        assert not wire.decode_feedback(message.SerializeToString()).ready
 
 
 def test_packets_come_back_from_the_wire(wire: EgmWire) -> None:

@@ -106,6 +106,13 @@ def test_a_stop_lets_the_correction_leave_within_the_fade_and_a_loss_faster() ->
     assert guard.gate(0.020) == 0.0
 
 
+def test_a_packet_whose_time_was_read_late_makes_no_silence() -> None:
+    guard = full_guard()
+    guard.hear(0.009)
+    guard.hear(0.001)
+    assert guard.gate(0.0185) == 1.0
+
+
 def test_a_gate_is_never_wider_than_open_though_a_clock_is_read_late() -> None:
     guard = full_guard()
     guard.close(0.004)

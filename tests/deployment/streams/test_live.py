@@ -115,6 +115,29 @@ def test_ctrl_c_lets_the_correction_leave_and_the_program_end(
     assert np.all(log["correction.position.j1"][log.t > interrupted[0] + envelope.fade + 0.05] == 0.0)
 
 
+def test_a_second_ctrl_c_ends_a_session_at_once(
+    wave: SetpointPlan, envelope: Envelope, irb4600: RobotDescription, axes: JointAxes
+) -> None:
+    session = StreamSession(wave, EgmWire(axes), envelope, irb4600.drive)
+    session.state = "running"
+
+    class Interrupted:
+        """Port at which a user presses Ctrl-C again and again."""
+
+        pressed = 0
+
+        def receive(self, timeout: float) -> None:
+            self.pressed += 1
+            assert self.pressed < 4
+            raise KeyboardInterrupt
+
+    port = Interrupted()
+    with pytest.raises(KeyboardInterrupt):
+        run_live(session, port)
+    assert session.is_stopped
+    assert port.pressed == 2
+
+
 @pytest.mark.parametrize(
     ("text", "address"),
     [("10.0.0.2:7000", ("10.0.0.2", 7000)), ("10.0.0.2", ("10.0.0.2", 6510)), (":7000", ("127.0.0.1", 7000))],

@@ -69,6 +69,25 @@ def test_a_telegram_as_controllers_write_it_is_read(wire: RsiWire) -> None:
     assert np.rad2deg(feedback.position) == pytest.approx([1.5, -90, 60, 0, 90, 0])
 
 
+def test_a_telegram_of_another_kind_is_refused(wire: RsiWire) -> None:
+    data = wire.encode_feedback(feedback_at(np.zeros(6)), np.zeros(6)).replace(b"Rob", b"Bob")
+    with pytest.raises(PacketError, match="kind of message"):
+        wire.decode_feedback(data)
+
+
+def test_corrections_of_linear_axes_are_in_millimetres_and_those_that_are_none_refused() -> None:
+    axes = JointAxes(names=("track", "a"), units=("m", "rad"), low=np.full(2, -1.0), high=np.full(2, 1.0))
+    wire, none, correction = RsiWire(axes), np.zeros(2), np.array([0.0015, 0.01])
+    command = StreamCommand(
+        sequence=0, time=0.0, position=none, correction=correction, velocity=none, effort=none, token=4
+    )
+    data = wire.encode_command(command)
+    assert b'A1="1.500000000"' in data
+    assert np.allclose(wire.decode_command(data).correction, correction, atol=1e-10)
+    with pytest.raises(PacketError, match="not finite"):
+        wire.decode_command(data.replace(b"1.500000000", b"nan"))
+
+
 @pytest.mark.parametrize(
     ("old", "new", "reason"),
     [

@@ -59,6 +59,13 @@ def test_packages_have_the_layout_of_the_protocol(wire: RtdeWire) -> None:
     assert np.array_equal(back.position, position)
 
 
+def test_setpoints_whose_speed_or_torque_is_no_number_are_refused(wire: RtdeWire) -> None:
+    for part in ("velocity", "effort"):
+        wrong = replace(command_at(np.zeros(6)), **{part: np.array([0.0, 0.0, np.nan, 0.0, 0.0, 0.0])})
+        with pytest.raises(PacketError, match="not finite"):
+            wire.decode_command(wire.encode_command(wrong))
+
+
 @pytest.mark.parametrize(
     ("change", "reason"),
     [
@@ -127,6 +134,19 @@ def test_torques_replace_corrections_and_add_to_what_the_robot_compensates(
     assert np.abs(rows - wave.torque).max() < 1e-6
 
 
+def test_setpoints_carry_the_speed_of_the_program(wire: RtdeWire, wave: SetpointPlan, envelope, irb4600) -> None:
+    session = StreamSession(wave, wire, envelope, irb4600.drive)
+    sent = []
+    for k in range(300):
+        feedback = Feedback(sequence=0, time=5 + 0.002 * k, position=wave.program[0])
+        data = session.receive(wire.encode_feedback(feedback, feedback.position), 0.002 * k)
+        sent += [] if data is None else [wire.decode_command(data)]
+    speeds = [0.02 * np.pi * np.sin(np.pi * command.time) for command in sent]
+    assert len(sent) > 250
+    assert np.abs(np.stack([command.velocity for command in sent]) - np.array(speeds)[:, None]).max() < 1e-3
+    assert np.abs(speeds).max() > 0.06
+
+
 def test_torques_beyond_the_motors_are_cut(axes: JointAxes, wave: SetpointPlan, envelope, irb4600) -> None:
     wire = RtdeWire(axes, torques=True)
     loud = replace(wave, torque=1e3 * wave.torque)
@@ -159,9 +179,16 @@ def test_the_program_of_the_robot_reads_the_registers_and_ends_in_silence(progra
     assert "write_output_integer_register(24, 1)" in text
     assert "q = [read_input_float_register(24), read_input_float_register(25)," in text
     assert "u = [read_input_float_register(36)," in text
-    assert "while missed < 10:" in text
+    assert "while missed < 10:\n    number = read_input_integer_register(24)\n    if number == last:" in text
+    assert "missed = missed + 1\n    else:\n      missed = 0\n    end\n    last = number" in text
+    assert "  write_output_integer_register(24, 0)\n  stopj(4.0)\nend" in text
     openings = sum(text.count(word) for word in ("def ", "while ", "if "))
     assert openings == sum(line.strip() == "end" for line in text.splitlines())
+
+
+def test_the_program_of_the_robot_adds_torques_to_a_position_control_towards_the_setpoint() -> None:
+    text = write_urscript(TorqueProgram(stiffness=[900.0] * 6, damping=[60.0] * 6))
+    assert "torque[j] = u[j] + stiffness[j] * (q[j] - q_now[j]) + damping[j] * (qd[j] - qd_now[j])" in text
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ import pytest
 from ffgym.core.errors import FFGymError
 from ffgym.deployment import SetpointPlan
 from ffgym.deployment.streams import EgmWire, Envelope, Feedback, JointAxes, StreamSession, record_session, summarise
+from ffgym.deployment.streams.session import sample_plan
 from ffgym.robot import RobotDescription
 
 CLOCK = 100.0
@@ -156,6 +157,14 @@ def test_plans_of_another_sample_time_are_sent_at_the_cycle(wave, axes, envelope
     short = replace(fine, **{name: getattr(fine, name)[:3] for name in ("program", "correction", "torque")})
     with pytest.raises(FFGymError, match="too short for a cycle"):
         StreamSession(short, bench.wire, envelope, irb4600.drive)
+
+
+def test_samples_of_a_plan_end_before_it_does(wave: SetpointPlan) -> None:
+    program, correction, _ = sample_plan(wave, 0.012)
+    t = np.arange(len(program)) * 0.012
+    assert 2.0 - 0.012 < t[-1] <= 2.0
+    assert np.abs(program[:, 0] - wave.program[0, 0] - 0.02 * (1 - np.cos(np.pi * t))).max() < 1e-8
+    assert np.abs(correction[:, 1] + 1e-3 * np.sin(np.pi * t) ** 2).max() < 1e-8
 
 
 def test_a_summary_tells_how_a_session_ended(bench: Bench, irb4600: RobotDescription) -> None:
