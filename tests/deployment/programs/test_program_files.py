@@ -10,7 +10,9 @@ import pytest
 from ffgym.core.errors import FFGymError
 from ffgym.deployment import ServoProgram, choose_points, plan_probe, write_program
 from ffgym.deployment.programs import folder
+from ffgym.deployment.programs.krl import write_krl
 from ffgym.deployment.programs.names import program_name
+from ffgym.deployment.programs.rapid import write_rapid
 from ffgym.paths import load_motion, load_program
 from ffgym.robot import RigidArm
 from tests.robot.arm_samples import ARMS
@@ -51,6 +53,24 @@ def test_speeds_of_a_rapid_module_give_the_time_of_the_plan(plan, arm, tmp_path)
     np.testing.assert_allclose(np.array(takes[1:])[moving], steps[moving], rtol=1e-4)
 
 
+def test_where_the_tool_turns_on_the_spot_its_turn_has_the_time_of_the_plan(plan, arm):
+    points = choose_points(plan, arm)
+    turning = replace(points, lengths=np.zeros(len(points.t)), turns=np.full(len(points.t), 0.01))
+    (text,) = write_rapid(turning, arm).values()
+    speeds = re.findall(r"NoEOffs,\[([\d.e+-]+),([\d.e+-]+),", text)
+    k = next(k for k in range(5, len(points.t)) if not points.rests[k - 1])
+    assert float(speeds[k][0]) == 7000
+    assert float(speeds[k][1]) == pytest.approx(np.rad2deg(0.01) / (points.t[k] - points.t[k - 1]), rel=1e-4)
+
+
+def test_more_axes_than_a_controller_has_are_refused(plan, arm):
+    seven = replace(choose_points(plan, arm), joints=tuple("abcdefg"))
+    with pytest.raises(FFGymError, match=r"KRL has axes A1 to A6, .* has 7 joints"):
+        write_krl(seven)
+    with pytest.raises(FFGymError, match=r"jointtargets of 6 joints, .* has 7"):
+        write_rapid(seven, arm)
+
+
 def test_a_krl_program_has_axes_in_degrees_and_the_times_of_the_plan(plan, arm, tmp_path):
     result, texts = written(plan, arm, tmp_path, "krl")
     points = choose_points(plan, arm)
@@ -72,6 +92,7 @@ def test_a_urscript_sends_every_set_point_in_radians(plan, arm, tmp_path):
     ]
     np.testing.assert_allclose(rows, plan.setpoints[1:], atol=1e-7)
     assert text.startswith("def short():")
+    assert re.search(r"^  movej\(\[.*\], a=0.5, v=0.2\)$", text, flags=re.M)  # slowly, from wherever the robot is
     assert text.index("movej") < text.index("servoj")
 
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from ffgym.core.errors import FFGymError
 from ffgym.deployment import choose_points
 from ffgym.deployment.programs.deviation import measure_deviation
-from ffgym.deployment.programs.points import count_digits, round_numbers, tool_levers
+from ffgym.deployment.programs.points import ZONE, _corners, count_digits, round_numbers, tool_levers
 
 tolerances = st.floats(np.log(3e-6), np.log(3e-4)).map(lambda x: float(np.exp(x)))
 
@@ -50,6 +50,24 @@ def test_points_are_set_points_of_the_plan_in_its_order(arm, plan):
     assert np.all(np.diff(rows) > 0)
     np.testing.assert_allclose(points.q, plan.setpoints[rows], rtol=0, atol=1e-6)
     np.testing.assert_allclose(points.lengths[1:], np.linalg.norm(np.diff(arm.tcp_position(points.q), axis=0), axis=1))
+
+
+def test_lines_keep_the_time_of_the_plan_to_10_ms(arm, plan):
+    """One joint alone, faster and slower: all lines have no deviation, and still the speed must be the plan's."""
+    t = np.arange(751) * plan.dt
+    swing = plan.setpoints[0] + 0.02 * np.outer(1 - np.cos(np.pi * t), np.eye(6)[0])
+    still = replace(plan, program=swing, correction=0 * swing, torque=0 * swing)
+    points = choose_points(still, arm, tolerance=1e-3)
+    assert len(points.t) < len(t) / 4
+    between = np.interp(t, points.t, points.q[:, 0])
+    fastest = np.abs(np.gradient(swing[:, 0], t)).max()
+    assert np.abs(between - swing[:, 0]).max() <= 0.012 * fastest
+
+
+def test_a_corner_is_passed_as_a_parabola_does():
+    """Legs of 10 mm at a right angle: half of the way from the corner to the middle between the ends of its zone."""
+    passed = _corners(np.array([[0.0, 0, 0], [0.01, 0, 0], [0.01, 0.01, 0], [0.01, 0.02, 0]]))
+    np.testing.assert_allclose(passed, [0, ZONE / np.sqrt(8), 0, 0], atol=1e-12)
 
 
 def test_a_rest_is_one_wait_once_the_correction_has_settled(arm, plan):
