@@ -146,6 +146,7 @@ def test_the_report_tells_the_largest_changes_and_where_they_are(plan, arm, tmp_
         np.testing.assert_allclose(one.position, arm.tcp_position(plan.program[row : row + 1])[0])
     moved = np.linalg.norm(arm.tcp_position(plan.setpoints) - arm.tcp_position(plan.program), axis=1)
     assert result.changes.tool.size == pytest.approx(moved.max(), rel=1e-3)
+    assert result.changes.share == pytest.approx(np.mean(moved > 0.1 * moved.max()), abs=0.01)
     page = (tmp_path / "out" / "changes.html").read_text(encoding="utf-8")
     assert f"{1e3 * moved.max():.3f} mm at most" in page
     assert "outputs and waits of the original program" in page

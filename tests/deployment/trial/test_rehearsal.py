@@ -37,6 +37,16 @@ def test_logs_have_the_names_of_the_plan_and_one_clock_with_pauses(plan, rig):
     assert np.allclose(gaps, 3.0, atol=0.01)
 
 
+def test_laps_follow_each_other_with_their_phases(plan, rig):
+    (program,) = plan.programs
+    one, two = program.make_reference(rig.arm), program.make_reference(rig.arm, laps=2)
+    n, lap = len(one.t), program.duration + program.recording.dt
+    assert np.array_equal(two.q, np.concatenate([one.q, one.q]))
+    assert two.t[n] == pytest.approx(lap)
+    starts = [phase.start for phase in one.phases]
+    assert [phase.start for phase in two.phases] == pytest.approx([*starts, *(start + lap for start in starts)])
+
+
 @pytest.mark.parametrize("channel", [None, SetpointChannel()])
 def test_the_correction_is_on_in_the_runs_of_the_plan_alone_by_torque_and_by_set_points(plan, rig, channel):
     logs = list(rehearse(plan, rig, dynamic_lugre(rig.robot), channel=channel, seed=2))

@@ -1,5 +1,6 @@
 """Gains from pairs of errors: values by hand, and claims that are made as seldom by chance as they should be."""
 
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -70,6 +71,26 @@ def test_the_interval_over_all_has_the_freedom_of_unequal_places():
     assert np.allclose([whole.low, whole.high], 1 - np.exp([high / 2, low / 2]))
 
 
+def test_over_all_places_count_alike_in_the_throws_of_the_coins_too():
+    rng = np.random.default_rng(4)
+    errors = {"a": draw_pairs(rng, 4, 0.1, 0.1), "b": draw_pairs(rng, 2, 0.0, 0.1)}
+    ratios = [np.log(own[:, 1] / own[:, 0]) / len(own) for own in errors.values()]
+    throws = np.array([np.dot(signs, np.concatenate(ratios)) for signs in product((1, -1), repeat=6)])
+    whole = estimate_gains(errors)[-1]
+    assert whole.p == pytest.approx(np.mean(np.abs(throws) >= abs(np.concatenate(ratios).sum()) - 1e-12))
+
+
+def test_a_gain_whose_interval_holds_zero_is_not_claimed_though_its_p_value_is_small():
+    (gain,) = estimate_gains({"a": draw_pairs(np.random.default_rng(0), 8, 0.3, 0.1)})
+    assert gain.claim == "gain"
+    assert replace(gain, low=-0.01).claim == "none"
+    assert replace(gain, p_adjusted=0.051).claim == "none"
+
+
+def test_holm_holds_each_p_value_to_the_claims_that_are_left():
+    assert adjust_by_holm([0.02, 0.01, 0.025]) == pytest.approx([0.04, 0.03, 0.04])
+
+
 def test_with_few_pairs_nothing_is_claimed_however_large_the_gain():
     (gain,) = estimate_gains({"a": draw_pairs(np.random.default_rng(0), 5, 0.9, 0.01)})
     assert gain.p == 2 / 2**5
@@ -135,6 +156,8 @@ def test_more_places_need_more_pairs_and_few_pairs_show_nothing():
 def test_a_small_pilot_is_reckoned_with_more_caution_than_a_large_one():
     assert pool_pilot([0.05], [3]) > pool_pilot([0.05], [30]) > 0.05
     assert pool_pilot([0.03, 0.05], [5, 5]) == pool_pilot([np.sqrt((0.03**2 + 0.05**2) / 2)], [10])
+    # the bound that the spread keeps below with a probability of 80 %
+    assert pool_pilot([0.05], [10]) == pytest.approx(0.05 * np.sqrt(10 / scipy.stats.chi2.ppf(0.2, 10)))
     with pytest.raises(FFGymError, match="two pairs or more"):
         pool_pilot([], [])
     with pytest.raises(FFGymError, match="gain"):

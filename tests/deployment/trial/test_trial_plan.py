@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from ffgym.core.errors import FFGymError
 from ffgym.deployment.trial import plan_trial, read_trial_plan, write_trial_plan
+from ffgym.recordings import write_recording
 from tests.deployment.trial.trial_samples import make_plan, make_program
 
 ONE, TWO, THREE = (make_program(name, speed=speed) for name, speed in (("a", 1.0), ("b", 2.0), ("c at 3", 3.0)))
@@ -59,7 +60,7 @@ def test_a_plan_comes_back_from_its_folder(tmp_path: Path):
     assert json.loads((tmp_path / "trial" / "plan.json").read_text())["origin"] == {"why": "test"}
 
 
-@pytest.mark.parametrize("change", ["order", "seed", "program"])
+@pytest.mark.parametrize("change", ["order", "seed", "program", "set-points"])
 def test_a_plan_that_was_changed_after_it_was_drawn_is_refused(change, tmp_path: Path):
     plan = make_plan(ONE, TWO, pairs=3)
     write_trial_plan(plan, tmp_path / "trial", "", {})
@@ -69,6 +70,9 @@ def test_a_plan_that_was_changed_after_it_was_drawn_is_refused(change, tmp_path:
         values["runs"][-1]["corrected"] = not values["runs"][-1]["corrected"]
     elif change == "seed":
         values["seed"] += 1
+    elif change == "set-points":
+        other = make_program(TWO.name, middle=0.4, speed=2.0)
+        write_recording(other.recording, tmp_path / "trial" / "programs" / "02.npz")
     else:
         first, second = (tmp_path / "trial" / "programs" / name for name in ("01.npz", "02.npz"))
         second.write_bytes(first.read_bytes())

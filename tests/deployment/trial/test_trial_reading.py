@@ -181,6 +181,13 @@ def test_a_run_that_the_tracker_did_not_see_is_left_out():
     assert result.gains[0].pairs == 5
 
 
+def test_motors_are_judged_where_the_tracker_saw_the_tool_in_few_runs():
+    logs, blind = Machine().carry_out(ONE), Machine(noise=0.0).carry_out(ONE)
+    result = read_trial(ONE, [*logs[:3], *blind[3:]])
+    assert result.measure == "motors"
+    assert result.gains[0].pairs == 6
+
+
 def test_runs_can_be_left_out_on_request_and_unknown_ones_are_refused():
     result = read_trial(PLAN, LOGS, without=[7])
     assert why(result, 7) == "it was left out on request"
