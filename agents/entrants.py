@@ -17,7 +17,7 @@ from ffgym.control import (
     Policy,
     SetpointChannel,
     SetpointResponse,
-    channel_of,
+    find_channel,
     sees_errors,
 )
 from ffgym.core.errors import FFGymError
@@ -131,10 +131,10 @@ def _read(
             f"Agent {entry.name!r} is declared with feedback={entry.feedback}, and {artefact.file} holds "
             f"{'a law' if policy is None else 'a policy'} with feedback={not entry.feedback}; declare what it is."
         )
-    if policy is not None and (channel_of(policy) == "setpoint") != (entry.channel is not None):
+    if policy is not None and (find_channel(policy) == "setpoint") != (entry.channel is not None):
         raise FFGymError(
             f"Agent {entry.name!r} is declared with channel={entry.channel}, and {artefact.file} holds a policy that "
-            f"acts through channel={channel_of(policy)!r}; declare what it is."
+            f"acts through channel={find_channel(policy)!r}; declare what it is."
         )
     return ReadyAgent(
         law=law,

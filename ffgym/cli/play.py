@@ -19,7 +19,7 @@ from ffgym.cli.laws import make_agent, setting_for
 from ffgym.cli.motion_options import Play
 from ffgym.cli.outputs import check_outputs, given_options, need_extra, print_places, provenance, write_numbers
 from ffgym.cli.progress import progress_bar
-from ffgym.control import Agent, FeedForwardLaw, Policy, channel_of, sees_errors
+from ffgym.control import Agent, FeedForwardLaw, Policy, find_channel, sees_errors
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
 from ffgym.core.files import check_writable, write_bytes
 from ffgym.core.measures import rms
@@ -221,7 +221,7 @@ def _make_player(
         own: dict[str, Any] = {"base": agent}
     else:  # the observations that it was trained with; it brings its own base
         own = {"base": "none", "preview": agent.preview, "action_scale": agent.action_scale, "features": False}
-        own |= {"track": "feedback" if sees_errors(agent) else "feed-forward", "channel": channel_of(agent)}
+        own |= {"track": "feedback" if sees_errors(agent) else "feed-forward", "channel": find_channel(agent)}
     rendering = Rendering(magnify=config.magnify, width=config.width, height=config.height, title=title)
     mode = "human" if config.window else "rgb_array"
     made = gym.make(find_spec(config.env), render_mode=mode, **(arguments | own | {"rendering": rendering}))

@@ -13,7 +13,7 @@ from .lugre_laws import StaticLuGre as StaticLuGre
 from .observation import ObservationLayout as ObservationLayout
 from .policy import Agent as Agent
 from .policy import Policy as Policy
-from .policy import channel_of as channel_of
+from .policy import find_channel as find_channel
 from .policy import sees_errors as sees_errors
 from .setpoint_channel import SetpointChannel as SetpointChannel
 from .setpoint_response import SetpointResponse as SetpointResponse

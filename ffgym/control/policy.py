@@ -48,7 +48,7 @@ def sees_errors(policy: Policy) -> bool:
     return bool(getattr(policy, "feedback", True))
 
 
-def channel_of(policy: Policy) -> Channel:
+def find_channel(policy: Policy) -> Channel:
     """Return the channel that a policy acts through: its attribute `channel`, 'torque' if it has none.
 
     Raises:

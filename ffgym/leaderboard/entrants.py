@@ -24,7 +24,7 @@ class ReadyAgent:
     timed: Policy | None = None
     """A law as a policy, whose decisions are timed; None where a law needs the whole motion beforehand."""
     channel: SetpointChannel | None = None
-    """Set-point channel that the law acts through; None adds its torque. A policy has `channel_of` its own."""
+    """Set-point channel that the law acts through; None adds its torque. A policy has an attribute `channel`."""
     artefact: str | None = None
     """sha256 of the file it was read from; None if it was not read from one."""
     robot_seconds: float = 0.0

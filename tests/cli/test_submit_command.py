@@ -70,7 +70,8 @@ def test_what_is_submitted_is_accepted_and_what_is_changed_is_refused_in_one_lin
 
 
 def test_a_committed_round_is_run_after_it_was_revealed_and_its_seed_repeats_it(small, capsys):
-    assert main(["leaderboard", "submit", "mine.py", *WHO, "--out", "agent.zip", "--robot-seconds", "5"]) == 0
+    sent = ["--channel", "setpoint", "--robot-seconds", "5", "--out", "agent.zip"]
+    assert main(["leaderboard", "submit", "mine.py", *WHO, *sent]) == 0
     size = ["--machines", "2", "--motions", "1", "--series", "draw:", "--kinds", "square"]
     assert main(["leaderboard", "round", *size]) == 0
     out = capsys.readouterr().out
@@ -84,7 +85,7 @@ def test_a_committed_round_is_run_after_it_was_revealed_and_its_seed_repeats_it(
     [line] = [
         line
         for line in lines
-        if line.startswith("mine by somebody, with feedback, causal, nominal parameters: accepted, rank ")
+        if line.startswith("mine by somebody, with feedback through set-points, causal, nominal parameters: accepted, ")
     ]
     assert "on 2 machines and 1 motion that were drawn it leaves " in line
     assert "robot time: 0 s before the scored motions, as counted here; 5 s in training, as claimed" in lines
@@ -92,6 +93,8 @@ def test_a_committed_round_is_run_after_it_was_revealed_and_its_seed_repeats_it(
     assert first["drawn"]["round"] == secret
     assert first["isolation"].partition(":")[0] in ("bubblewrap", "declared", "none")
     rows = {row["name"]: row for row in first["drawn"]["rows"]}
+    assert {name for name, row in rows.items() if row["channel"] == "setpoint"} == {"mine"}
+    assert [line.split()[0] for line in lines if line.endswith("with feedback through set-points")] == ["mine"]
     left = [
         ours["rms_mm"] / none["rms_mm"]
         for ours, none in zip(*(rows[n]["circles"] for n in ("mine", "none")), strict=True)

@@ -9,7 +9,7 @@ import pytest
 from ffgym.agents import dynamic_lugre, elastic_feedforward
 from ffgym.agents.entrants import ENTRANTS, make_submitted
 from ffgym.agents.law_agent import LawPolicy
-from ffgym.control import SetpointChannel, SetpointResponse, channel_of
+from ffgym.control import SetpointChannel, SetpointResponse, find_channel
 from ffgym.core.errors import FFGymError
 from ffgym.leaderboard.comparison.standings import standings
 from ffgym.leaderboard.entrants import ReadyAgent
@@ -176,7 +176,7 @@ def test_a_submission_through_set_points_has_a_row_that_tells_it(submitted, tmp_
     entrant = make_submitted(tmp_path / "mine.zip")
     assert entrant.row().channel == "setpoint"
     [ready] = entrant.ready(find_plant("nominal"), [0], ())
-    assert channel_of(ready.policy) == "setpoint"
+    assert find_channel(ready.policy) == "setpoint"
 
 
 def test_manifests_of_torques_are_written_as_before_set_points(submitted):

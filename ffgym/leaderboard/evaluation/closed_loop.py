@@ -11,7 +11,7 @@ import gymnasium as gym
 import numpy as np
 from gymnasium.vector import AutoresetMode
 
-from ffgym.control import Agent, ObservationLayout, Policy, channel_of, sees_errors
+from ffgym.control import Agent, ObservationLayout, Policy, find_channel, sees_errors
 from ffgym.control.observation import Channel
 from ffgym.core.errors import FFGymError
 from ffgym.core.registration import find_spec
@@ -73,7 +73,7 @@ def run_rollouts(
         FFGymError: if a policy does not fit the robot, or an action is not finite or has the wrong shape.
     """
     recorder, n = EpisodeRecorder(), len(tasks)
-    views = {(policy.preview, policy.action_scale, sees_errors(policy), channel_of(policy)) for policy in policies}
+    views = {(policy.preview, policy.action_scale, sees_errors(policy), find_channel(policy)) for policy in policies}
     if len(views) > 1:
         raise FFGymError(
             f"Policies must have one preview, action scale, track and channel to run side by side, got {views}."
@@ -147,7 +147,7 @@ def run_references(
         policy.action_scale,
         len(references),
         feedback=sees_errors(policy),
-        channel=channel_of(policy),
+        channel=find_channel(policy),
         recorder=recorder,
         n_threads=n_threads,
     )
@@ -255,7 +255,7 @@ def _run(
 
 def inference_time(plant: TestPlant, policy: Policy) -> float:
     """Measure the median time of one decision for one robot [us], at the start of a motion; all take as long."""
-    seen = policy.preview, policy.action_scale, sees_errors(policy), channel_of(policy)
+    seen = policy.preview, policy.action_scale, sees_errors(policy), find_channel(policy)
     robot, layout, observation = _waiting(plant, *seen)
     agent = policy.agent(robot, layout)
     state, times = None, []

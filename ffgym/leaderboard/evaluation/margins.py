@@ -27,7 +27,7 @@ from typing import Any
 
 import numpy as np
 
-from ffgym.control import Policy, channel_of
+from ffgym.control import Policy, find_channel
 from ffgym.control.observation import size_actions
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.envs.core import TrackingCore
@@ -155,7 +155,7 @@ def find_stable(
     """
     n = len(changes) * len(circles)
     preview = policy.preview if base is None else max(policy.preview, base.preview)
-    env = environment_for(plant, preview, policy.action_scale, 2 * n, channel=channel_of(policy), n_threads=n_threads)
+    env = environment_for(plant, preview, policy.action_scale, 2 * n, channel=find_channel(policy), n_threads=n_threads)
     core: TrackingCore = env.unwrapped.core
     each = [{"position": task.place, "speed": task.speed, "radii": task.radii} for task in circles]
     try:

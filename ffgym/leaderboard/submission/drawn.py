@@ -30,7 +30,7 @@ from ffgym.leaderboard.submission.judge import (
     Judge,
     check_physics,
     controller_of,
-    view_of,
+    make_view,
 )
 from ffgym.leaderboard.submission.manifest import Manifest, Refused, decode_submission, sha256_of
 from ffgym.leaderboard.submission.python_agent import View
@@ -293,7 +293,7 @@ def _run_submitted(
             for _ in range(2)
         )
         check = SpotCheck(every, alone, drawn.seed % len(pairs), one.whose)
-        found = _run(judge, pairs, {name: view_of(manifest)}, check, drawn.noise, f"drawn machines, {name}")
+        found = _run(judge, pairs, {name: make_view(manifest)}, check, drawn.noise, f"drawn machines, {name}")
         check.compare()
     return found
 

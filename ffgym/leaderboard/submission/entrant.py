@@ -9,7 +9,7 @@ from ffgym.control import Policy, SetpointChannel
 from ffgym.core.errors import FFGymError
 from ffgym.leaderboard.entrants import Entrant, ReadyAgent, one_by_one
 from ffgym.leaderboard.plants import TestPlant
-from ffgym.leaderboard.submission.judge import controller_of, view_of
+from ffgym.leaderboard.submission.judge import controller_of, make_view
 from ffgym.leaderboard.submission.manifest import Manifest, Refused, decode_submission, read_archive, sha256_of
 from ffgym.leaderboard.submission.process import AgentProcess
 from ffgym.leaderboard.submission.python_agent import View
@@ -93,4 +93,4 @@ def _make_policy(manifest: Manifest, content: bytes | None, robot: str, loaders:
         channel=manifest.channel,
         whose=f"The submission {manifest.name!r} was ended: ",
     )
-    return view_of(manifest, lambda robot, layout: start())
+    return make_view(manifest, lambda robot, layout: start())

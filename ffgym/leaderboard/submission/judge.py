@@ -68,7 +68,7 @@ def controller_of(plant: str) -> str:
     return find_controller(plant) if is_workcell(plant) else ROBOT
 
 
-def view_of(manifest: Manifest, make: Callable[[RobotDescription, ObservationLayout], Agent] | None = None) -> View:
+def make_view(manifest: Manifest, make: Callable[[RobotDescription, ObservationLayout], Agent] | None = None) -> View:
     """Return the view of the agent of a submission, and what makes the agent if it is not passed in another way."""
     return View(
         preview=manifest.preview,
@@ -159,7 +159,7 @@ class Judge:
         # contents, and physics of the claims
         manifest, files = files_of.decode_submission(data)
         check_physics(manifest, self.plan)
-        source, seed, view = manifest.agent, manifest.seed, view_of(manifest)
+        source, seed, view = manifest.agent, manifest.seed, make_view(manifest)
         claims: list[Claim] = []
         replays: list[ActionReplay] = []
         for plant, logs in read_logged_actions(files[ACTIONS], self.plan).items():
