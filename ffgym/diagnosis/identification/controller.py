@@ -2,8 +2,8 @@
 
 Delay and filter are fitted with a simulated robot under its servo (`identify_response`), which must have the gains of
 the real one: a servo that is stiffer follows earlier, and would pass for a shorter delay. Where torque was recorded,
-the servo's equation gives first gains without a model, then delay and filter are fitted with these, then the gains with
-both.
+the servo's equation gives first gains without a model, then delay and filter are fitted with those of them that
+contradict the documented ones, then the gains, with whichever delay and filter are known better.
 """
 
 from collections.abc import Sequence
@@ -20,6 +20,10 @@ from ffgym.recordings import Recording
 from ffgym.robot import RigidArm
 from ffgym.robot.parts import Servo
 from ffgym.simulation.run import Progress
+
+_MODEL_DELAY = 1e-4
+"""Standard deviation of delay and lag together above which those of the simulated robot are taken for gains [s];
+chosen: how a drive makes speeds of set-points moves the latter by so much."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -70,18 +74,20 @@ def identify_controller(
     servo, rng = arm.robot.servo, np.random.default_rng(seed)
     joints = arm.robot.joints
     # first gains from measured angles alone, then delay and filter with them
-    first = fit_servo(logs, servo, search_response(logs), rng, joints=joints)
-    near = _with_servo(arm, first.servo)
+    searched = search_response(logs)
+    first = fit_servo(logs, servo, searched.response, rng, joints=joints)
+    near = _with_servo(arm, first.unlike_documented(servo))
     response = identify_response(recordings, near, n_threads=n_threads, progress=progress)
     # gains with instruments from the robot that moves as this one did
     angles = _simulate(recordings, near, response, n_threads)
+    known = searched if searched.total_spread < _MODEL_DELAY else response
     found = fit_servo(
         logs,
         servo,
-        response.response,
+        known.response,
         rng,
         joints=joints,
-        covariance=response.covariance,
+        covariance=known.covariance,
         instruments=with_angles(logs, angles),
     )
     return ControllerFit(response=response, servo=found, no_torque="")

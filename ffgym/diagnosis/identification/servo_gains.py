@@ -23,7 +23,7 @@ from ffgym.control import SetpointResponse
 from ffgym.core.types import Array
 from ffgym.diagnosis.identification.estimate import Estimate, judge_estimate
 from ffgym.diagnosis.identification.servo_equation import TERMS, ServoLog, ServoRows
-from ffgym.diagnosis.identification.setpoint_response import NAMES, make_response
+from ffgym.diagnosis.identification.setpoint_response import NAMES, make_response, to_parameters
 from ffgym.diagnosis.resampling import RESAMPLES, Blocks, bootstrap, intervals
 from ffgym.robot.parts import Servo
 
@@ -63,26 +63,48 @@ class ServoFit:
     feedforward: Array
     """Factors of the documented rigid feed-forward, shape (N,); NaN where none was fitted."""
 
+    def unlike_documented(self, servo: Servo) -> Servo:
+        """Return the documented servo with gains that were found where their interval does not hold the documented."""
+        gains = np.array(
+            [
+                [each.prior if each.low <= each.prior <= each.high else each.value for each in joint]
+                for joint in self.estimates
+            ]
+        )
+        position, velocity, integral = gains.T
+        return replace(servo, position_gain=position, velocity_gain=velocity, integral_gain=integral)
+
     @property
     def refused(self) -> list[Estimate]:
         """Estimates of gains that the recordings do not tell."""
         return [each for joint in self.estimates for each in joint if not each.is_identified]
 
 
-def search_response(logs: Sequence[ServoLog]) -> SetpointResponse:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SearchedResponse:
+    """Delay and filter with which the servo's equation leaves least torque."""
+
+    response: SetpointResponse
+    covariance: Array
+    """Covariance of delay [s], lag [s] and curvature [s^2], shape (3, 3)."""
+    total_spread: float
+    """Standard deviation of delay and lag together [s]."""
+
+
+def search_response(logs: Sequence[ServoLog]) -> SearchedResponse:
     """Search delay and filter with which the equation of all axes leaves least torque; least squares, no model.
 
     Args:
         logs: recordings in which some joint moves.
     """
-    moves = np.any([log.moves for log in logs], axis=0)
+    joints = np.flatnonzero(np.any([log.moves for log in logs], axis=0)).tolist()
 
     def left(values: Array) -> Array:
         response = make_response(values, 3)
         terms = [log.terms(response) for log in logs]
         found = []
-        for j in np.flatnonzero(moves):
-            rows = ServoRows.of(logs, terms, terms, int(j))
+        for j in joints:
+            rows = ServoRows.of(logs, terms, terms, j)
             solved = np.linalg.lstsq(rows.terms, rows.torque, rcond=None)[0]
             found.append((rows.torque - rows.terms @ solved) / np.std(rows.torque))
         return np.concatenate(found)
@@ -99,7 +121,17 @@ def search_response(logs: Sequence[ServoLog]) -> SetpointResponse:
         ftol=1e-6,
         max_nfev=40,
     )
-    return make_response(solved.x, 3)
+    # scores summed over blocks of time, as residuals are not independent
+    terms = [log.terms(make_response(solved.x, 3)) for log in logs]
+    blocks = Blocks.joined([ServoRows.of(logs, terms, terms, j).blocks for j in joints])
+    jacobian = np.asarray(solved.jac, dtype=np.float64)
+    sums, inverse = blocks.sums(jacobian * solved.fun[:, None]), np.linalg.pinv(jacobian.T @ jacobian)
+    covariance = inverse @ (sums.T @ sums) @ inverse
+    return SearchedResponse(
+        response=make_response(solved.x, 3),
+        covariance=to_parameters(solved.x, covariance),
+        total_spread=float(1e-3 * np.sqrt(covariance[0, 0])),
+    )
 
 
 def fit_servo(

@@ -143,11 +143,7 @@ class _Fit:
     @cached_property
     def response_covariance(self) -> Array:
         """Covariance of the parameters of the response, in SI units, shape (K, K)."""
-        own, k = self.values[: self.count], self.count
-        slopes = np.stack([_parameters(own + h) - _parameters(own - h) for h in _TINY * np.eye(k)], axis=1) / (
-            2 * _TINY
-        )
-        return np.asarray(slopes @ self.covariance[:k, :k] @ slopes.T)
+        return to_parameters(self.values[: self.count], self.covariance[: self.count, : self.count])
 
     def intervals(self) -> dict[str, tuple[float, float]]:
         """Compute the 95 % intervals of the parameters of the response and of its total delay, in SI units."""
@@ -177,6 +173,13 @@ def _parameters(values: Array) -> Array:
     total, lag, roll = np.pad(values, (0, 3 - len(values)))
     found = np.array([1e-3 * (total - lag), 1e-3 * lag, 1e-6 * (lag**2 / 2 - roll)])
     return np.maximum(found, 0.0)[: len(values)]
+
+
+def to_parameters(values: Array, covariance: Array) -> Array:
+    """Bring the covariance of coordinates to that of delay [s], lag [s] and curvature [s^2], shape (K, K)."""
+    steps = _TINY * np.eye(len(values))
+    slopes = np.stack([_parameters(values + h) - _parameters(values - h) for h in steps], axis=1) / (2 * _TINY)
+    return np.asarray(slopes @ covariance @ slopes.T)
 
 
 def _select(model: ResponseModel, progress: Progress) -> _Fit:

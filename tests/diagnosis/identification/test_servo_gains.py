@@ -68,7 +68,9 @@ def test_gains_are_found_whatever_the_friction_is(log: Recording, one_axis: Robo
 
 
 def test_delay_and_filter_are_found_with_the_gains(log: Recording, one_axis: RobotDescription) -> None:
-    response = search_response([ServoLog.of(log, RigidArm(one_axis), feedforward=True)])
+    searched = search_response([ServoLog.of(log, RigidArm(one_axis), feedforward=True)])
+    response = searched.response
+    assert searched.total_spread < 0.2e-3
     assert response.total_delay == pytest.approx(RESPONSE.total_delay, abs=0.2e-3)
     found = fit(log, one_axis, response)
     assert found.servo.position_gain[0] == pytest.approx(1.4 * one_axis.servo.position_gain[0], rel=0.03)
