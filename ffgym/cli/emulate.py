@@ -29,6 +29,9 @@ from ffgym.deployment.streams.session import StreamSession, sample_plan
 from ffgym.recordings.io import FORMATS, write_recording
 from ffgym.robot import RobotDescription
 
+_LONGEST_DELAY = 1000.0
+"""Longest delay of a controller [ms]; chosen: more is a slip of units."""
+
 
 def run(config: Emulate) -> None:
     """Check, emulate, write, print."""
@@ -129,7 +132,7 @@ def _find_home(robot: RobotDescription) -> Array:
 
 def _response(config: Emulate) -> SetpointResponse:
     """Make delay and filter of the controller."""
-    delay = 1e-3 * check_number("--delay-ms", config.delay_ms, unit="ms", low=0.0)
+    delay = 1e-3 * check_number("--delay-ms", config.delay_ms, unit="ms", low=0.0, high=_LONGEST_DELAY)
     if config.cutoff_hz is None:
         if config.damping is not None:
             raise FFGymError("--damping has no effect without --cutoff-hz. Leave it out, or give both.")

@@ -168,6 +168,8 @@ def test_a_log_in_which_nothing_moves_is_refused(one_axis: RobotDescription) -> 
     log, _ = stream(probe, one_axis, SetpointResponse(delay=0.0043))
     with pytest.raises(FFGymError, match=r"No set-point moves by more than 0.002 rad"):
         identify_response([log], RigidArm(one_axis))
+    with pytest.raises(FFGymError, match=r"is of joints j1 of 'one_axis', robot 'irb4600_60_205' has j1, j2"):
+        identify_response([log], RigidArm(load_robot("irb4600_60_205")))
     with pytest.raises(FFGymError, match="There are no recordings"):
         identify_response([], RigidArm(one_axis))
 

@@ -44,7 +44,16 @@ class SetpointLog:
 
     @classmethod
     def of(cls, recording: Recording, robot: RobotDescription) -> "SetpointLog":
-        """Read a recording, from the first control step to the last whole one."""
+        """Read a recording, from the first control step to the last whole one.
+
+        Raises:
+            FFGymError: if it is of other joints than those of the robot, or too short.
+        """
+        if (header := recording.header).joints != robot.joints:
+            raise FFGymError(
+                f"Recording {header.segment!r} is of joints {', '.join(header.joints)} of {header.robot!r}, robot "
+                f"{robot.name!r} has {', '.join(robot.joints)}. Name the robot of the recording."
+            )
         t, dt = recording.t - recording.t[0], robot.servo.control_dt
         grid = np.arange(int(t[-1] / dt + 1e-9) + 1) * dt
         if len(grid) < 2:

@@ -80,6 +80,8 @@ def test_a_krl_program_has_axes_in_degrees_and_the_times_of_the_plan(plan, arm, 
     assert sum(parts) / 1e3 + sum(np.diff(points.t)[points.rests[:-1]]) == pytest.approx(plan.t[-1], abs=1e-3)
     assert texts["src"].count("TIME_BLOCK START") == texts["src"].count("TIME_BLOCK END")
     assert "$ADVANCE=3" in texts["src"]
+    assert all(text.startswith("&ACCESS RVP\nDEF") for text in texts.values())
+    assert "Set $TOOL and $LOAD here" in texts["src"]
     assert result.deviation.duration == pytest.approx(plan.t[-1], abs=0.01)
 
 
