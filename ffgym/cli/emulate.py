@@ -7,6 +7,7 @@ import numpy as np
 
 from ffgym.cli.export import load_machine_or_robot
 from ffgym.cli.outputs import check_outputs, print_places, provenance, write_numbers
+from ffgym.cli.progress import progress_bar
 from ffgym.cli.stream import describe_session, make_envelope
 from ffgym.cli.stream_options import Emulate, Stream
 from ffgym.control import SetpointResponse
@@ -29,6 +30,8 @@ from ffgym.deployment.streams.session import StreamSession, sample_plan
 from ffgym.recordings.io import FORMATS, write_recording
 from ffgym.robot import RobotDescription
 
+_SPARE = 30.0
+"""Time beyond a plan in which a stream of it has ended [s]; chosen."""
 _LONGEST_DELAY = 1000.0
 """Longest delay of a controller [ms]; chosen: more is a slip of units."""
 
@@ -109,7 +112,15 @@ def _stream_in_lock_step(config: Emulate, plan: SetpointPlan, log: Path, control
     robot, faults = controller.robot.robot, _faults(config)
     envelope = make_envelope(Stream(log), robot, controller.wire.cycle)
     session = StreamSession(plan, controller.wire, envelope, robot.drive)
-    run_in_lock_step(session, controller, to_stream=faults, to_controller=faults)
+    with progress_bar("emulating", "s") as progress:
+        run_in_lock_step(
+            session,
+            controller,
+            to_stream=faults,
+            to_controller=faults,
+            longest=float(plan.t[-1]) + _SPARE,
+            progress=progress,
+        )
     write_recording(record_drive(session, controller) if config.torque else record_session(session, robot), log)
     print("\n".join(describe_session(session, Timing())))
 

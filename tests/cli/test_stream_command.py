@@ -200,6 +200,14 @@ def test_a_plan_is_streamed_to_the_emulator_in_lock_step(plan_file: Path, tmp_pa
     assert truth.t[-1] > 1.0
 
 
+def test_a_plan_has_its_own_time_to_be_emulated(plan_file: Path, tmp_path: Path, capsys, monkeypatch) -> None:
+    monkeypatch.setattr("ffgym.cli.emulate._SPARE", -0.5)
+    command = ["emulate", "egm", "--robot", "one_axis", "--plan", str(plan_file), "--delay-ms", "8"]
+    assert main([*command, "--log", str(tmp_path / "log.npz")]) == 1
+    assert "The session is running after 0.5 s" in error_of(capsys)
+    assert not (tmp_path / "log.npz").exists()
+
+
 def test_a_cycle_of_12_ms_has_an_envelope_of_its_own(plan_file: Path, tmp_path: Path, capsys) -> None:
     command = ["emulate", "rsi_12ms", "--robot", "one_axis", "--plan", str(plan_file), "--delay-ms", "15"]
     assert main([*command, "--log", str(tmp_path / "log.npz")]) == 0

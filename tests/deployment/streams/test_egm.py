@@ -107,7 +107,10 @@ def test_a_plan_reaches_the_servo_late_by_delay_and_filter(
     response = SetpointResponse.low_pass(20.0, delay=0.0093)
     controller = emulate(irb4600, wire, wave.program[0], arm, response)
     session = StreamSession(wave, wire, envelope, irb4600.drive)
-    run_in_lock_step(session, controller)
+    told: list[tuple[float, float]] = []
+    run_in_lock_step(session, controller, progress=lambda done, total: told.append((done, total)))
+    assert told[0] == (0.0, session.plan.t[-1])
+    assert told[-1] == (session.plan.t[-1], session.plan.t[-1])
     assert session.state == "ended"
     assert not session.refused
     # what was sent is the plan, answer by answer

@@ -8,9 +8,12 @@ from ffgym.core.errors import FFGymError
 from ffgym.deployment.streams.emulators.controller import EmulatedController
 from ffgym.deployment.streams.emulators.network import Faults, FaultyNetwork
 from ffgym.deployment.streams.session import StreamSession
+from ffgym.simulation.run import Progress
 
 READ = 0.5
 """Share of a cycle in which the controller waits for an answer (chosen); what comes later counts for the next one."""
+_TOLD = 50
+"""Cycles from one call of `progress` to the next."""
 
 
 def run_in_lock_step(
@@ -21,6 +24,7 @@ def run_in_lock_step(
     to_controller: Faults | None = None,
     longest: float = 600.0,
     watch: Callable[[float, bytes], None] | None = None,
+    progress: Progress | None = None,
 ) -> float:
     """Run a session against an emulator until it is over; returns the time that took, on their clock [s].
 
@@ -31,17 +35,20 @@ def run_in_lock_step(
         to_controller: faults on the way to it.
         longest: time after which a session that does not end is an error [s].
         watch: called with time and bytes of every packet that the stream sends.
+        progress: called with the seconds of the plan that are done and all of them.
 
     Raises:
         FFGymError: if the session refused to begin, or did not end in time.
     """
     there = FaultyNetwork(to_stream or Faults(), 0)
     exchange = _Exchange(session, controller, FaultyNetwork(to_controller or Faults(), 1), watch)
-    cycle, k = session.wire.cycle, 0
+    cycle, duration, k = session.wire.cycle, float(session.plan.t[-1]), 0
     while not session.is_over:
         now = k * cycle
         if now > longest:
             raise FFGymError(f"The session is {session.state} after {longest:g} s, and should have ended.")
+        if progress is not None and k % _TOLD == 0:
+            progress(min(now, duration), duration)
         for arrival, data in there.carry(controller.feedback(), now):
             exchange.deliver(arrival, data, for_stream=True)
         exchange.run_until(now + READ * cycle)
