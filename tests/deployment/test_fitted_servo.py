@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import ffgym.diagnosis.identification.controller as controller_module
 from ffgym.agents import elastic_feedforward
 from ffgym.cli.main import main
 from ffgym.control import NoCompensation
@@ -42,6 +43,19 @@ def test_a_plan_with_gains_that_were_found_keeps_more_of_the_gain(one_axis: Robo
     documented, fitted, known = (missed(each, real) for each in (one_axis, replace(one_axis, servo=found.servo), real))
     assert none - fitted > 0.95 * (none - known)
     assert none - documented < 0.85 * (none - known)
+
+
+def test_without_torque_it_says_so_and_documented_gains_hold(
+    one_axis: RobotDescription, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = []
+    monkeypatch.setattr(controller_module, "identify_response", lambda logs, arm, **_: asked.append(arm.robot.servo))
+    log = log_of_drive(probe(one_axis, 1.2), one_axis, one_axis)
+    without = log.derive({name: x for name, x in log.columns.items() if not name.startswith("motor.effort")})
+    found = identify_controller([without], RigidArm(one_axis))
+    assert found.servo is None
+    assert "has no motor torque (motor.effort)" in found.no_torque
+    assert asked == [one_axis.servo]
 
 
 @pytest.mark.slow

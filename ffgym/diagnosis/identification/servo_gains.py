@@ -158,8 +158,10 @@ def fit_servo(
     """
     cov = np.zeros((0, 0)) if covariance is None else covariance
     spread = np.sqrt(np.diag(cov))
+    unsure = np.flatnonzero(spread)  # parameters that end at a bound are not
+    cov = cov[np.ix_(unsure, unsure)]
     # terms for the response, and for each of its parameters a little larger
-    shifted = [response, *(_shift(response, NAMES[i], step) for i, step in enumerate(spread))]
+    shifted = [response, *(_shift(response, NAMES[i], float(spread[i])) for i in unsure.tolist())]
     own = [[log.terms(each) for log in logs] for each in shifted]
     free = own if instruments is None else [[log.terms(each) for log in instruments] for each in shifted]
     axes = []

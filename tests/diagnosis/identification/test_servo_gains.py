@@ -103,6 +103,13 @@ def test_what_is_not_known_of_delay_and_filter_makes_intervals_wider(
         assert wide.high - wide.low > 1.5 * (narrow.high - narrow.low)
 
 
+def test_a_filter_at_its_bound_adds_nothing_to_intervals(log: Recording, one_axis: RobotDescription) -> None:
+    alone, beside = (fit(log, one_axis, covariance=np.diag(spread)) for spread in ([1e-8], [1e-8, 0.0]))
+    for one, other in zip(alone.estimates[0], beside.estimates[0], strict=True):
+        assert np.isfinite(other.high)
+        assert (one.low, one.high) == (other.low, other.high)
+
+
 def test_an_integral_that_a_log_does_not_show_stays_as_documented(one_axis: RobotDescription) -> None:
     slow = replace(one_axis, servo=replace(one_axis.servo, integral_gain=np.array([2.0])))
     log = log_of_drive(probe(slow, 1.2), with_other_gains(slow), slow)
