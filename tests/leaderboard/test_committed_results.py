@@ -122,16 +122,20 @@ def test_the_standings_in_the_docs_are_those_of_these_results(group, rows):
 def test_what_set_points_leave_in_the_docs_is_of_these_results(rows):
     names = ("elastic", "elastic_setpoints", "elastic_setpoints_late")
     text = (DOCS / "README.md").read_text(encoding="utf-8")
-    some = [rows[name] for name in ("none", *names)]
+    some, costs = [rows[name] for name in ("none", *names)], {}
     for group in GROUPS:
         lines = {line.row.name: line.score for line in standings(some, group, "held_out").lines}
         left = " | ".join(share(lines[name].left, lines[name].left_interval).plain for name in names)
         assert f"| {group_title(group)} | {left} |" in text
+        costs[group] = 100 * (lines["elastic_setpoints_late"].left - lines["elastic_setpoints"].left)
     thesis = {name: standings([rows["none"], rows[name]], THESIS_WORKCELL, "held_out").line(name) for name in names}
     at = {name: {each.speed_mm_s: each.rms_um for each in line.score.speeds} for name, line in thesis.items()}
     late, sent = at["elastic_setpoints_late"], at["elastic_setpoints"]
-    assert f"{late[100]:.0f} instead of {sent[100]:.0f} um at 100 mm/s" in text
-    assert f"{late[40]:.1f} instead of {sent[40]:.1f} um" in text
+    assert f"{late[100]:.0f} instead of {sent[100]:.0f} um are left at 100 mm/s" in text
+    assert f"{late[40]:.1f} instead of {sent[40]:.1f} um at 40 mm/s" in text
+    *others, least = (round(cost) for cost in sorted(costs.values(), reverse=True))
+    assert f"cost {others[-1]} to {others[0]} percentage points" in text
+    assert (least, min(costs, key=costs.__getitem__)) == (1, THESIS_WORKCELL)
 
 
 def test_the_page_shows_these_results(rows):
