@@ -95,6 +95,21 @@ def test_noise_of_torque_makes_intervals_wider_and_moves_nothing(log: Recording,
     assert 0.7 < noisy.explained[0] < 0.99
 
 
+def test_two_logs_tell_more_than_one(log: Recording, one_axis: RobotDescription) -> None:
+    rng, arm = np.random.default_rng(3), RigidArm(one_axis)
+    noise = 0.05 * one_axis.friction.static[0] * rng.standard_normal((2, len(log)))
+    logs = [
+        ServoLog.of(changed(log, motor_effort=log["motor.effort.j1"] + each), arm, feedforward=True) for each in noise
+    ]
+    one, two = (
+        fit_servo(each, one_axis.servo, RESPONSE, np.random.default_rng(0), joints=one_axis.joints).estimates[0]
+        for each in (logs[:1], logs)
+    )
+    for name, alone, together in zip(GAINS, one, two, strict=True):
+        assert together.high - together.low < 0.9 * (alone.high - alone.low)
+        assert together.low < FACTORS[name] * together.prior < together.high
+
+
 def test_what_is_not_known_of_delay_and_filter_makes_intervals_wider(
     log: Recording, one_axis: RobotDescription
 ) -> None:
