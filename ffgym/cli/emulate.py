@@ -2,6 +2,7 @@
 
 from contextlib import closing
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -25,7 +26,7 @@ from ffgym.deployment.streams.emulators import (
 from ffgym.deployment.streams.emulators.live import serve_live
 from ffgym.deployment.streams.live import Timing
 from ffgym.deployment.streams.protocols import axes_of, protocol_named
-from ffgym.deployment.streams.recording import record_session
+from ffgym.deployment.streams.recording import record_session, summarise
 from ffgym.deployment.streams.session import StreamSession, sample_plan
 from ffgym.recordings.io import FORMATS, write_recording
 from ffgym.robot import RobotDescription
@@ -43,8 +44,9 @@ def run(config: Emulate) -> None:
     emulated, late = controller.robot, 0
     title = protocol_named(config.protocol).title
     print(f"{title} of {emulated.robot.name}, {emulated.response.describe()}", flush=True)
+    stream: dict[str, Any] = {}
     if plan is not None and config.log is not None:
-        _stream_in_lock_step(config, plan, config.log, controller)
+        stream = {"stream": _stream_in_lock_step(config, plan, config.log, controller)}
     else:
         late = _serve(config, controller)
     if config.out is not None:
@@ -57,7 +59,7 @@ def run(config: Emulate) -> None:
         "cycles_without_setpoint": emulated.missed,
         "refused": dict(sorted(controller.refused.items())),
     }
-    write_numbers(config, origin | told)
+    write_numbers(config, origin | told | stream)
     print(
         f"{emulated.cycles} cycles, {emulated.missed} without a set-point, {late} began late; "
         f"{'a stream came' if controller.begun else 'no stream came'}"
@@ -107,8 +109,13 @@ def _serve(config: Emulate, controller: EmulatedController) -> int:
         return serve_live(controller, port, receiver, to_stream=faults, to_controller=faults, longest=config.longest_s)
 
 
-def _stream_in_lock_step(config: Emulate, plan: SetpointPlan, log: Path, controller: EmulatedController) -> None:
-    """Stream a plan to the emulator without network and clock, as `ffgym stream` does by default; write its log."""
+def _stream_in_lock_step(
+    config: Emulate, plan: SetpointPlan, log: Path, controller: EmulatedController
+) -> dict[str, Any]:
+    """Stream a plan to the emulator without network and clock, as `ffgym stream` does by default; write its log.
+
+    Returns what `ffgym stream` writes as its numbers.
+    """
     robot, faults = controller.robot.robot, _faults(config)
     envelope = make_envelope(Stream(log), robot, controller.wire.cycle)
     session = StreamSession(plan, controller.wire, envelope, robot.drive)
@@ -123,6 +130,7 @@ def _stream_in_lock_step(config: Emulate, plan: SetpointPlan, log: Path, control
         )
     write_recording(record_drive(session, controller) if config.torque else record_session(session, robot), log)
     print("\n".join(describe_session(session, Timing())))
+    return summarise(session)
 
 
 def _read_plan(config: Emulate, robot: RobotDescription) -> SetpointPlan | None:

@@ -46,7 +46,7 @@ def run(config: Export) -> None:
         lines.append(f"note: {missing}")
     write_numbers(config, info)
     print("\n".join(lines))
-    print_places(folder=config.out, origin=config.json)
+    print_places(folder=config.out, numbers=config.json)
 
 
 def _export_model(config: Export, machine: Machine, options: ModelOptions) -> tuple[list[str], dict[str, Any]]:

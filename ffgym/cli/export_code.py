@@ -40,4 +40,4 @@ def run(config: ExportCode) -> None:
     else:
         print(f"largest difference from the simulation: {check.largest_difference:.2g} N m")
         print(f"time of a step on this computer: {check.worst_us:.2g} us at most, median {check.median_us:.2g} us")
-    print_places(folder=config.out, origin=config.json)
+    print_places(folder=config.out, numbers=config.json)

@@ -42,4 +42,4 @@ def run(config: ExportFmu) -> None:
         print(f"FMI {check.version}: valid, {check.largest_difference:.2g} at most from the simulation (SI units)")
     notes = [*ready.motion.notes, missing_text(ready.machine)]
     print("".join(f"note: {note}\n" for note in notes if note), end="")
-    print_places(folder=config.out, origin=config.json)
+    print_places(folder=config.out, numbers=config.json)

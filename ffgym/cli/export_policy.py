@@ -34,7 +34,7 @@ def run(config: ExportPolicy) -> None:
     write_numbers(config, info | {"base": policy.base, "check": asdict(check)})
     print(f"residual policy on {policy.base}, {check.decisions} decisions along {check.motion}")
     print(f"largest difference from the simulation: {check.largest_difference:.2g} of its largest torque")
-    print_places(policy=config.out, origin=config.json)
+    print_places(policy=config.out, numbers=config.json)
 
 
 def _find_policy(name: str) -> ResidualPolicy:

@@ -32,7 +32,7 @@ def run(config: ExportProgram) -> None:
     )
     write_numbers(config, info | describe_changes(written, plan))
     print(format_changes(written, plan))
-    print_places(folder=config.out, origin=config.json)
+    print_places(folder=config.out, numbers=config.json)
 
 
 def _refuse_unused(config: ExportProgram) -> None:

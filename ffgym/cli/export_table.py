@@ -23,7 +23,7 @@ def run(config: ExportTable) -> None:
     write_numbers(config, provenance("ffgym export table", config, robot, fingerprint, seed=None) | info)
     count = len(next(iter(table.values.values())))
     print(f"{info['feedforward_law']} for {info['motion']}: {count} samples of {', '.join(table.values)}")
-    print_places(folder=config.out, origin=config.json)
+    print_places(folder=config.out, numbers=config.json)
 
 
 def _of_plan(config: ExportTable) -> tuple[LawTable, str, str | None, dict[str, Any]]:

@@ -37,7 +37,7 @@ def run(config: PlanSetpoints) -> None:
     info |= {"motion": plan.name, "feedforward_law": plan.law, "plan": dict(plan.meta)}
     write_numbers(config, info | {"largest_correction": plan.largest_correction.tolist()})
     print("\n".join([*_describe(plan), *(f"note: {note}" for note in notes)]))
-    print_places(plan=config.out, origin=config.json)
+    print_places(plan=config.out, numbers=config.json)
 
 
 def _find_servo(config: PlanSetpoints, robot: RobotDescription) -> Servo | None:

@@ -191,8 +191,12 @@ def test_an_emulator_without_a_stream_ends_and_says_so(capsys, plan: SetpointPla
 
 def test_a_plan_is_streamed_to_the_emulator_in_lock_step(plan_file: Path, tmp_path: Path, capsys) -> None:
     command = ["emulate", "egm", "--robot", "one_axis", "--plan", str(plan_file), "--delay-ms", "8"]
-    assert main([*command, "--log", str(tmp_path / "log.npz"), "--out", str(tmp_path / "truth.npz")]) == 0
+    places = ["--log", str(tmp_path / "log.npz"), "--out", str(tmp_path / "truth.npz")]
+    assert main([*command, *places, "--json", str(tmp_path / "told.json")]) == 0
     assert "ended: " in capsys.readouterr().out
+    told = json.loads((tmp_path / "told.json").read_text())["stream"]
+    assert told["state"] == "ended"
+    assert told["largest_correction"] == [pytest.approx(1e-3, rel=1e-3)]
     log, truth = (read_recording(tmp_path / name) for name in ("log.npz", "truth.npz"))
     # 1 mrad behind the gearbox
     ratio = load_robot("one_axis").drive.gear_ratio[0]
