@@ -189,6 +189,14 @@ def test_an_emulator_without_a_stream_ends_and_says_so(capsys, plan: SetpointPla
     assert "no stream came" in capsys.readouterr().out
 
 
+def test_an_emulator_on_a_busy_computer_says_so(plan_file: Path, capsys, monkeypatch) -> None:
+    monkeypatch.setattr("ffgym.cli.emulate.serve_live", lambda *args, **options: 7)  # cycles that began late
+    address = f"127.0.0.1:{free_port()}"
+    command = ["emulate", "egm", "--robot", "one_axis", "--plan", str(plan_file), "--address", address]
+    assert main(command) == 0
+    assert "this computer is too busy to keep the controller's time" in capsys.readouterr().out
+
+
 def test_a_plan_is_streamed_to_the_emulator_in_lock_step(plan_file: Path, tmp_path: Path, capsys) -> None:
     command = ["emulate", "egm", "--robot", "one_axis", "--plan", str(plan_file), "--delay-ms", "8"]
     places = ["--log", str(tmp_path / "log.npz"), "--out", str(tmp_path / "truth.npz")]
