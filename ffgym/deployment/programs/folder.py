@@ -83,9 +83,10 @@ def write_program(
     path, duration = _read(files, arm, format)
     deviation = measure_deviation(arm, plan.setpoints, plan.t, path, duration)
     if deviation.distance > tolerance:
+        closer = "" if period is None else ", or points closer in time (period, --period-ms)"
         raise FFGymError(
             f"The {format} program is {1e3 * deviation.distance:.4f} mm from the plan at {deviation.t:.3f} s, may be "
-            f"{1e3 * tolerance:.4f} mm from it. Allow more (tolerance), or points closer in time (period)."
+            f"{1e3 * tolerance:.4f} mm from it. Allow more (tolerance, --tolerance-mm){closer}."
         )
     written = WrittenProgram(
         format=format,

@@ -122,7 +122,10 @@ def test_a_program_that_leaves_the_plan_is_not_written(plan, arm, tmp_path, form
         return changed, points
 
     monkeypatch.setattr(folder, "_texts", spoilt)
-    with pytest.raises(FFGymError, match=rf"The {form} program is \d+\.\d+ mm from the plan at .* Allow more"):
+    with pytest.raises(
+        FFGymError,
+        match=rf"The {form} program is \d+\.\d+ mm from the plan at .* Allow more \(tolerance, --tolerance-mm\)\.$",
+    ):
         write_program(plan, arm, tmp_path / "out", form)
     assert not (tmp_path / "out").exists()
 
