@@ -25,6 +25,16 @@ def test_a_delay_of_whole_samples_shifts_them() -> None:
     assert not late[:3].any()
 
 
+def test_what_begins_or_ends_with_a_speed_rests_before_and_after() -> None:
+    ramp = (0.1 + T)[:, None]
+    late = SetpointResponse(delay=0.010).apply(ramp, DT)
+    np.testing.assert_allclose(late[:3], 0.1, atol=1e-12)
+    np.testing.assert_allclose(late[3], 0.102, atol=1e-12)
+    sent = SetpointResponse(delay=0.010, lag=0.005).invert(ramp, DT)
+    np.testing.assert_allclose(sent[-2:], ramp[-1:].repeat(2, axis=0), atol=1e-12)
+    assert sent[-4, 0] == pytest.approx(ramp[-4, 0] + 0.015)
+
+
 @pytest.mark.parametrize("damping", [None, 0.71, 1.0])
 def test_a_filter_passes_a_sine_as_its_formula_says(damping: float | None) -> None:
     frequency = 2 * np.pi * 5.0

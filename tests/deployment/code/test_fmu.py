@@ -143,6 +143,29 @@ def test_a_setpoint_that_mujoco_drops_is_an_error_until_the_plant_is_reset(writt
             slave.step(0.0, 0.004)
 
 
+def test_outputs_cannot_be_set_and_unknown_variables_neither_read(written, capfd):
+    folder, _ = written
+    for version in "23":
+        with Slave(folder / f"plant_fmi{version}.fmu") as slave:
+            with pytest.raises(Exception, match=r"Real|Float64"):
+                slave.set("motor_position", np.ones(1))
+            assert "is no input" in "".join(capfd.readouterr())
+            with pytest.raises(Exception, match=r"Real|Float64"):
+                (slave._fmu.getReal if version == "2" else slave._fmu.getFloat64)([99])
+            assert "there is no variable 99" in "".join(capfd.readouterr())
+
+
+def test_a_plant_finds_its_model_in_a_folder_with_strange_signs(written, tmp_path):
+    import fmpy
+    from fmpy.simulation import instantiate_fmu
+
+    folder, _ = written
+    place = tmp_path / "a b%25 ü"
+    fmpy.extract(str(folder / "plant_fmi2.fmu"), unzipdir=str(place))
+    plant = instantiate_fmu(str(place), fmpy.read_model_description(str(place)), "CoSimulation")
+    plant.freeInstance()
+
+
 def test_time_begins_where_the_importer_says(written):
     folder, _ = written
     with Slave(folder / "program_fmi3.fmu") as slave:
@@ -150,6 +173,13 @@ def test_time_begins_where_the_importer_says(written):
         slave._fmu.enterInitializationMode(startTime=2.5)
         slave._fmu.exitInitializationMode()
         assert slave.get("time") == [2.5]
+        slave.step(2.5, 0.004)
+        assert slave.get("time") == [2.504]
+        state = slave._fmu.getFMUState()
+        slave.step(2.504, 0.004)
+        slave._fmu.setFMUState(state)
+        assert slave.get("time") == [2.504]
+        slave._fmu.freeFMUState(state)
     with Slave(folder / "program_fmi2.fmu") as slave:
         slave._fmu.reset()
         slave._fmu.setupExperiment(startTime=2.5)

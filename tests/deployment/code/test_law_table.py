@@ -112,6 +112,8 @@ def test_the_reader_in_c_gives_every_number_and_refuses_other_bytes(table, tmp_p
     nothing = head.pack(magic, order, 2**31, 2, 2**31, dt) + bytes(64)  # names, and no numbers
     for other in (
         *others,
+        data + bytes(8),
+        data + bytes(8 * n),
         nothing,
         data[:-1],
         data[:40],

@@ -51,9 +51,22 @@ def traced(formula):
     return graph, tuple(node_of(graph, value) for value in np.asarray(formula(given), dtype=object))
 
 
-FORMULAS = [alike, mixed, stopped, chained, looked_up]
-LOOPS = {alike: 2, mixed: 2, stopped: 3, chained: 1, looked_up: 2}
+def turned_round(x):
+    """What is taken from nothing, and from one."""
+    return (0.0 - x) + 2.0 * (1.0 - x) + (x - 0.0)
+
+
+FORMULAS = [alike, mixed, stopped, chained, looked_up, turned_round]
+LOOPS = {alike: 2, mixed: 2, stopped: 3, chained: 1, looked_up: 2, turned_round: 2}
 """Loops over joints, that of the results included, which is all that joints in a chain have."""
+
+
+def test_a_table_is_looked_up_along_its_last_axis_alone():
+    def across(x):
+        return np.take_along_axis(np.ones((2, N)), x[None].astype(np.int64), axis=0)
+
+    with pytest.raises(Untraceable, match="along axis 0"):
+        traced(across)
 
 
 @pytest.mark.parametrize("formula", FORMULAS)
