@@ -7,7 +7,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ffgym.control import CorrectionLimits, invert_servo, limit_correction, servo_torque
+from ffgym.control import (
+    CorrectionLimits,
+    SetpointChannel,
+    SetpointResponse,
+    invert_servo,
+    limit_correction,
+    servo_torque,
+)
 from ffgym.control.corrections import difference_speeds
 from ffgym.core.errors import FFGymError
 from ffgym.robot import RobotDescription
@@ -62,3 +69,12 @@ def test_corrections_within_their_limits_are_left_as_they_are() -> None:
 def test_limits_must_be_positive() -> None:
     with pytest.raises(FFGymError, match=r"rate of correction limits = \[0.0, 0.0\] must be > 0"):
         CorrectionLimits.even(2, rate=0.0)
+
+
+def test_what_a_channel_sends_begins_at_rest_though_it_leads(irb4600: RobotDescription) -> None:
+    t = np.arange(100) * irb4600.servo.control_dt
+    torque = np.outer(t / t[-1], np.ones(6))
+    channel = SetpointChannel(response=SetpointResponse(delay=0.02))
+    sent = channel.send(irb4600.servo, torque)
+    assert not sent[0].any()
+    assert np.all(sent[5:] > 0)

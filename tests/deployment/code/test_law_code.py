@@ -166,8 +166,9 @@ def test_the_check_of_a_folder_compiles_without_a_warning_and_notices_another_nu
         numbers[changed] += 1e-7
         other.write_text("\n".join([*lines[:500], ",".join(map(repr, numbers)), *lines[501:]]) + "\n")
         assert run(other) == 1
-    numbers[-13] = float("nan")
-    other.write_text("\n".join([*lines[:500], ",".join(map(repr, numbers)), *lines[501:]]) + "\n")
+    numbers = lines[500].split(",")
+    numbers[-13] = "nan"
+    other.write_text("\n".join([*lines[:500], ",".join(numbers), *lines[501:]]) + "\n")
     assert run(other) == 1
     other.write_text("\n".join(lines[:300]) + "\n")
     assert run(other) == 2

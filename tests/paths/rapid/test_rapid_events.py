@@ -31,6 +31,7 @@ TRIGGERS = {
     "TriggIO a, 20\\Start\\DOp:=doA, 1;": (0.02, 0.0),
     "TriggIO a, 0\\DOp:=doA, 1;": (0.1, 0.0),
     "TriggIO a, 0.1\\Time\\DOp:=doA, 1;": (0.1, 0.1),
+    "TriggIO a, 20\\DOp:=doA, 1\\DODelay:=0.05;": (0.08, -0.05),
     "TriggEquip a, 30, 0.05\\DOp:=doA, 1;": (0.07, 0.05),
 }
 

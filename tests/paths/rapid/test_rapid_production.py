@@ -112,6 +112,13 @@ def test_acc_set_makes_a_motion_gentler(arm, tmp_path):
     np.testing.assert_allclose(peaks, [2.0, 1.0, 0.4], rtol=0.03)
 
 
+def test_acc_set_cuts_what_it_is_given_as_the_controller_does(irb4600):
+    shares_of = {"AccSet 60, 50;": (0.6, 0.3), "AccSet 5, 5;": (0.2, 0.02), "AccSet 150, 150;": (1.0, 1.0)}
+    for setting, shares in shares_of.items():
+        speed = run(irb4600, setting + GO.format(10, "v10", "fine")).moves[1].speed
+        assert (speed.acceleration, speed.jerk) == pytest.approx(shares)
+
+
 def test_a_wait_behind_a_zone_stops_the_robot_with_a_note(irb4600):
     done = run(irb4600, GO.format(10, "v10", "z5") + "WaitTime 1;")
     assert done.moves[1].zone.stops

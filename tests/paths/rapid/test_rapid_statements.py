@@ -38,6 +38,7 @@ STATEMENTS = {
     "IF x = 1 OR NOT x > 0 WaitTime 1;": [1],
     "IF x = 1 XOR x = 0 WaitTime 1;": [1],
     "WaitTime 17 DIV 5 + 17 MOD 5 * 10;": [23],
+    "WaitTime 9 + (-7) DIV 2 + (-7) MOD 4;": [3],
     "WaitTime 0x1F - 0b11;": [28],
     "IF pi > 3 WaitTime high;": [1],
 }
@@ -190,6 +191,22 @@ def test_functions_give_what_the_manual_says(irb4600, expression, value):
 def test_functions_without_a_value_are_one_error_with_its_place(irb4600, expression):
     with pytest.raises(FFGymError, match=r"^cut.mod:6:10: there is no value for \("):
         waits(irb4600, f"WaitTime {expression};")
+
+
+WRONG_STATEMENTS = {
+    "WaitTime a{0};": "index 0 is out of range, must be a whole number from 1 to 2",
+    "WaitTime a{3};": "index 3 is out of range",
+    "WaitTime a{1.5};": "index 1.5 is out of range",
+    "a := b;": "num{2} is wanted here, this is num{3}",
+    "FOR i FROM 1 TO 3 DO i := 2; ENDFOR": "i is the counter of a loop; use other data",
+    "FOR i FROM 1 TO 3 STEP 0 DO WaitTime 1; ENDFOR": "STEP is 0, so the loop would never end",
+}
+
+
+@pytest.mark.parametrize(("body", "said"), WRONG_STATEMENTS.items())
+def test_indices_sizes_and_counters_that_are_wrong_are_refused(irb4600, body, said):
+    with pytest.raises(FFGymError, match=re.escape(said)):
+        waits(irb4600, body, "VAR num a{2} := [1, 2]; VAR num b{3};")
 
 
 WRONG_NUMBERS = {
