@@ -35,8 +35,6 @@ _SPARE = 30.0
 """Time beyond a plan in which a stream of it has ended [s]; chosen."""
 _FEW = 0.01
 """Share of cycles that may begin late before a note says so; chosen."""
-_LONGEST_DELAY = 1000.0
-"""Longest delay of a controller [ms]; chosen: more is a slip of units."""
 
 
 def run(config: Emulate) -> None:
@@ -155,7 +153,7 @@ def _find_home(robot: RobotDescription) -> Array:
 
 def _response(config: Emulate) -> SetpointResponse:
     """Make delay and filter of the controller."""
-    delay = 1e-3 * check_number("--delay-ms", config.delay_ms, unit="ms", low=0.0, high=_LONGEST_DELAY)
+    delay = 1e-3 * check_number("--delay-ms", config.delay_ms, unit="ms", low=0.0)
     if config.cutoff_hz is None:
         if config.damping is not None:
             raise FFGymError("--damping has no effect without --cutoff-hz. Leave it out, or give both.")

@@ -15,6 +15,8 @@ import scipy
 from ffgym.core.errors import FFGymError, check_number
 from ffgym.core.types import Array
 
+_LONGEST = 1.0
+"""Largest delay [s] and coefficients of a filter [s, s^2]; chosen: what is larger is a slip of units."""
 _FINE = 16
 """Steps of the filter in a control step; of a filter at 20 Hz they leave 1e-6 of the signal (chosen)."""
 
@@ -33,7 +35,7 @@ class SetpointResponse:
 
     def __post_init__(self) -> None:
         for name, unit in (("delay", "s"), ("lag", "s"), ("curvature", "s^2")):
-            check_number(f"{name} of set-points", getattr(self, name), unit=unit, low=0.0)
+            check_number(f"{name} of set-points", getattr(self, name), unit=unit, low=0.0, high=_LONGEST)
         if self.curvature > 0 and self.lag == 0:
             raise FFGymError(
                 f"A filter with curvature {self.curvature} s^2 and lag 0 s rings for ever; its lag must be > 0."

@@ -163,7 +163,7 @@ def test_a_controller_that_never_speaks_is_one_line(plan_file: Path, capsys, tmp
     ("arguments", "message"),
     [
         (["--delay-ms", "2"], "delay = 2 ms must be at least the cycle of 4 ms"),
-        (["--delay-ms", "9300"], "--delay-ms = 9300.0 ms is out of range"),
+        (["--delay-ms", "9300"], "delay of set-points = 9.3 s is out of range"),
         (["--damping", "0.7"], "--damping has no effect without --cutoff-hz"),
         (["--address", ".."], "There is no host '..'"),
         (["--drop", "2"], "share of packets: drop = 2.0"),

@@ -64,7 +64,12 @@ def test_what_is_not_compensated_arrives_late() -> None:
 
 @pytest.mark.parametrize(
     ("change", "message"),
-    [({"delay": -0.001}, "delay of set-points = -0.001 s"), ({"curvature": 1e-4}, "rings for ever")],
+    [
+        ({"delay": -0.001}, "delay of set-points = -0.001 s"),
+        ({"delay": 11.7}, "delay of set-points = 11.7 s is out of range"),  # meant in ms
+        ({"delay": 0.0117, "lag": 8.0}, "lag of set-points = 8.0 s is out of range"),
+        ({"curvature": 1e-4}, "rings for ever"),
+    ],
 )
 def test_a_response_that_cannot_be_is_refused(change: dict, message: str) -> None:
     with pytest.raises(FFGymError, match=message):
