@@ -48,7 +48,7 @@ def run_live(session: StreamSession, port: Port, *, wait: float = 30.0) -> Timin
     check_number("wait", wait, unit="s", low=0.0, open_low=True)
     timing, peer = Timing(), None
     give_up = time.perf_counter() + wait
-    with _without_pauses():
+    with without_pauses():
         while not session.is_over:
             try:
                 peer = _step(session, port, peer, timing)
@@ -101,8 +101,8 @@ def _describe_silence(session: StreamSession, wait: float) -> str:
 
 
 @contextmanager
-def _without_pauses() -> Iterator[None]:
-    """Keep Python from looking for unused objects in the middle of a motion."""
+def without_pauses() -> Iterator[None]:
+    """Keep Python from looking for unused objects while a block runs in real time."""
     was_on = gc.isenabled()
     gc.collect()
     gc.disable()

@@ -1,5 +1,6 @@
 """Streams and emulators in real time, over sockets of the loopback interface."""
 
+import gc
 import threading
 
 import numpy as np
@@ -73,6 +74,20 @@ def test_a_controller_that_is_silent_or_elsewhere_ends_a_session_with_the_reason
             stranger.send(b"hello", port.address)
             with pytest.raises(FFGymError, match=r"sent 1 packets .* \(refused: 1 not a message\)"):
                 run_live(session, port, wait=0.05)
+
+
+def test_an_emulator_does_not_pause_to_collect_garbage(controller: EmulatedController, monkeypatch) -> None:
+    seen, advance = [], controller.advance
+
+    def watched() -> None:
+        seen.append(gc.isenabled())
+        advance()
+
+    monkeypatch.setattr(controller, "advance", watched)
+    with UdpPort(("127.0.0.1", 0)) as port, UdpPort(("127.0.0.1", 0)) as stream:
+        serve_live(controller, port, stream.address, longest=0.02)
+    assert seen == [False] * 5
+    assert gc.isenabled()
 
 
 def test_packets_of_another_sender_are_refused_while_a_program_runs(

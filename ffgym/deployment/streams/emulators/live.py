@@ -8,6 +8,7 @@ from itertools import count
 from ffgym.deployment.streams.emulators.controller import EmulatedController
 from ffgym.deployment.streams.emulators.lock_step import READ
 from ffgym.deployment.streams.emulators.network import Faults, FaultyNetwork
+from ffgym.deployment.streams.live import without_pauses
 from ffgym.deployment.streams.ports import Port, sleep_until
 
 
@@ -33,27 +34,27 @@ def serve_live(
     there, back = FaultyNetwork(to_stream or Faults(), 0), FaultyNetwork(to_controller or Faults(), 1)
     events: list[tuple[float, int, bool, bytes]] = []  # time, order, for the stream or not, packet
     order, late, cycle = count(), 0, controller.wire.cycle
-    start = time.perf_counter()
-    k = 0
-    while not controller.stopped and k * cycle < longest:
-        begin = start + k * cycle
-        late += time.perf_counter() > begin + READ * cycle
-        for arrival, data in there.carry(controller.feedback(), begin):
-            heapq.heappush(events, (arrival, next(order), True, data))
-        # deliver what is due, and take what comes, until the controller reads its set-point
-        while (now := time.perf_counter()) < begin + READ * cycle:
-            while events and events[0][0] <= now:
-                _, _, for_stream, data = heapq.heappop(events)
-                if for_stream:
-                    port.send(data, receiver)
-                else:
-                    controller.receive(data)
-            until = min(begin + READ * cycle, events[0][0] if events else float("inf"))
-            arrived = port.receive(until - time.perf_counter())
-            if arrived is not None:
-                for arrival, data in back.carry(arrived[0], time.perf_counter()):
-                    heapq.heappush(events, (arrival, next(order), False, data))
-        controller.advance()
-        k += 1
-        sleep_until(start + k * cycle)
+    with without_pauses():
+        start, k = time.perf_counter(), 0
+        while not controller.stopped and k * cycle < longest:
+            begin = start + k * cycle
+            late += time.perf_counter() > begin + READ * cycle
+            for arrival, data in there.carry(controller.feedback(), begin):
+                heapq.heappush(events, (arrival, next(order), True, data))
+            # deliver what is due, and take what comes, until the controller reads its set-point
+            while (now := time.perf_counter()) < begin + READ * cycle:
+                while events and events[0][0] <= now:
+                    _, _, for_stream, data = heapq.heappop(events)
+                    if for_stream:
+                        port.send(data, receiver)
+                    else:
+                        controller.receive(data)
+                until = min(begin + READ * cycle, events[0][0] if events else float("inf"))
+                arrived = port.receive(until - time.perf_counter())
+                if arrived is not None:
+                    for arrival, data in back.carry(arrived[0], time.perf_counter()):
+                        heapq.heappush(events, (arrival, next(order), False, data))
+            controller.advance()
+            k += 1
+            sleep_until(start + k * cycle)
     return late
