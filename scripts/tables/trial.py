@@ -29,6 +29,7 @@ def coverage(file: Path = COVERAGE) -> Contents:
     claims = []
     for law in dict.fromkeys(row["law"] for row in kept["rows"]):
         gains, losses = (count_trials(kept["rows"], law, claim) for claim in ("gain", "worse"))
-        claims.append(f"{law}: a gain in {gains}, a loss in {losses}")
+        trials = len({(row["machine"], row["repetition"]) for row in kept["rows"] if row["law"] == law})
+        claims.append(f"{law}: a gain in {gains} of {trials}, a loss in {losses}")
     said += f" Trials that claim something of any program or of all: {'; '.join(claims)}."
     return Contents(parts={"coverage": f"{markdown(head, rows)}\n\n{said}"}, numbers=counted)

@@ -47,7 +47,9 @@ def test_what_is_gained_changes_while_the_machine_warms_up():
 def test_the_page_has_a_row_for_each_correction_and_program():
     table = coverage().parts["coverage"]
     kept = json.loads(COVERAGE.read_text(encoding="utf-8"))
-    assert table.count("\n| workcell") == len(count_rows(kept["rows"]))
+    machines = {row["machine"] for row in kept["rows"]}
+    assert table.count("\n| workcell") == len(machines) * len(count_rows(kept["rows"]))
+    assert f"nothing: a gain in {count_trials(kept['rows'], 'nothing', 'gain')} of {100 * len(machines)}, " in table
     assert f"seed {kept['origin']['seed']}" in table
 
 
