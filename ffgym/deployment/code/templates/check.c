@@ -86,7 +86,8 @@ int main(int count, char **arguments)
             for (int part = 0; part < FOUND; ++part)
                 for (int j = 0; j < JOINTS; ++j) {
                     const double off = fabs(found[part][j] - reference[GIVEN + part][k + 1][j]);
-                    largest[part] = off <= largest[part] ? largest[part] : off; /* keeps one that is no number */
+                    if (!isnan(largest[part]) && !(off <= largest[part]))
+                        largest[part] = off; /* which keeps one that is no number */
                 }
         }
     }
