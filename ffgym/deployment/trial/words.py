@@ -35,9 +35,12 @@ def say_result(result: TrialResult) -> list[str]:
 
 
 def explain_claims(result: TrialResult) -> list[str]:
-    """Say why something is not shown though its interval leaves out zero, as there are too few pairs or many claims."""
+    """Say why something is not shown though its interval leaves out zero, and which programs the whole is without."""
     sentences = []
     places = sum(1 for gain in result.gains if gain.name != OVERALL)
+    lost = [gain.name for gain in result.gains if gain.name != OVERALL and gain.pairs < 2]
+    if places > 1 and lost:
+        sentences.append(f"{OVERALL}: without {', '.join(lost)}, of which fewer than two pairs are left.")
     least = count_least_pairs(places)
     for gain in result.gains:
         if gain.claim != "none" or gain.low <= 0.0 <= gain.high:

@@ -221,6 +221,13 @@ def test_why_nothing_is_claimed_though_the_interval_leaves_out_zero_is_said():
     assert "4 pairs can be ordered in too few ways" in text
 
 
+def test_a_program_that_the_whole_is_without_is_named(whole):
+    lost = next(run.number for run in PLAN.runs if run.program == "slow" and not run.is_warm_up)
+    text = " ".join(format_trial(read_trial(PLAN, LOGS, without=[lost])).split())
+    assert "all programs: without slow, of which fewer than two pairs are left." in text
+    assert "without slow" not in " ".join(format_trial(read_trial(PLAN, LOGS)).split())
+
+
 def replace_name(log: TrialLog, name: str) -> TrialLog:
     """The same recording under another name."""
     return TrialLog(name, log.recording)
