@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ffgym.control import SetpointResponse
 from ffgym.deployment.plan import SetpointPlan, numbers_per_unit
 from ffgym.deployment.programs.changes import LargestChange
 from ffgym.report.figure import ReportFigure, panels
@@ -62,6 +63,12 @@ def render_changes(written: "WrittenProgram", plan: SetpointPlan, info: Mapping[
 
 def _sentences(written: "WrittenProgram", plan: SetpointPlan) -> list[str]:
     changes, back = written.changes, written.deviation
+    nothing = SetpointResponse().describe()
+    undone = plan.meta.get("response", nothing)
+    warning = (
+        f"The plan undoes a controller with {undone}, as a stream meets it. A program rarely does: plan the motion "
+        "without --controller, unless yours delays and filters programs, too."
+    )
     return [
         f"The correction moves the tool by {1e3 * changes.tool.size:.3f} mm at most, at {changes.tool.t:.3f} s; "
         f"{changes.share:.0%} of the set-points are changed by more than a tenth of that.",
@@ -69,6 +76,7 @@ def _sentences(written: "WrittenProgram", plan: SetpointPlan) -> list[str]:
         f"{1e3 * back.distance:.4f} mm from the plan at most, at {back.t:.3f} s; {1e3 * written.tolerance:.4f} mm are "
         "allowed.",
         f"The plan takes {plan.t[-1]:.3f} s, the program as it is read back {back.duration:.3f} s.",
+        *([] if undone == nothing else [warning]),
     ]
 
 

@@ -2,11 +2,13 @@
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from ffgym.cli.main import main
+from ffgym.control import SetpointResponse
 from ffgym.deployment import write_plan
 
 PAGE = (Path(__file__).parents[3] / "docs" / "deployment" / "programs.md").read_text(encoding="utf-8")
@@ -38,6 +40,16 @@ def test_the_robot_is_that_of_the_plan_unless_another_is_named(place, capsys):
     assert main(["export", "program", "plan.npz", "--robot", "two_link", "--out", "no"]) == 1
     assert "is for joints" in capsys.readouterr().err
     assert not (place / "no").exists()
+
+
+def test_a_plan_that_undoes_a_filter_is_told_to_be_for_streams(plan, place, capsys):
+    assert main(["export", "program", "plan.npz", "--format", "csv", "--out", "plain"]) == 0
+    assert "undoes a controller" not in capsys.readouterr().out
+    response = SetpointResponse.low_pass(20.0, delay=0.0093)
+    write_plan(replace(plan, meta={"response": response.describe()}), "undoing.npz")
+    assert main(["export", "program", "undoing.npz", "--format", "csv", "--out", "undoing"]) == 0
+    assert "undoes a controller with delay 9.30 ms, first-order filter at 20.0 Hz" in capsys.readouterr().out
+    assert "without --controller" in (place / "undoing" / "changes.html").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize(
