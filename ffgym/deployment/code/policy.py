@@ -206,15 +206,15 @@ def check_onnx(data: bytes, policy: ResidualPolicy, robot: RobotDescription, ref
     agent = _agent(policy, robot)
     state = {name: np.zeros(shape) for name, shape in _input_shapes(agent).items() if name in _STATE}
     names = [output.name for output in session.get_outputs()]
-    largest = 0.0
+    differences = []
     for k, (observation, own, residual) in enumerate(logged.log):
         inputs = _readings(observation, own, agent.composition) | state
         feed = {name: np.asarray(value, dtype=dtype) for name, value in inputs.items()}
         found = dict(zip(names, session.run(None, feed | {"begins": np.array([k == 0])}), strict=True))
         state = {name: found[f"{name}_next"] for name in state}
         torque = found["torque"] / (policy.bound * robot.friction.static)
-        largest = max(largest, float(np.abs(torque - residual).max()))
-    return PolicyCheck(motion=reference.name, decisions=len(logged.log), largest_difference=largest)
+        differences.append(np.abs(torque - residual).max())
+    return PolicyCheck(motion=reference.name, decisions=len(differences), largest_difference=float(np.max(differences)))
 
 
 _STATE = ("past", "residual", "network")

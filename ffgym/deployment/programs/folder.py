@@ -82,7 +82,7 @@ def write_program(
     files, points = _texts(plan, arm, format, tolerance, period, servo or ServoProgram())
     path, duration = _read(files, arm, format)
     deviation = measure_deviation(arm, plan.setpoints, plan.t, path, duration)
-    if deviation.distance > tolerance:
+    if not deviation.distance <= tolerance:
         closer = "" if period is None else ", or points closer in time (period, --period-ms)"
         raise FFGymError(
             f"The {format} program is {1e3 * deviation.distance:.4f} mm from the plan at {deviation.t:.3f} s, may be "

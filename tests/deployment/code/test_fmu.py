@@ -15,7 +15,7 @@ from ffgym.core.errors import FFGymError
 from ffgym.deployment import write_fmus
 from ffgym.deployment.code import fmu, fmu_build
 from ffgym.deployment.code.compiler import find_compiler
-from ffgym.deployment.code.fmu_check import TOLERANCE, Slave
+from ffgym.deployment.code.fmu_check import TOLERANCE, FmuCheck, Slave
 from ffgym.paths.motions import load_motion
 from ffgym.robot import RigidArm, load_robot
 from ffgym.simulation.export.model import control_blocks, plant_of
@@ -141,6 +141,11 @@ def test_a_setpoint_that_mujoco_drops_is_an_error_until_the_plant_is_reset(writt
             slave._fmu.reset()
             assert np.array_equal(slave.get("motor_position"), rest)
             slave.step(0.0, 0.004)
+
+
+def test_a_difference_that_is_no_number_is_the_largest():
+    check = FmuCheck(version="3.0", steps=1, differences={"torque": 1e-12, "tcp": np.nan})
+    assert np.isnan(check.largest_difference)
 
 
 def test_outputs_cannot_be_set_and_unknown_variables_neither_read(written, capfd):

@@ -91,6 +91,16 @@ def test_a_policy_in_onnx_decides_as_its_agent_on_any_readings_and_forgets_where
         assert np.abs(found["torque"] / (policy.bound * robot.friction.static) - state.residual).max() < 1e-12
 
 
+def test_a_torque_that_is_no_number_is_noticed(robot, reference):
+    policy = policy_of()
+    model = onnx.load_from_string(encode_onnx(policy, robot))
+    scale = policy.bound * robot.friction.static
+    (place,) = (x for x in model.graph.initializer if np.array_equal(onnx.numpy_helper.to_array(x), scale))
+    place.CopyFrom(onnx.numpy_helper.from_array(np.nan * scale, name=place.name))
+    check = check_onnx(model.SerializeToString(), policy, robot, reference)
+    assert np.isnan(check.largest_difference)
+
+
 def test_readings_go_in_with_units_and_the_largest_torque_stands_in_the_file(robot):
     policy = policy_of(recurrent=True)
     model = onnx.load_from_string(encode_onnx(policy, robot))
