@@ -35,7 +35,8 @@ for external clients."""
 _CODES = {"DOUBLE": "d", "VECTOR6D": "6d", "INT32": "i"}
 _OUTPUT = struct.Struct(">HBB" + "".join(_CODES[kind] for kind in OUTPUTS.values()))
 _INPUT = struct.Struct(">HBB" + "".join(_CODES[kind] for kind in INPUTS.values()))
-_RECIPE = 1
+RECIPE = 1
+"""Number of the first recipe of each kind that a client agrees on."""
 _RUNNING, _NORMAL = 7, 1
 """Robot mode and safety mode of a robot that moves."""
 
@@ -70,13 +71,13 @@ class RtdeWire:
         """Write a data package with position, speed and torque."""
         values = (*command.position.tolist(), *command.velocity.tolist(), *command.effort.tolist())
         number = (round(command.time / _CYCLE) + 1) % self.wrap  # 0 is that of a register nobody wrote
-        return _INPUT.pack(_INPUT.size, DATA, _RECIPE, number, *values)
+        return _INPUT.pack(_INPUT.size, DATA, RECIPE, number, *values)
 
     def encode_feedback(self, feedback: Feedback, planned: Array) -> bytes:
         """Write a data package as the robot does."""
         takes = 1 if feedback.ready else 0
         positions = (*feedback.position.tolist(), *planned.tolist())
-        return _OUTPUT.pack(_OUTPUT.size, DATA, _RECIPE, feedback.time, *positions, _RUNNING, _NORMAL, takes)
+        return _OUTPUT.pack(_OUTPUT.size, DATA, RECIPE, feedback.time, *positions, _RUNNING, _NORMAL, takes)
 
     def decode_command(self, data: bytes) -> StreamCommand:
         """Read a data package as the robot does."""
@@ -100,6 +101,6 @@ def _unpack(form: struct.Struct, data: bytes) -> tuple[float, ...]:
     if len(data) != form.size:
         raise PacketError("length")
     size, kind, recipe, *fields = form.unpack(data)
-    if (size, kind, recipe) != (form.size, DATA, _RECIPE):
+    if (size, kind, recipe) != (form.size, DATA, RECIPE):
         raise PacketError("kind of message")
     return tuple(fields)

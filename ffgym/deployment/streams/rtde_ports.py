@@ -9,7 +9,7 @@ from contextlib import suppress
 
 from ffgym.core.errors import FFGymError
 from ffgym.deployment.streams.ports import format_address
-from ffgym.deployment.streams.rtde import DATA, INPUTS, OUTPUTS
+from ffgym.deployment.streams.rtde import DATA, INPUTS, OUTPUTS, RECIPE
 
 _VERSION, _OUTPUTS, _INPUTS, _START = (ord(letter) for letter in "VOIS")
 _LARGEST = 4096
@@ -127,7 +127,7 @@ def _agree(port: RtdePort, kind: int, prefix: bytes, fields: dict[str, str]) -> 
     """Set up a recipe.
 
     Raises:
-        FFGymError: if the robot has a field not, or another program has it.
+        FFGymError: if the robot lacks a field, another program has it, or the recipe is not the first.
     """
     answer = port.request(kind, prefix + ",".join(fields).encode())
     types = answer[1:].decode("ascii", errors="replace").split(",")
@@ -136,6 +136,10 @@ def _agree(port: RtdePort, kind: int, prefix: bytes, fields: dict[str, str]) -> 
         raise FFGymError(
             f"The robot refuses RTDE fields {', '.join(wrong) or types}. IN_USE: another client has them; end it. "
             f"NOT_FOUND: update the robot's software."
+        )
+    if answer[0] != RECIPE:
+        raise FFGymError(
+            f"The robot gives RTDE recipe {answer[0]} where {RECIPE} is the first; another client shares the connection."
         )
 
 
@@ -163,7 +167,7 @@ def accept_rtde(address: tuple[str, int], longest: float) -> RtdePort:
         if kind in (_OUTPUTS, _INPUTS):
             names = payload[8 if kind == _OUTPUTS else 0 :].decode("ascii", errors="replace").split(",")
             types = [known.get(name, "NOT_FOUND") for name in names]
-            port.send(pack_package(kind, b"\x01" + ",".join(types).encode()), None)
+            port.send(pack_package(kind, bytes([RECIPE]) + ",".join(types).encode()), None)
         elif kind in (_VERSION, _START):
             port.send(pack_package(kind, b"\x01"), None)
         if kind == _START:

@@ -1,6 +1,6 @@
 """Streams over networks that lose, delay, repeat, reorder and corrupt packets.
 
-10^5 packets for EGM; for the other protocols in `make test-all`, and a quarter of them in `make test`.
+10^5 packets for EGM; for the other protocols in `make test-all`, and a tenth of them in `make test`.
 """
 
 from contextlib import suppress
@@ -30,7 +30,7 @@ RUNS = [
     *(
         pytest.param(protocol, packets, marks=[pytest.mark.slow] * (packets == PACKETS))
         for protocol in ("rsi", "rtde", "ros2")
-        for packets in (PACKETS // 4, PACKETS)
+        for packets in (PACKETS // 10, PACKETS)
     ),
 ]
 ROUNDING = 1e-11

@@ -298,7 +298,14 @@ def test_a_socket_that_has_nothing_after_all_is_asked_again(wire: RtdeWire, ends
     assert far.receive(5.0) is not None
 
 
-def test_a_field_that_another_client_has_is_named() -> None:
+REFUSALS = {
+    b"\x00DOUBLE,VECTOR6D,VECTOR6D,INT32,IN_USE,INT32": r"refuses RTDE fields safety_mode \(IN_USE\)",
+    b"\x02DOUBLE,VECTOR6D,VECTOR6D,INT32,INT32,INT32": "gives RTDE recipe 2 where 1 is the first",
+}
+
+
+@pytest.mark.parametrize(("recipe", "message"), REFUSALS.items())
+def test_a_recipe_that_another_client_has_is_refused(recipe: bytes, message: str) -> None:
     address = ("127.0.0.1", free_port())
 
     listener = socket.create_server(address)
@@ -308,13 +315,13 @@ def test_a_field_that_another_client_has_is_named() -> None:
         port = RtdePort(connection)
         while (package := port.next_package(0.5)) is not None:
             kind = package[2]
-            answer = b"\x01" if kind == ord("V") else b"\x01DOUBLE,VECTOR6D,VECTOR6D,INT32,IN_USE,INT32"
+            answer = b"\x01" if kind == ord("V") else recipe
             port.send(struct.pack(">HB", 3 + len(answer), kind) + answer, None)
         port.close()
 
     server = threading.Thread(target=serve)
     server.start()
-    with pytest.raises(FFGymError, match=r"refuses RTDE fields safety_mode \(IN_USE\)"):
+    with pytest.raises(FFGymError, match=message):
         connect_rtde(address)
     server.join()
     listener.close()
