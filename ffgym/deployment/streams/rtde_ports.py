@@ -139,7 +139,7 @@ def _agree(port: RtdePort, kind: int, prefix: bytes, fields: dict[str, str]) -> 
         )
     if answer[0] != RECIPE:
         raise FFGymError(
-            f"The robot gives RTDE recipe {answer[0]} where {RECIPE} is the first; another client shares the connection."
+            f"The robot gives RTDE recipe {answer[0]} where {RECIPE} is the first. Restart the robot's RTDE clients."
         )
 
 
