@@ -44,6 +44,11 @@ def run(config: Emulate) -> None:
     emulated, late = controller.robot, 0
     title = protocol_named(config.protocol).title
     print(f"{title} of {emulated.robot.name}, {emulated.response.describe()}", flush=True)
+    if plan is not None and (counted := plan.meta.get("feedforward", config.feedforward)) != config.feedforward:
+        print(
+            f"note: the plan counts on rigid feed-forward from {counted}, the emulator computes it from "
+            f"{config.feedforward}: --feedforward {counted}"
+        )
     stream: dict[str, Any] = {}
     if plan is not None and config.log is not None:
         stream = {"stream": _stream_in_lock_step(config, plan, config.log, controller)}

@@ -212,6 +212,15 @@ def test_a_plan_is_streamed_to_the_emulator_in_lock_step(plan_file: Path, tmp_pa
     assert truth.t[-1] > 1.0
 
 
+def test_an_emulator_with_other_feed_forward_than_planned_says_so(plan, tmp_path: Path, capsys) -> None:
+    write_plan(replace(plan, meta={"feedforward": "none"}), tmp_path / "plan.npz")
+    command = ["emulate", "egm", "--robot", "one_axis", "--plan", str(tmp_path / "plan.npz"), "--delay-ms", "8"]
+    assert main([*command, "--log", str(tmp_path / "log.npz")]) == 0
+    assert "the plan counts on rigid feed-forward from none" in capsys.readouterr().out
+    assert main([*command, "--log", str(tmp_path / "log.npz"), "--feedforward", "none"]) == 0
+    assert "the plan counts on" not in capsys.readouterr().out
+
+
 def test_a_plan_has_its_own_time_to_be_emulated(plan_file: Path, tmp_path: Path, capsys, monkeypatch) -> None:
     monkeypatch.setattr("ffgym.cli.emulate._SPARE", -0.5)
     command = ["emulate", "egm", "--robot", "one_axis", "--plan", str(plan_file), "--delay-ms", "8"]
