@@ -123,8 +123,9 @@ def _stream_in_lock_step(
 
     Returns what `ffgym stream` writes as its numbers.
     """
+    assert config.plan is not None
     robot, faults = controller.robot.robot, _faults(config)
-    envelope = make_envelope(Stream(log), robot, controller.wire.cycle)
+    envelope = make_envelope(Stream(config.plan), robot, controller.wire.cycle)
     session = StreamSession(plan, controller.wire, envelope, robot.drive)
     with progress_bar("emulating", "s") as progress:
         run_in_lock_step(

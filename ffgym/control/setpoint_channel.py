@@ -31,7 +31,7 @@ class SetpointChannel:
 
     @property
     def compensated(self) -> SetpointResponse:
-        """What the sender compensates of the response."""
+        """Part of the response that the sender compensates."""
         return self.response if self.known is None else self.known
 
     def send(self, servo: Servo, torque: Array) -> Array:
