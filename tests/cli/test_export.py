@@ -54,7 +54,7 @@ def test_a_motion_comes_with_all_that_repeats_it(tmp_path, capsys):
     assert names(tmp_path / "circles") == WITH_MOTION
     out = capsys.readouterr().out
     assert "circles with lugre_dynamic: " in out
-    assert out.endswith("folder: circles\norigin: origin.json\n")
+    assert out.endswith("folder: circles\nnumbers: origin.json\n")
     played = subprocess.run([sys.executable, "circles/play.py"], capture_output=True, text=True, check=False)
     assert played.returncode == 0, played.stdout + played.stderr
     origin = json.loads((tmp_path / "origin.json").read_text())
