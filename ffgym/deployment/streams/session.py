@@ -80,7 +80,7 @@ class StreamSession:
         self.started_at: float | None = None
         """Controller's clock at the first set-point [s]; None before it."""
         self._index = self._corrected = 0
-        self._is_closing = False
+        self._is_closing = self._is_away = False
         self._begun_at = self._valid_at = self._due = float("nan")
         self._encode_nothing(None)  # what libraries prepare at their first message takes longer than a cycle
 
@@ -158,12 +158,17 @@ class StreamSession:
         self._close(now)
 
     def _begin(self, feedback: Feedback, now: float) -> bool:
-        """Begin once packets came in order, the controller takes set-points, and its pose is right."""
+        """Begin once packets came in order, the controller takes set-points, and its pose is right.
+
+        Two packets in a row must tell of a wrong pose: one may be damaged where a protocol has no checksum.
+        """
+        was_away = self._is_away
+        self._is_away = bool((np.abs(feedback.position - self._program[0]) > self.envelope.start_tolerance).any())
         if self._order.agreed < FIRST or not feedback.ready or not feedback.started:
             return False
-        away = np.abs(feedback.position - self._program[0])
-        if (away > self.envelope.start_tolerance).any():
-            self.state, self.refusal = "refused", self._describe_pose(feedback.position)
+        if self._is_away:
+            if was_away:
+                self.state, self.refusal = "refused", self._describe_pose(feedback.position)
             return False
         self.state, self.started_at, self._begun_at = "running", feedback.time, now
         return True

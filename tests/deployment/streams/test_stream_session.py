@@ -23,11 +23,12 @@ class Bench:
         self.session = StreamSession(plan, self.wire, envelope, robot.drive)
         self.packet = 0
 
-    def feed(self, *, late: float = 0.0, skip: int = 0, ready: bool = True) -> np.ndarray | None:
-        """Send the next packet; returns the set-point that came back."""
+    def feed(self, *, late: float = 0.0, skip: int = 0, ready: bool = True, away: float = 0.0) -> np.ndarray | None:
+        """Send the next packet, of a robot so far from its program; returns the set-point that came back."""
         self.packet += skip
         time = 0.004 * self.packet
-        feedback = Feedback(sequence=self.packet, time=CLOCK + time, position=self.plan.program[0], ready=ready)
+        position = self.plan.program[0] + away
+        feedback = Feedback(sequence=self.packet, time=CLOCK + time, position=position, ready=ready)
         data = self.session.receive(self.wire.encode_feedback(feedback, feedback.position), time + late)
         self.packet += 1
         return None if data is None else self.wire.decode_command(data).position
@@ -63,6 +64,18 @@ def test_a_controller_that_takes_no_setpoints_yet_gets_none(wave, axes, envelope
     assert all(bench.feed(ready=False) is None for _ in range(50))
     assert bench.session.state == "waiting"
     assert bench.feed() is not None
+
+
+def test_one_packet_of_another_pose_may_be_damaged_and_two_refuse_the_session(wave, axes, envelope, irb4600) -> None:
+    bench = Bench(wave, axes, envelope, irb4600)
+    assert all(bench.feed() is None for _ in range(9))
+    assert bench.feed(away=0.1) is None
+    assert bench.session.state == "waiting"
+    assert bench.feed() is not None
+
+    other = Bench(wave, axes, envelope, irb4600)
+    assert all(other.feed(away=0.1) is None for _ in range(10))
+    assert other.session.state == "refused"
 
 
 def test_the_program_keeps_its_time_over_lost_and_late_packets(bench: Bench, wave: SetpointPlan) -> None:
