@@ -12,7 +12,7 @@ from ffgym.robot import RigidArm, load_robot
 from ffgym.simulation import Run, SimulatedRig, sensors_of, simulate
 
 
-@pytest.mark.parametrize("name", ["amortised", "fitted"])
+@pytest.mark.parametrize("name", ["amortised", pytest.param("fitted", marks=pytest.mark.slow)])
 def test_one_lap_on_a_drawn_machine_halves_the_error_of_elastic_feed_forward(name):
     arm = RigidArm(load_robot("irb4600_60_205_arm_drives"))
     machine = draw_machine(arm.robot, np.random.default_rng(777))

@@ -103,6 +103,7 @@ def test_the_document_has_every_structure_and_row(diagnosis):
     assert len(first["predicted_mm"]) == 24
 
 
+@pytest.mark.slow
 def test_a_search_that_is_stopped_goes_on_with_the_same_bits(table, tmp_path):
     def task(folder):
         folder.mkdir()

@@ -38,6 +38,7 @@ def test_a_setting_that_forbids_all_causes_changes_the_answer_and_another_does_n
     assert other.largest_change == 0.0
 
 
+@pytest.mark.slow
 def test_identified_friction_is_a_question_too(ask):
     """With fewer starts the fit ends at the same place.
 
