@@ -49,10 +49,22 @@ def next_correction(
         The next correction [rad] and the integral up to it [rad s].
     """
     dt = servo.control_dt
-    damping, stiffness, rise = servo.velocity_gain / dt, servo.position_gain / 2, servo.integral_gain * dt / 4
-    wanted = (torque + following_torque) / 2 - servo.integral_gain * integral
-    following = (wanted + (damping - stiffness - rise) * correction) / (damping + stiffness + rise)
+    held, gain = _hold(servo, correction, integral)
+    following = correction + dt * ((torque + following_torque) / 2 - held) / gain
     return following, integral + dt / 2 * (correction + following)
+
+
+def _hold(servo: Servo, correction: Array, integral: Array) -> tuple[Array, Array]:
+    """Compute the mean torque that a servo gives in a step if the correction stays, and what its mean speed adds to it.
+
+    By the trapezoidal rule, elementwise.
+
+    Returns:
+        Torque [N m] and torque per mean speed of the correction [N m s/rad].
+    """
+    dt = servo.control_dt
+    held = servo.position_gain * correction + servo.integral_gain * (integral + dt / 2 * correction)
+    return held, servo.velocity_gain + servo.position_gain * dt / 2 + servo.integral_gain * dt**2 / 4
 
 
 def invert_servo(servo: Servo, torque: Array, inertia: Array | None = None) -> Array:
@@ -77,10 +89,9 @@ def invert_servo(servo: Servo, torque: Array, inertia: Array | None = None) -> A
         if inertia is None:
             corrections[k + 1], integral = next_correction(servo, torque[k], torque[k + 1], corrections[k], integral)
             continue
-        # mean speed of the step by the trapezoidal rule
+        # mean speed of the step, with what the feed-forward adds for its change
         dt = servo.control_dt
-        held = servo.position_gain * corrections[k] + servo.integral_gain * (integral + dt / 2 * corrections[k])
-        gain = servo.velocity_gain + servo.position_gain * dt / 2 + servo.integral_gain * dt**2 / 4
+        held, gain = _hold(servo, corrections[k], integral)
         moved = 2 / dt * (inertia[k] + inertia[k + 1]) / 2
         mean = np.linalg.solve(moved + np.diag(gain), (torque[k] + torque[k + 1]) / 2 - held + moved @ speed)
         corrections[k + 1], speed = corrections[k] + dt * mean, 2 * mean - speed

@@ -53,7 +53,7 @@ class Trace:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Added:
-    """What a law adds at the S samples of a reference, motor side."""
+    """Torque and correction that a law adds at the S samples of a reference, motor side."""
 
     torque: Array
     """Torque [N m], shape (S, N)."""
