@@ -116,6 +116,7 @@ def test_agents_bring_their_own_base_on_a_machine_that_is_drawn(needs_gl, tmp_pa
     assert 2 * errors[1] < errors[0]  # with the environment's base below it, none would be as good
 
 
+@pytest.mark.slow
 def test_a_submission_decides_on_the_robot_of_the_environment(needs_gl, tmp_path):
     submission = tmp_path / "mine.zip"
     submission.write_bytes(packed(AgentSource(kind="law", law="elastic")).data)

@@ -61,6 +61,7 @@ def test_effects_stay_as_they_are_and_numbers_are_those_beside_them(one_axis, de
     assert ratios(found.robot, one_axis)[:4] == pytest.approx(np.ones(4), abs=0.05)
 
 
+@pytest.mark.slow
 def test_friction_is_found_on_both_sides_of_a_spring_and_stays_on_one(two_link):
     described, true = two_link.with_arm_share([0.6, 0.0]), two_link.with_arm_share([0.35, 0.0])
     rig = SimulatedRig(arm=RigidArm(described), machine=Machine(robot=true), sensors=sensors_of(true))

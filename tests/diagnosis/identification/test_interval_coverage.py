@@ -104,6 +104,7 @@ def test_those_of_dynamic_parameters_with_an_error_of_inertia_and_an_offset():
     assert (share <= 0.98).all(), share
 
 
+@pytest.mark.slow
 def test_those_of_dynamic_parameters_where_friction_follows_the_motion_late():
     fits = list(fitted(25, lag=1e-3))
     assert np.median([fit.lag for fit in fits]) == pytest.approx(1e-3, rel=0.3)
@@ -111,6 +112,7 @@ def test_those_of_dynamic_parameters_where_friction_follows_the_motion_late():
     assert (share >= 0.75).all(), share
 
 
+@pytest.mark.slow
 def test_those_of_dynamic_parameters_where_the_torque_acts_late():
     fits = list(fitted(25, delay=2e-3))
     assert np.median([fit.delay for fit in fits]) == pytest.approx(2e-3, rel=0.15)

@@ -68,6 +68,7 @@ def test_coriolis_torques_of_links_that_swing_are_no_fault():
     assert IndependentExam().answer(draw_task("clean", 7, seed=101)).verdict == "none"
 
 
+@pytest.mark.slow
 def test_numbers_that_are_off_by_more_than_slopes_tell_are_no_fault():
     """Two elastic axes that are known to 5 %, and swing: slopes leave forty times the noise, and two wrong springs."""
     assert IndependentExam().answer(draw_task("clean", 6, seed=1601)).verdict == "none"
