@@ -1,4 +1,7 @@
-"""A description moves and weighs as the file it was read from, as MuJoCo itself reads that file."""
+"""A description moves and weighs as the file it was read from, as MuJoCo itself reads that file.
+
+Pinocchio reads files in tests/oracle.
+"""
 
 import numpy as np
 import pytest
@@ -8,7 +11,7 @@ from hypothesis import strategies as st
 from ffgym.robot import RigidArm
 from ffgym.robot.arm_file import read_arm
 from tests.robot.arm_file.arm_file_samples import ARMS, FILES, Original, described
-from tests.robot.arm_file.random_arms import arms, mjcf, urdf
+from tests.robot.arm_file.random_arms import arms, mjcf
 
 
 def check_same(path, joints, frame, seed, n_poses=5):
@@ -51,14 +54,6 @@ def test_any_chain_in_mjcf_moves_and_weighs_as_its_file(tmp_path_factory, arm, s
     path.write_text(mjcf(arm), encoding="utf-8")
     frames = [f"s{i}" for i in range(last_joint(arm), len(arm)) if arm[i].has_frame] + [f"b{len(arm) - 1}"]
     check_same(path, None, frames[0], seed)
-
-
-@settings(max_examples=40)
-@given(arm=arms, seed=st.integers(0, 2**32 - 1))
-def test_any_chain_in_urdf_moves_and_weighs_as_its_file(tmp_path_factory, arm, seed):
-    path = tmp_path_factory.mktemp("urdf") / "arm.urdf"
-    path.write_text(urdf(arm), encoding="utf-8")
-    check_same(path, None, f"b{len(arm) - 1}", seed)
 
 
 @settings(max_examples=30)

@@ -7,13 +7,13 @@ import pytest
 from scipy.linalg import eigh
 
 from ffgym.robot import RigidArm, resonances, static_deflection
-from tests.robot.independent_arm import IndependentArm
+from tests.oracle.pinocchio_arm import PinocchioArm
 
 
 def test_springs_carry_gravity_in_the_bent_pose(irb4600, arm, corners):
     motor_q = np.array(list(corners.values()))
     deflection = static_deflection(arm, motor_q)
-    independent = IndependentArm(irb4600)
+    independent = PinocchioArm(irb4600)
     for q, delta in zip(motor_q, deflection, strict=True):
         spring = irb4600.drive.joint_stiffness * delta
         np.testing.assert_allclose(spring, -independent.gravity_torque(q + delta), atol=1e-8)
@@ -41,7 +41,7 @@ def test_lowest_resonance_with_locked_motors_is_near_ten_hertz(arm, corners, nam
 
 @pytest.mark.parametrize("name", ["p1", "p2"])
 def test_resonances_are_the_eigenvalues_of_springs_and_independent_inertia(irb4600, arm, corners, name):
-    drive, mass = irb4600.drive, IndependentArm(irb4600).mass_matrix(corners[name])
+    drive, mass = irb4600.drive, PinocchioArm(irb4600).mass_matrix(corners[name])
     stiffness = np.diag(drive.joint_stiffness)
     locked = np.sqrt(eigh(stiffness, mass, eigvals_only=True)) / (2 * np.pi)
     np.testing.assert_allclose(resonances(arm, corners[name]), locked, rtol=1e-9)

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from ffgym.core.errors import FFGymError
 from ffgym.robot import RigidArm, pose_solutions, solve_path, solve_pose
 from ffgym.robot.inverse_kinematics import rotation_error
+from tests.oracle.pinocchio_arm import PinocchioArm
 from tests.robot.arm_samples import ARMS, make_arm
-from tests.robot.independent_arm import IndependentArm
 
 seeds = st.integers(0, 2**32 - 1)
 X, Y, Z = np.eye(3)
@@ -61,14 +61,14 @@ def test_a_planar_arm_has_its_elbow_up_or_down():
 def test_the_six_axis_robot_has_eight_solutions_or_four_where_it_cannot_reach_over_itself(irb4600):
     """Shoulder, elbow and wrist each one way or the other, as for every arm with a spherical wrist (Pieper 1968)."""
     free = replace(irb4600, kinematics=replace(irb4600.kinematics, range=np.tile([-np.pi, np.pi], (6, 1))))
-    wide, chain, rng = RigidArm(free), IndependentArm(irb4600), np.random.default_rng(0)
+    wide, chain, rng = RigidArm(free), PinocchioArm(irb4600), np.random.default_rng(0)
     shoulder, upper, fore = 0.175, 0.9, np.hypot(0.175, 0.96)
     counts = []
     for q in rng.uniform([-3, -0.6, -1.5, -3, 0.4, -3], [3, 0.6, 0.5, 3, 1.5, 3], (12, 6)):
         position, rotation = (part[0] for part in wide.tcp_pose(q[None]))
         solutions = pose_solutions(wide, position, rotation, q)
         check_all_reach(wide, solutions, position, rotation)
-        wrist = chain.frames(q)[4][:3, 3]
+        wrist = chain.joint_origins(q)[4]
         backwards = np.hypot(np.hypot(*wrist[:2]) + shoulder, wrist[2] - 0.495)
         counts.append(len(solutions))
         assert len(solutions) == (8 if fore - upper < backwards < fore + upper else 4)

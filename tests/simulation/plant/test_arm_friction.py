@@ -15,7 +15,7 @@ from ffgym.simulation import Run, simulate
 from ffgym.simulation.plant import Plant, PlantDistribution, Uniform
 from ffgym.studies import circle_references
 from scripts.tables.physics import free_of_servo
-from tests.robot.independent_arm import IndependentArm
+from tests.oracle.pinocchio_arm import PinocchioArm
 from tests.simulation.plant.driving import controls
 
 AMPLITUDE, FREQUENCY, DURATION = 0.6, 1.5, 1.0  # motor side [rad], [Hz], [s]
@@ -41,7 +41,7 @@ def own_solution(robot, times):
     - n f(za, n q').
     """
     drive, friction, servo = robot.drive, robot.friction, robot.servo
-    n, inertia = drive.gear_ratio[0], 2 * IndependentArm(robot).kinetic_energy(np.zeros(1), np.ones(1))
+    n, inertia = drive.gear_ratio[0], 2 * PinocchioArm(robot).kinetic_energy(np.zeros(1), np.ones(1))
     fc, fs, fv, vs, s0, s1 = (
         float(getattr(friction, name)[0])
         for name in ("coulomb", "static", "viscous", "stribeck_velocity", "bristle_stiffness", "bristle_damping")
@@ -165,7 +165,7 @@ def test_energy_of_six_axes_falls_by_the_work_of_friction_on_both_sides(irb4600,
     arm = 0.6 * lugre.torque(at["arm_bristle"], arm_speed)
     power = (motor * at["motor_velocity"]).sum(axis=1), (arm * arm_speed).sum(axis=1)
     lost = [np.cumsum(p) * dt for p in power]
-    rows, own = slice(None, None, 200), IndependentArm(robot)
+    rows, own = slice(None, None, 200), PinocchioArm(robot)
     deflection = at["link_position"] - at["motor_position"] / drive.gear_ratio
     mechanical = 0.5 * (drive.rotor_inertia * at["motor_velocity"][rows] ** 2).sum(axis=1)
     mechanical += [

@@ -8,7 +8,7 @@ import pytest
 from ffgym.robot import ModelOptions
 from ffgym.simulation.plant import Plant
 from scripts.tables.physics import free_of_servo
-from tests.robot.independent_arm import IndependentArm
+from tests.oracle.pinocchio_arm import PinocchioArm
 from tests.simulation.plant.driving import controls
 
 DURATION = 0.2
@@ -28,7 +28,7 @@ def swing(robot, corner, physics_dt):
 
 def energies(robot, state):
     """Kinetic, gravitational and elastic energy [J], shape (T, 3)."""
-    arm, drive = IndependentArm(robot), robot.drive
+    arm, drive = PinocchioArm(robot), robot.drive
     deflection = state.link_position - state.motor_position / drive.gear_ratio
     rotors = 0.5 * (drive.rotor_inertia * state.motor_velocity**2).sum(axis=1)
     links = [arm.kinetic_energy(q, dq) for q, dq in zip(state.link_position, state.link_velocity, strict=True)]

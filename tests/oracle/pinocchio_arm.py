@@ -1,0 +1,125 @@
+"""A second engine: rigid-body dynamics of a described arm by Pinocchio, which shares nothing but the description.
+
+Carpentier et al. (2019), "The Pinocchio C++ library", SII: recursive Newton-Euler and composite rigid bodies.
+"""
+
+import numpy as np
+import pinocchio as pin
+
+from ffgym.robot import RobotDescription
+
+_JOINTS = {"hinge": pin.JointModelRevoluteUnaligned, "slide": pin.JointModelPrismaticUnaligned}
+
+
+class PinocchioArm:
+    """Links, tool and springs of a robot, link side, one pose at a time: q, dq and ddq have shape (N,).
+
+    Results are in the world frame, in SI units, as those of `ffgym.robot.RigidArm`.
+    """
+
+    def __init__(self, robot: RobotDescription) -> None:
+        self.robot = robot
+        self.model = model = pin.Model()
+        model.gravity.linear = robot.gravity
+        kinematics, bodies = robot.kinematics, robot.bodies
+        self._places = {"base": (0, pin.SE3.Identity())}
+        last = 0
+        for i, (joint, link, kind) in enumerate(zip(robot.joints, robot.links, kinematics.types, strict=True)):
+            place = pin.SE3(np.eye(3), kinematics.position[i])
+            last = model.addJoint(last, _JOINTS[kind](kinematics.axis[i]), place, joint)
+            inertia = pin.Inertia(bodies.mass[i], bodies.com[i], tensor(bodies.inertia[i]))
+            model.appendBodyToJoint(last, inertia, pin.SE3.Identity())
+            self._places[link] = (last, pin.SE3.Identity())
+        if robot.tool is not None:
+            tool, flange = robot.tool, pin.SE3(robot.tool.rotation, robot.tool.position)
+            model.appendBodyToJoint(last, pin.Inertia(tool.mass, tool.com, tensor(tool.inertia)), flange)
+            self._places["tool"] = (last, flange)
+            self._tcp = self._add_point("tcp", "tool", tool.tcp)
+        self._springs = [
+            (spring, self._add_point(f"{spring.name} start", spring.bodies[0], spring.start),
+             self._add_point(f"{spring.name} end", spring.bodies[1], spring.end))
+            for spring in robot.springs
+        ]  # fmt: skip
+        self._data = model.createData()
+
+    def add_body(self, mass, com, inertia):
+        """Weld a body to the tool: mass [kg], centre of mass [m] (3,), inertia about it [kg m^2] (3, 3), in tool0."""
+        joint, flange = self._places["tool"]
+        self.model.appendBodyToJoint(joint, pin.Inertia(mass, com, inertia), flange)
+        self._data = self.model.createData()
+
+    def _add_point(self, name, body, point):
+        """Index of a new frame at a point of a body, in the body's orientation."""
+        joint, place = self._places[body]
+        return self.model.addFrame(pin.Frame(name, joint, place * pin.SE3(np.eye(3), point), pin.FrameType.OP_FRAME))
+
+    def _located(self, q):
+        pin.framesForwardKinematics(self.model, self._data, q)
+        return self._data.oMf
+
+    def joint_origins(self, q):
+        """Origins of all link frames [m], (N, 3)."""
+        self._located(q)
+        return np.array([place.translation for place in self._data.oMi[1:]])
+
+    def tcp_pose(self, q):
+        """TCP [m] (3,) and orientation of tool0 (3, 3)."""
+        place = self._located(q)[self._tcp]
+        return place.translation.copy(), place.rotation.copy()
+
+    def jacobian(self, q):
+        """Geometric Jacobian of the TCP, rows linear then angular, (6, N)."""
+        return self._jacobian(q, self._tcp)
+
+    def _jacobian(self, q, frame):
+        world = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+        return pin.computeFrameJacobian(self.model, self._data, q, frame, world).reshape(6, -1)
+
+    def bias_acceleration(self, q, dq):
+        """Acceleration of the TCP, linear then angular, at constant speed of the joints, (6,)."""
+        pin.forwardKinematics(self.model, self._data, q, dq, np.zeros_like(dq))
+        world = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+        return pin.getFrameClassicalAcceleration(self.model, self._data, self._tcp, world).vector
+
+    def mass_matrix(self, q):
+        """(N, N), without rotors, by composite rigid bodies."""
+        upper = np.triu(pin.crba(self.model, self._data, q).reshape(2 * (self.model.nv,)))
+        return upper + np.triu(upper, 1).T
+
+    def gravity_torque(self, q):
+        """Torque that holds the links at rest, (N,)."""
+        return pin.computeGeneralizedGravity(self.model, self._data, q).copy()
+
+    def bias(self, q, dq):
+        """Coriolis, centrifugal and gravity torque, (N,)."""
+        return pin.nonLinearEffects(self.model, self._data, q, dq).copy()
+
+    def inverse_dynamics(self, q, dq, ddq):
+        """Torque for a motion, gravity included, by recursive Newton-Euler, (N,)."""
+        return pin.rnea(self.model, self._data, q, dq, ddq).copy()
+
+    def spring_torque(self, q):
+        """Torque that holds the arm against the springs between its bodies: slope of their energy, (N,)."""
+        torque = np.zeros(self.model.nv)
+        for spring, start, end in self._springs:
+            place = self._located(q)
+            apart = place[end].translation - place[start].translation
+            length = np.linalg.norm(apart)
+            pull = np.polyval([*spring.stiffness[::-1], 0.0], length - spring.length)
+            spread = self._jacobian(q, end)[:3] - self._jacobian(q, start)[:3]
+            torque += pull * (apart / length) @ spread
+        return torque
+
+    def kinetic_energy(self, q, dq):
+        """Energy of the links [J], without rotors."""
+        return pin.computeKineticEnergy(self.model, self._data, q, dq)
+
+    def potential_energy(self, q):
+        """Energy in gravity [J], up to a constant."""
+        return pin.computePotentialEnergy(self.model, self._data, q)
+
+
+def tensor(inertia):
+    """Inertia matrix (3, 3) of xx, yy, zz, xy, xz, yz."""
+    xx, yy, zz, xy, xz, yz = inertia
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
