@@ -6,6 +6,8 @@
 # make exam    both whole exams, some hours on 2 cores, onto their page docs/bench_diagnosis.md; goes on where it was
 #               interrupted; SEED=12 is another exam
 # make thesis  chapters 4 to 6 of the thesis simulated, every claim judged, onto reproduction.html; THESIS="--only chapter-4"
+# make claims  every number of README and docs made again, hours; says which no longer hold, and goes on where it was
+#               interrupted; CLAIMS=--short compares with stored results alone, in seconds
 # PYTHON=python3.12 chooses the interpreter of a new environment; CONSTRAINTS= installs the newest versions.
 
 PYTHON ?= python3
@@ -17,7 +19,7 @@ SEED ?= 7
 PYTEST := OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n $(JOBS) --dist worksteal
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check $(CONSTRAINTS)
 
-.PHONY: demo test test-all check bench exam thesis format clean
+.PHONY: demo test test-all check bench exam thesis claims format clean
 
 demo: .venv/.demo
 	$(BIN)/ffgym demo
@@ -46,6 +48,9 @@ exam: .venv/.dev
 
 thesis: .venv/.dev
 	$(BIN)/python -m scripts.thesis $(THESIS)
+
+claims: .venv/.dev
+	$(BIN)/python -m scripts.claims $(CLAIMS)
 
 format: .venv/.dev
 	$(BIN)/ruff format .

@@ -1,6 +1,7 @@
 """Tables and pictures of documentation pages that are made, not written: one registry, one command.
 
-`python -m scripts.tables` renews the pages that follow from the code alone, in seconds; a test compares them.
+`python -m scripts.tables` renews the pages that follow from the code or stored results, in seconds, which a
+test compares.
 `python -m scripts.tables --page physics.md narx.md` renews others, which are simulated or fitted, in minutes.
 """
 
@@ -19,6 +20,7 @@ from scripts.tables import (
     definitions,
     friction,
     laws,
+    leaderboard,
     package_pages,
     physics,
     published_robot,
@@ -59,15 +61,23 @@ COMPUTED: Mapping[str, Callable[[], Contents]] = {
 }
 """Pages with results, which take minutes; functions of the same names take smaller budgets and other robots."""
 
-PAGES = {**DEFINED, **COMPUTED}
+STORED: Mapping[str, Callable[[], Contents]] = {
+    "agents/residual.md": leaderboard.residual,
+    "leaderboard/README.md": leaderboard.leaderboard,
+    "leaderboard/adaptation.md": leaderboard.adaptation,
+    "leaderboard/margins.md": leaderboard.margins,
+}
+"""Pages that follow from results that are stored beside them."""
+
+PAGES = {**DEFINED, **STORED, **COMPUTED}
 
 
 @dataclass(frozen=True)
 class Config:
     """Pages to renew, and their place."""
 
-    page: tuple[str, ...] = tuple(DEFINED)
-    """Pages to renew, by their place in docs/; none given is all that follow from the code."""
+    page: tuple[str, ...] = (*DEFINED, *STORED)
+    """Pages to renew, by their place in docs/; none given is all that follow from the code and from stored results."""
     docs: Path = DOCS
     """Folder of the pages."""
     json: Path | None = None

@@ -14,7 +14,7 @@ from ffgym.leaderboard.comparison.standings import standings
 from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL, draw_name, find_plant
 from ffgym.leaderboard.presentation.figures import share
 from ffgym.leaderboard.presentation.page import all_standings
-from ffgym.leaderboard.presentation.table import format_standings, table_of
+from ffgym.leaderboard.presentation.table import table_of
 from ffgym.leaderboard.presentation.words import group_title
 from ffgym.leaderboard.submission.rounds import read_round
 
@@ -74,15 +74,6 @@ def test_every_agent_with_feedback_has_margins_of_every_seed(rows):
     assert found == {name: ENTRANTS[name].seeds for name in rows if ENTRANTS[name].feedback}
 
 
-def test_the_margins_in_the_docs_are_those_of_these_results(rows):
-    lines = []
-    for name, row in rows.items():
-        gains = ", ".join(f"{each.gain:.2f}" for each in row.margins)
-        delays = ", ".join("none" if each.delay_ms is None else f"{each.delay_ms:g}" for each in row.margins)
-        lines += [f"| `{name}` | {gains} | {delays} |"] if row.margins else []
-    assert "\n".join(lines) in (DOCS / "margins.md").read_text(encoding="utf-8")
-
-
 @pytest.mark.parametrize("group", GROUPS)
 def test_every_row_is_complete_where_it_may_run(group, rows):
     found = standings(list(rows.values()), group, "held_out")
@@ -111,12 +102,6 @@ is shut away."""
 def test_drawn_workcells_are_those_of_the_round_whose_hash_was_published(rows):
     found = {outcome.plant for outcome in rows["none"].outcomes if group_of(outcome.plant) == WORKCELLS}
     assert found == set(read_round(DOCS / "round.json").plants)
-
-
-@pytest.mark.parametrize("group", [WORKCELLS, THESIS_WORKCELL])
-def test_the_standings_in_the_docs_are_those_of_these_results(group, rows):
-    text = format_standings(standings(list(rows.values()), group, "held_out"))
-    assert f"```\n{text}\n```" in (DOCS / "README.md").read_text(encoding="utf-8")
 
 
 def test_what_set_points_leave_in_the_docs_is_of_these_results(rows):

@@ -1,0 +1,63 @@
+"""What `make claims` says: numbers that do not hold, and how many are traced by what, for each page."""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import MappingProxyType
+
+from ffgym.report import Table
+from scripts.claims.trace import HOW, Fault, Trace
+
+HEADINGS: Mapping[str, str] = MappingProxyType(
+    {"made": "made", "claim": "claim", "tested": "tested", "printed": "printed", "cited": "cited"}
+    | {"example": "example", "input": "input", "name": "no claim", "untraced": "untraced"}
+)
+"""Headings of the ways to trace a number."""
+
+
+def count(traces: Sequence[Trace]) -> dict[str, dict[str, int]]:
+    """Count numbers of each page by what traces them."""
+    counted = {}
+    for trace in traces:
+        found = Counter(each.how for each in trace.numerals)
+        counted[trace.page] = {how: found[how] for how in HOW}
+    return counted
+
+
+def describe(traces: Sequence[Trace]) -> str:
+    """Table of all pages, those with most untraced numbers first, and the sum."""
+    counted = count(traces)
+    total = {how: sum(page[how] for page in counted.values()) for how in HOW}
+    rows = sorted(counted.items(), key=lambda item: (-item[1]["untraced"], item[0]))
+    table = [
+        (name, str(sum(page.values())), *(str(page[how] or "") for how in HOW), _share(page))
+        for name, page in (*rows, ("all pages", total))
+    ]
+    return Table.of_rows(("page", "numbers", *(HEADINGS[how] for how in HOW), "traced"), table).markdown(aligned=True)
+
+
+def _share(page: Mapping[str, int]) -> str:
+    every = sum(page.values())
+    return f"{1 - page['untraced'] / every:.1%}" if every else ""
+
+
+def more_untraced(traces: Sequence[Trace], allowed: Mapping[str, int]) -> list[Fault]:
+    """List pages with more untraced numbers than are stored, with the lines where they stand."""
+    faults = []
+    for trace in traces:
+        limit = allowed.get(trace.page, 0)
+        if len(trace.untraced) > limit:
+            where = ", ".join(f"{each.text} in line {each.line}" for each in trace.untraced[:8])
+            faults.append(
+                Fault(
+                    trace.page,
+                    trace.untraced[0].line,
+                    f"{len(trace.untraced)} numbers are traced by nothing, {limit} were: {where}, ...; name what makes "
+                    "them (docs/claims.md)",
+                )
+            )
+    return faults
+
+
+ALLOWED = Path(__file__).with_name("untraced.json")
+"""Stored numbers of untraced numerals of each page, which may only fall."""

@@ -1,0 +1,117 @@
+"""What `make claims` makes again in minutes to hours: parts of pages, stored records, and tests that marks name."""
+
+import json
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass
+from functools import partial
+from itertools import zip_longest
+from pathlib import Path
+
+from ffgym.core.errors import FFGymError
+from ffgym.core.files import read_text, write_json
+from scripts.claims.numerals import NUMERAL
+from scripts.claims.page import ROOT, Mark, name_of, pages, read_blocks
+from scripts.claims.records import RECORDS, make_record
+from scripts.claims.trace import PRINTED, Fault
+from scripts.tables import DEFINED, PAGES
+from scripts.tables.page import DOCS, renew
+
+
+@dataclass(frozen=True)
+class Step:
+    """One thing that is made again."""
+
+    name: str
+    command: str
+    make: Callable[[], list[Fault]]
+
+
+@dataclass(frozen=True)
+class Made:
+    """What came of a step."""
+
+    name: str
+    seconds: float
+    faults: tuple[Fault, ...]
+    skipped: str = ""
+    """Reason why it was not made, as data that are not there."""
+
+
+def every_step(folder: Path) -> list[Step]:
+    """List all steps, quick ones first; new records are written to a folder."""
+    parts = [
+        Step(f"page {name}", f"python -m scripts.tables --page {name}", partial(_compare_page, name))
+        for name in (*DEFINED, *(name for name in PAGES if name not in DEFINED))
+    ]
+    records = [Step(f"record {name}", each.command, partial(_again, name, folder)) for name, each in RECORDS.items()]
+    tests = sorted({mark.text.partition(" for ")[0] for mark in _marks("tested")} | {PRINTED})
+    return [
+        *parts,
+        Step("tests", f"python -m pytest {' '.join(tests)}", partial(_run_tests, tests)),
+        *records,
+    ]
+
+
+def run_steps(steps: Sequence[Step], folder: Path, state: str) -> Iterator[Made]:
+    """Run steps, or read what an interrupted call has made of the same state of the project, and yield what came."""
+    kept = folder / "steps.json"
+    done = json.loads(read_text(kept)) if kept.exists() else {}
+    if done.get("state") != state:
+        done = {"state": state, "made": {}}
+    for step in steps:
+        if step.name not in done["made"]:
+            began = time.monotonic()
+            try:
+                faults, skipped = step.make(), ""
+            except FFGymError as error:
+                faults, skipped = [], str(error)
+            made = Made(step.name, round(time.monotonic() - began, 1), tuple(faults), skipped)
+            done["made"][step.name] = asdict(made)
+            write_json(kept, done)
+        found = done["made"][step.name]
+        yield Made(**{**found, "faults": tuple(Fault(**fault) for fault in found["faults"])})
+
+
+def _marks(kind: str) -> list[Mark]:
+    """List the marks of a kind on all pages."""
+    return [mark for page in pages() for block in read_blocks(page) for mark in block.marks if mark.kind == kind]
+
+
+def _compare_page(name: str) -> list[Fault]:
+    """Make the parts of a page again, and list the numbers that differ."""
+    text = read_text(DOCS / name)
+    command = f"python -m scripts.tables --page {name}"
+    return list(compare_text(name_of(DOCS / name), text, renew(text, PAGES[name]().parts), command))
+
+
+def compare_text(page: str, old: str, new: str, command: str) -> Iterator[Fault]:
+    """Yield the numerals of a page that are others in a page that was made again, or lines where words differ."""
+    for line, (before, after) in enumerate(zip_longest(old.splitlines(), new.splitlines()), start=1):
+        if before == after:
+            continue
+        if before is None or after is None or NUMERAL.sub("#", before) != NUMERAL.sub("#", after):
+            yield Fault(page, line, f"says {before!r}, is {after!r} ({command})")
+            continue
+        for says, value in zip(NUMERAL.findall(before), NUMERAL.findall(after), strict=True):
+            if says != value:
+                yield Fault(page, line, f"says {says}, is {value} ({command})")
+
+
+def _again(name: str, folder: Path) -> list[Fault]:
+    """Make a record again; what claims tell of it is compared with the pages after all steps."""
+    make_record(name, folder)
+    return []
+
+
+def _run_tests(tests: Sequence[str]) -> list[Fault]:
+    """Run tests, and list those that fail."""
+    call = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-m", "", "-rf", *tests]
+    ended = subprocess.run(call, cwd=ROOT, check=False, capture_output=True, text=True, env={**os.environ})
+    failed = [line.split()[1] for line in ended.stdout.splitlines() if line.startswith(("FAILED ", "ERROR "))]
+    if ended.returncode and not failed:
+        raise FFGymError(f"pytest ended with {ended.returncode}: {ended.stdout.strip().splitlines()[-1:]}")
+    return [Fault(test.partition("::")[0], 0, f"fails: {test}") for test in failed]

@@ -1,0 +1,5 @@
+"""Claims: passages of pages as they follow from stored results, records and the code, a module for each field."""
+
+from scripts.claims.told import leaderboard
+
+__all__ = ["leaderboard"]

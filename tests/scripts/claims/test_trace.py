@@ -1,0 +1,173 @@
+"""Numbers of the pages are traced, and those that no longer hold are named with place, value and command."""
+
+import json
+
+import pytest
+
+from ffgym.core.errors import FFGymError
+from scripts.claims import trace
+from scripts.claims.__main__ import CheckClaims
+from scripts.claims.claim import CLAIMS, Claim, find_passage
+from scripts.claims.page import pages, split
+from scripts.claims.report import ALLOWED, count, describe, more_untraced
+from scripts.claims.steps import Step, compare_text, run_steps
+from scripts.claims.trace import Fault, check_pages, trace_page
+
+TABLES = "python -m scripts.tables --page page.md"
+
+
+@pytest.fixture
+def write_page(tmp_path, monkeypatch):
+    """Write a page of a project of its own, whose only claim says that 24.1 % are left."""
+    monkeypatch.setattr("scripts.claims.page.ROOT", tmp_path)
+    monkeypatch.setattr("scripts.claims.trace.CLAIMS", {"left": Claim("left", lambda: ["leaves 24.1 % here"], "again")})
+
+    def write(text):
+        page = tmp_path / "page.md"
+        page.write_text(text, encoding="utf-8")
+        return page
+
+    return write
+
+
+def traced(page):
+    return {each.text: each.how for each in trace_page(page).numerals}
+
+
+@pytest.fixture(scope="module")
+def checked():
+    return check_pages(pages())
+
+
+def test_the_numbers_of_all_pages_hold_and_no_more_of_them_are_untraced(checked):
+    traces, faults = checked
+    assert [*map(str, faults)] == []
+    assert [*map(str, more_untraced(traces, json.loads(ALLOWED.read_text())))] == []
+
+
+def test_the_stored_counts_of_untraced_numbers_are_those_of_the_pages(checked):
+    counted = {name: found["untraced"] for name, found in count(checked[0]).items() if found["untraced"]}
+    assert json.loads(ALLOWED.read_text()) == counted, "run: python -m scripts.claims --short --accept"
+
+
+def test_a_number_is_traced_by_its_claim_and_its_neighbour_by_nothing(write_page):
+    page = write_page("<!-- claim: left -->\nIt leaves\n24.1 % here, 7 there.\n")
+    assert traced(page) == {"24.1": "claim", "7": "untraced"}
+    assert check_pages([page])[1] == []
+
+
+def test_a_number_that_is_another_one_is_told_with_its_place_and_command(write_page):
+    page = write_page("Words.\n\nIt leaves 23.6 % here. <!-- claim: left -->\n")
+    assert [*map(str, check_pages([page])[1])] == ["page.md:3: says 23.6, is 24.1 (left: again)"]
+
+
+def test_a_sentence_in_other_words_and_a_claim_on_no_page_are_faults(write_page):
+    assert "tells, in other words" in str(check_pages([write_page("<!-- claim: left -->\nIt keeps 24.1 % here.\n")])[1])
+    assert "no page names the claim 'left'" in str(check_pages([write_page("It leaves 24.1 % here.\n")])[1])
+    assert "unknown claim 'right'" in str(check_pages([write_page("<!-- claim: right -->\nIt leaves 1.\n")])[1])
+
+
+def test_a_passage_does_not_begin_within_a_number():
+    (found,) = find_passage("4 % here", [(0, "24 % here")])
+    assert found.differences == ((0, "24", "4"),)
+    assert find_passage("4 % here", [(0, "of 4 %\nhere")])
+
+
+def test_parts_that_are_made_code_and_names_are_traced(write_page):
+    page = write_page(
+        "<!-- laws -->\n| a | 1 |\n<!-- end -->\n\n"
+        "```bash\nffgym demo --seeds 2\n```\n\nOn p3, `x=4`, 5 mm.\n\n```text\n6\n```\n"
+    )
+    assert traced(page) == {"1": "made", "2": "input", "3": "name", "4": "name", "5": "untraced", "6": "untraced"}
+
+
+def test_a_mark_may_list_the_numbers_that_it_is_for(write_page):
+    page = write_page("<!-- cited: thesis for 0.85 -->\nPublished 0.85, ours 1.31.\n")
+    assert traced(page) == {"0.85": "cited", "1.31": "untraced"}
+
+
+@pytest.mark.parametrize(
+    ("mark", "message"),
+    [
+        ("tested: tests/test_package.py::test_of_nothing", "there is no test"),
+        ("cited: somebody", "unknown work 'somebody'"),
+        ("cited: thesis for 7", "the block lacks 7"),
+    ],
+)
+def test_a_mark_that_leads_nowhere_is_a_fault(mark, message, write_page):
+    assert message in str(check_pages([write_page(f"<!-- {mark} -->\nIt is 5.\n")])[1])
+
+
+def test_tests_that_pages_name_exist():
+    assert trace.test_exists("tests/scripts/claims/test_trace.py::test_tests_that_pages_name_exist")
+    assert not trace.test_exists("tests/scripts/claims/test_trace.py::test_of_something_else")
+
+
+def test_a_page_with_more_untraced_numbers_than_stored_is_a_fault(write_page):
+    found = [trace_page(write_page("It is 5 or 6.\n"))]
+    assert more_untraced(found, {"page.md": 2}) == []
+    (fault,) = more_untraced(found, {"page.md": 1})
+    assert "2 numbers are traced by nothing, 1 were: 5 in line 1, 6 in line 1" in fault.message
+    assert count(found)["page.md"]["untraced"] == 2
+    assert "| page.md" in describe(found)
+
+
+def test_numbers_of_a_part_that_was_made_again_are_compared_one_by_one():
+    old, new = "a\n| x | 1.0 | 2.0 |\n", "a\n| x | 1.0 | 2.5 |\n"
+    assert [*map(str, compare_text("page.md", old, new, TABLES))] == [f"page.md:2: says 2.0, is 2.5 ({TABLES})"]
+    (fault,) = compare_text("page.md", "words", "other", TABLES)
+    assert "is 'other'" in fault.message
+
+
+def test_an_interrupted_call_goes_on_where_it_was(tmp_path):
+    calls = []
+
+    def make(name, fails=False):
+        calls.append(name)
+        if fails:
+            raise KeyboardInterrupt
+        return [Fault("page.md", 1, name)]
+
+    steps = [Step("one", "", lambda: make("one")), Step("two", "", lambda: make("two", fails=True))]
+    with pytest.raises(KeyboardInterrupt):
+        list(run_steps(steps, tmp_path, "state"))
+    made = list(run_steps([steps[0], Step("two", "", lambda: make("two"))], tmp_path, "state"))
+    assert calls == ["one", "two", "two"]
+    assert [str(fault) for one in made for fault in one.faults] == ["page.md:1: one", "page.md:1: two"]
+    list(run_steps([steps[0]], tmp_path, "another state"))
+    assert calls[-1] == "one"
+
+
+def test_a_step_that_lacks_its_data_is_told_as_not_made(tmp_path):
+    def make():
+        raise FFGymError("FFGYM_DATA is not set")
+
+    (made,) = run_steps([Step("one", "", make)], tmp_path, "state")
+    assert (made.faults, made.skipped) == ((), "FFGYM_DATA is not set")
+
+
+def test_every_claim_has_a_command():
+    assert all(each.command for each in CLAIMS.values())
+
+
+def test_the_command_prints_what_does_not_hold_and_fails(write_page, monkeypatch, capsys, tmp_path):
+    monkeypatch.setattr(
+        "scripts.claims.__main__.pages", lambda: [write_page("It leaves 23.6 % here. <!-- claim: left -->\n")]
+    )
+    with pytest.raises(FFGymError, match="1 numbers of the documentation do not hold"):
+        CheckClaims(short=True, json=tmp_path / "claims.json").run()
+    assert "page.md:1: says 23.6, is 24.1" in capsys.readouterr().out
+    written = json.loads((tmp_path / "claims.json").read_text())
+    assert written["pages"]["page.md"]["claim"] == 1
+    assert written["faults"][0]["line"] == 1
+
+
+def test_a_mark_that_is_shown_as_code_is_none():
+    assert [
+        block.marks for block in split("```markdown\n<!-- claim: a -->\n```\n\nSo `<!-- cited: b -->` here.\n")
+    ] == [()] * 2
+
+
+def test_a_mark_above_a_block_belongs_to_it():
+    blocks = list(split("<!-- claim: a -->\n\nOne.\n\nTwo. <!-- cited: b -->\nMore.\n"))
+    assert [[mark.text for mark in block.marks] for block in blocks] == [["a"], ["b"]]
