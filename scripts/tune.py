@@ -22,9 +22,8 @@ from ffgym.agents.residual.plan import Training
 from ffgym.agents.residual.validation import base_errors, validate
 from ffgym.cli.progress import progress_bar
 from ffgym.cli.train_policy import options_of
-from ffgym.core.claims import claimed
 from ffgym.core.errors import FFGymError
-from ffgym.core.files import made_folder
+from ffgym.core.files import filled_folder
 from scripts.tuning import FAILED, Trial, Tune, check, proposal, read_trials, write_trials
 
 NUMBERS = "tuned.json"
@@ -38,7 +37,7 @@ def main(config: Tune) -> dict[str, Any]:
     """
     out, training = check(config)
     search = _search(config, training)
-    with made_folder(out) as folder, claimed(folder):
+    with filled_folder(out) as folder:
         trials = read_trials(folder / NUMBERS, search)
         if len(trials) < config.trials:
             check_runs(training, config.plants)

@@ -27,9 +27,8 @@ from ffgym.agents.residual.environment import ResidualVecEnv, make_environment
 from ffgym.agents.residual.plan import Training
 from ffgym.agents.residual.policy import ResidualPolicy, encode_policy, load_policy
 from ffgym.agents.residual.sb3 import export_actor, make_algorithm
-from ffgym.core.claims import claimed
 from ffgym.core.errors import FFGymError
-from ffgym.core.files import made_folder, read_bytes, read_text, write_bytes, write_json
+from ffgym.core.files import filled_folder, read_bytes, read_text, write_bytes, write_json
 from ffgym.core.provenance import is_installed, versions
 
 Points = tuple[tuple[int, float], ...]
@@ -124,7 +123,7 @@ def train(training: Training, out: Path, *, watch: Watch | None = None) -> Train
     """
     about = {"training": training.document(), "origin": training.origin(), "versions": library_versions()}
     about = json.loads(json.dumps(about, allow_nan=False))  # as a file gives it back
-    with made_folder(out), claimed(out):
+    with filled_folder(out):
         if not (out / NUMBERS).exists():
             torch.set_num_threads(1)
             env = make_environment(training)

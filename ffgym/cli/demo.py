@@ -10,7 +10,7 @@ from ffgym.cli.laws import check_laws, make_laws, record_agents, refuse_with_pol
 from ffgym.cli.log_options import Diagnose
 from ffgym.cli.motion_options import Demo
 from ffgym.cli.outputs import (
-    check_outputs,
+    claim_outputs,
     given_options,
     hash_inputs,
     need_extra,
@@ -40,7 +40,7 @@ def run(config: Demo) -> None:
     need_extra("The demo", "matplotlib", "jinja2", "rich")
     second = config.report.with_name(f"{config.report.stem}_diagnosis.html")
     places = {"--report": config.report, "--json": config.json}
-    check_outputs(places | ({"--report, of the diagnosis": second} if config.diagnosis else {}))
+    claim_outputs(places | ({"--report, of the diagnosis": second} if config.diagnosis else {}))
     check_laws(config.agents, "--agents", policies=True)
     refuse_with_policies(config.agents, given_options(config, ("parameters",)))
     circles, one_axis = _circles(config, make_rig(config.robot)), _one_axis(config)

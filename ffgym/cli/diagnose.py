@@ -15,10 +15,10 @@ from ffgym.cli import diagnose_table
 from ffgym.cli.diagnose_inputs import ROBOT, Nominal, identify_nominal, logs_from, nominal_named
 from ffgym.cli.log_options import Diagnose
 from ffgym.cli.options import RECORD_DT_MS
-from ffgym.cli.outputs import check_outputs, given_options, hash_inputs, need_extra, print_places, provenance
+from ffgym.cli.outputs import claim_outputs, given_options, hash_inputs, need_extra, print_places, provenance
 from ffgym.cli.progress import progress_bar, stages_bar
 from ffgym.core.errors import FFGymError, check_number, check_whole
-from ffgym.core.files import made_folder, write_text
+from ffgym.core.files import filled_folder, write_text
 from ffgym.diagnosis import Diagnosis, Examination, ParameterPrior, examine
 from ffgym.diagnosis.diagnosis_file import write_diagnosis
 from ffgym.diagnosis.extended import save_extended
@@ -62,11 +62,11 @@ def run(config: Diagnose) -> None:
         diagnose_table.run(config)
         return
     _check(config)
-    with nullcontext() if config.out is None else made_folder(config.out):
+    with nullcontext() if config.out is None else filled_folder(config.out):
         if config.out is not None:
             names = (REPORT, DOCUMENT, ROBOT, NOMINAL, EXTENDED, NEXT, COLUMNS)
             places = {f"--out, {name}": config.out / name for name in names}
-            check_outputs({"--json": config.json} | places, inputs=_read_by(config))
+            claim_outputs({"--json": config.json} | places, inputs=_read_by(config))
         _diagnose(config)
 
 
@@ -129,7 +129,7 @@ def _check(config: Diagnose) -> None:
     check_whole("--most-causes", config.most_causes, low=1, high=settings().search.most_causes)
     if config.calibration is not None:
         check_number("--calibration", config.calibration, low=0.0, high=1.0, open_low=True)
-    check_outputs({"--json": config.json}, inputs=_read_by(config))
+    claim_outputs({"--json": config.json}, inputs=_read_by(config))
     if config.out is not None:
         need_extra("The report", "matplotlib", "jinja2")
 

@@ -6,11 +6,11 @@ from pathlib import Path
 from ffgym.agents.catalogue import find_law_name
 from ffgym.agents.table_laws import learn_in_model
 from ffgym.cli.log_options import Diagnose
-from ffgym.cli.outputs import check_outputs, given_options, hash_inputs, print_places, provenance
+from ffgym.cli.outputs import claim_outputs, given_options, hash_inputs, print_places, provenance
 from ffgym.cli.progress import progress_bar
 from ffgym.core.errors import FFGymError, check_whole, errors_at
 from ffgym.core.executors import Executor
-from ffgym.core.files import made_folder, write_json, write_text
+from ffgym.core.files import filled_folder, write_json, write_text
 from ffgym.diagnosis.tables.document import table_document
 from ffgym.diagnosis.tables.error_table import ErrorTable
 from ffgym.diagnosis.tables.procedure import TableDiagnosis, diagnose_table
@@ -44,12 +44,12 @@ def run(config: Diagnose) -> None:
             find_law_name(law)
     inputs = () if config.table == THESIS else (config.table,)
     if config.out is None:
-        check_outputs({"--json": config.json}, inputs=inputs)
+        claim_outputs({"--json": config.json}, inputs=inputs)
         diagnosis = _diagnose(config, table, executor, None)
     else:
-        with made_folder(config.out):
+        with filled_folder(config.out):
             places = {f"--out, {name}": config.out / name for name in (DOCUMENT, NEXT)}
-            check_outputs({"--json": config.json} | places, inputs=inputs)
+            claim_outputs({"--json": config.json} | places, inputs=inputs)
             diagnosis = _diagnose(config, table, executor, config.out / FITS)
             _write(config.out, diagnosis)
     if config.json is not None:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ffgym.cli.export import load_machine_or_robot
-from ffgym.cli.outputs import check_outputs, print_places, provenance, write_numbers
+from ffgym.cli.outputs import claim_outputs, print_places, provenance, write_numbers
 from ffgym.cli.progress import progress_bar
 from ffgym.cli.stream import describe_session, make_envelope
 from ffgym.cli.stream_options import Emulate, Stream
@@ -80,7 +80,7 @@ def _check(config: Emulate) -> None:
     for place in places.values():
         if place is not None:
             check_choice("recording format", place.suffix, list(FORMATS))
-    check_outputs({**places, "--json": config.json}, inputs=(config.plan, config.robot))
+    claim_outputs({**places, "--json": config.json}, inputs=(config.plan, config.robot))
     if config.torque and config.log is None:
         raise FFGymError("--torque has no effect without --log. Leave it out, or name a log.")
     if config.log is not None and config.plan is None:

@@ -6,12 +6,11 @@ from typing import Any, Protocol
 
 from ffgym.cli.laws import check_laws, make_laws, setting_for
 from ffgym.cli.motion_options import Export
-from ffgym.cli.outputs import check_outputs, given_options, print_places, provenance, write_numbers
+from ffgym.cli.outputs import claim_new_folder, claim_outputs, given_options, print_places, provenance, write_numbers
 from ffgym.cli.program_motion import ProgramOptions, list_events, read_motion, tell_events
 from ffgym.cli.progress import progress_bar
 from ffgym.control import FeedForwardLaw
 from ffgym.core.errors import FFGymError
-from ffgym.core.files import check_vacant
 from ffgym.envs.machines import load_described_robot
 from ffgym.paths.motions import Motion
 from ffgym.robot import ModelOptions, RigidArm, RobotDescription, physics_fingerprint
@@ -26,8 +25,8 @@ def run(config: Export) -> None:
     """Check, simulate, write, print."""
     if config.out.suffix in (".xml", ".mjb"):
         raise FFGymError(f"--out {config.out}: must be a folder; the model in it is model.xml.")
-    check_vacant(config.out)
-    check_outputs({"--json": config.json})
+    claim_new_folder(config.out)
+    claim_outputs({"--json": config.json})
     check_laws([config.feedforward], "--feedforward")
     known, machine = load_machine_or_robot(config.robot)
     given = given_options(config, ("entry", "feedforward", "parameters", "sides", "angles", "record_dt_ms"))

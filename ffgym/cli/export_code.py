@@ -5,8 +5,7 @@ from dataclasses import asdict
 from ffgym.cli.code_options import ExportCode
 from ffgym.cli.export import load_machine_or_robot, prepare_motion
 from ffgym.cli.laws import check_laws
-from ffgym.cli.outputs import check_outputs, print_places, provenance, write_numbers
-from ffgym.core.files import check_vacant
+from ffgym.cli.outputs import claim_new_folder, claim_outputs, print_places, provenance, write_numbers
 from ffgym.deployment.code import write_law_code
 from ffgym.deployment.code.compiler import UNCHECKED, need_compiler
 from ffgym.deployment.code.law import check_name
@@ -16,8 +15,8 @@ from ffgym.simulation.export.model import in_engine
 
 def run(config: ExportCode) -> None:
     """Check, trace, compile, compare, write, print."""
-    check_vacant(config.out)
-    check_outputs({"--json": config.json}, inputs=(config.robot, config.path, config.parameters, config.feedforward))
+    claim_new_folder(config.out)
+    claim_outputs({"--json": config.json}, inputs=(config.robot, config.path, config.parameters, config.feedforward))
     check_laws([config.feedforward], "--feedforward")
     check_name(config.name)
     if not config.unchecked:

@@ -5,8 +5,7 @@ from dataclasses import asdict
 from ffgym.cli.code_options import ExportFmu
 from ffgym.cli.export import load_machine_or_robot, prepare_motion
 from ffgym.cli.laws import check_laws
-from ffgym.cli.outputs import check_outputs, need_extra, print_places, provenance, write_numbers
-from ffgym.core.files import check_vacant
+from ffgym.cli.outputs import claim_new_folder, claim_outputs, need_extra, print_places, provenance, write_numbers
 from ffgym.deployment import write_fmus
 from ffgym.deployment.code.compiler import need_compiler
 from ffgym.robot import ModelOptions, RigidArm, physics_fingerprint
@@ -15,8 +14,8 @@ from ffgym.simulation.export.model import in_engine, missing_text
 
 def run(config: ExportFmu) -> None:
     """Check, simulate, compile, validate, compare, write, print."""
-    check_vacant(config.out)
-    check_outputs({"--json": config.json}, inputs=(config.robot, config.path, config.parameters, config.feedforward))
+    claim_new_folder(config.out)
+    claim_outputs({"--json": config.json}, inputs=(config.robot, config.path, config.parameters, config.feedforward))
     check_laws([config.feedforward], "--feedforward")
     need_extra("An FMU", "fmpy", extra="fmu")
     need_compiler("An FMU", optional=False)

@@ -6,7 +6,7 @@ from pathlib import Path
 from ffgym.agents.artefacts import ANYWHERE, locate_artefact, read_manifest
 from ffgym.agents.residual.policy import RESIDUALS, ResidualPolicy, load_policy
 from ffgym.cli.code_options import ExportPolicy
-from ffgym.cli.outputs import check_outputs, need_extra, print_places, provenance, write_numbers
+from ffgym.cli.outputs import claim_outputs, need_extra, print_places, provenance, write_numbers
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.deployment.code import write_policy_onnx
 from ffgym.envs.machines import load_described_robot
@@ -18,7 +18,7 @@ from ffgym.simulation.plant import Machine
 def run(config: ExportPolicy) -> None:
     """Check, record the formulas, compare, write, print."""
     inputs = (config.policy, config.robot, config.motion)
-    check_outputs({"--out": config.out, "--json": config.json}, inputs=inputs, suffix=".onnx")
+    claim_outputs({"--out": config.out, "--json": config.json}, inputs=inputs, suffix=".onnx")
     need_extra("A policy in ONNX", "onnx", "onnxruntime", extra="onnx")
     policy = _find_policy(config.policy)
     robot = load_described_robot(config.robot)

@@ -2,10 +2,9 @@
 
 from ffgym.cli.code_options import ExportProgram
 from ffgym.cli.export import load_machine_or_robot
-from ffgym.cli.outputs import check_outputs, given_options, print_places, provenance, write_numbers
+from ffgym.cli.outputs import claim_new_folder, claim_outputs, given_options, print_places, provenance, write_numbers
 from ffgym.cli.stream import name_robot
 from ffgym.core.errors import FFGymError
-from ffgym.core.files import check_vacant
 from ffgym.deployment import ServoProgram, read_plan
 from ffgym.deployment.programs import write_program
 from ffgym.deployment.programs.report import describe_changes, format_changes
@@ -14,8 +13,8 @@ from ffgym.robot import RigidArm
 
 def run(config: ExportProgram) -> None:
     """Check, write, compare, print."""
-    check_vacant(config.out)
-    check_outputs({"--json": config.json}, inputs=(config.plan, config.robot))
+    claim_new_folder(config.out)
+    claim_outputs({"--json": config.json}, inputs=(config.plan, config.robot))
     _refuse_unused(config)
     plan = read_plan(config.plan)
     known, _ = load_machine_or_robot(name_robot(plan, config.robot))

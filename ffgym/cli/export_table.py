@@ -5,9 +5,8 @@ from typing import Any
 from ffgym.cli.code_options import ExportTable
 from ffgym.cli.export import load_machine_or_robot, prepare_motion
 from ffgym.cli.laws import check_laws
-from ffgym.cli.outputs import check_outputs, given_options, print_places, provenance, write_numbers
+from ffgym.cli.outputs import claim_new_folder, claim_outputs, given_options, print_places, provenance, write_numbers
 from ffgym.core.errors import FFGymError
-from ffgym.core.files import check_vacant
 from ffgym.deployment import LawTable, read_plan, write_table
 from ffgym.robot import ModelOptions, RigidArm, physics_fingerprint
 from ffgym.simulation.export.model import in_engine
@@ -15,9 +14,9 @@ from ffgym.simulation.export.model import in_engine
 
 def run(config: ExportTable) -> None:
     """Check, compute, write, compare, print."""
-    check_vacant(config.out)
+    claim_new_folder(config.out)
     inputs = (config.robot, config.path, config.plan, config.parameters, config.feedforward)
-    check_outputs({"--json": config.json}, inputs=inputs)
+    claim_outputs({"--json": config.json}, inputs=inputs)
     table, robot, fingerprint, info = _of_plan(config) if config.plan is not None else _of_law(config)
     write_table(table, config.out)
     write_numbers(config, provenance("ffgym export table", config, robot, fingerprint, seed=None) | info)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ffgym.cli.log_options import Identify
-from ffgym.cli.outputs import check_outputs, given_options, hash_inputs, print_places, provenance, write_numbers
+from ffgym.cli.outputs import claim_outputs, given_options, hash_inputs, print_places, provenance, write_numbers
 from ffgym.cli.progress import progress_bar
 from ffgym.core.errors import FFGymError, check_number, check_whole
 from ffgym.core.files import write_text
@@ -92,7 +92,7 @@ def _check(config: Identify) -> None:
     check_number("--level", config.level, low=0.0, high=0.999, open_low=True)
     inputs = (config.robot, config.columns, *config.logs, *config.validate)
     places = {"--out": config.out, "--report": config.report, "--json": config.json}
-    check_outputs(places, inputs=inputs, suffix=".toml")
+    claim_outputs(places, inputs=inputs, suffix=".toml")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

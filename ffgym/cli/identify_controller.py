@@ -4,7 +4,7 @@ from dataclasses import asdict
 
 import numpy as np
 
-from ffgym.cli.outputs import check_outputs, hash_inputs, print_places, provenance, write_numbers
+from ffgym.cli.outputs import claim_outputs, hash_inputs, print_places, provenance, write_numbers
 from ffgym.cli.progress import progress_bar
 from ffgym.cli.stream_options import IdentifyController
 from ffgym.core.errors import FFGymError
@@ -23,7 +23,7 @@ def run(config: IdentifyController) -> None:
         raise FFGymError(
             "No logs are given. Name recordings as ffgym stream writes them: ffgym identify controller LOGS."
         )
-    check_outputs({"--out": config.out, "--json": config.json}, inputs=(*config.logs, config.robot), suffix=".toml")
+    claim_outputs({"--out": config.out, "--json": config.json}, inputs=(*config.logs, config.robot), suffix=".toml")
     robot = load_described_robot(config.robot)
     recordings = [
         recording

@@ -1,10 +1,12 @@
 """`ffgym improve`: what a diagnosis is worth in control: record, diagnose, extend, in rounds; then compare laws."""
 
+from pathlib import Path
+
 from ffgym.cli.log_options import Improve
-from ffgym.cli.outputs import check_outputs, given_folder, need_extra, print_places, provenance
+from ffgym.cli.outputs import claim_outputs, given_folder, need_extra, print_places, provenance
 from ffgym.cli.progress import progress_bar
 from ffgym.core.errors import check_whole
-from ffgym.core.files import write_json, write_text
+from ffgym.core.files import filled_folder, write_json, write_text
 from ffgym.diagnosis import diagnose
 from ffgym.diagnosis.settings import settings
 from ffgym.effects import Origin
@@ -31,7 +33,13 @@ def run(config: Improve) -> None:
     check_whole("--most-causes", config.most_causes, low=1, high=settings().search.most_causes)
     for name in config.protocols:
         load_protocols(name)
-    check_outputs({"--json": config.json}, inputs=(config.rig, config.robot, *config.protocols))
+    claim_outputs({"--json": config.json}, inputs=(config.rig, config.robot, *config.protocols))
+    with filled_folder(folder):
+        _improve(config, folder)
+
+
+def _improve(config: Improve, folder: Path) -> None:
+    """Run, write, print."""
     # rounds of recording, diagnosis and an extended model
     rig = make_rig(config.rig)
     result = improve(

@@ -11,7 +11,7 @@ import numpy as np
 from ffgym.agents.adapters import ADAPTERS
 from ffgym.agents.entrants import ENTRANTS, REGISTRY
 from ffgym.cli.learning_options import Leaderboard
-from ffgym.cli.outputs import check_outputs, need_extra, print_places, provenance, write_numbers
+from ffgym.cli.outputs import claim_outputs, need_extra, print_places, provenance, write_numbers
 from ffgym.cli.progress import progress_bar
 from ffgym.core.errors import FFGymError, check_choice, check_whole
 from ffgym.core.executors import Executor
@@ -44,7 +44,7 @@ def run(config: Leaderboard) -> None:
     registry = replace(REGISTRY, files=tuple(dict.fromkeys(files)))
     entrants, plants, splits = _entrants(config, registry), _plants(config), _splits(config)
     check_whole("--seeds", config.seeds, low=1, high=1000)
-    check_outputs({"--json": config.json, "--page": config.page})
+    claim_outputs({"--json": config.json, "--page": config.page})
     if config.json is not None and config.out is not None and config.json.resolve().parent == config.out.resolve():
         raise FFGymError(f"--json {config.json}: lies among the result files of --out; choose another folder.")
     if config.page is not None:
@@ -57,13 +57,14 @@ def run(config: Leaderboard) -> None:
     if registry.files and (note := isolation_note()) is not None:
         print(note)
     board = Board(registry=registry, folder=config.out)
-    began = time.perf_counter()
-    with progress_bar("leaderboard", "s of motion") as progress:
-        simulated = board.run(entrants, plants, splits, config.seeds, executor, progress)
-    took = time.perf_counter() - began
-    if config.margins:
-        with progress_bar("stability margins", "agents") as progress:
-            board.measure_margins(entrants, config.seeds, executor, progress)
+    with board.hold():
+        began = time.perf_counter()
+        with progress_bar("leaderboard", "s of motion") as progress:
+            simulated = board.run(entrants, plants, splits, config.seeds, executor, progress)
+        took = time.perf_counter() - began
+        if config.margins:
+            with progress_bar("stability margins", "agents") as progress:
+                board.measure_margins(entrants, config.seeds, executor, progress)
     rows, left_out = board.current()
     _tell(rows, plants, splits)
     for words in left_out:

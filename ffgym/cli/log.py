@@ -6,8 +6,8 @@ from typing import Any, get_args
 
 from ffgym.cli.log_options import CheckLogs, ConvertLog, ListColumns
 from ffgym.cli.outputs import (
-    check_new,
-    check_outputs,
+    claim_new,
+    claim_outputs,
     file_of_each,
     hash_inputs,
     print_places,
@@ -35,8 +35,8 @@ from ffgym.simulation.plant.machine_file import is_machine_file
 def columns(config: ListColumns) -> None:
     """List the arrays in a file; write a draft of a column map."""
     if config.out is not None:
-        check_new(config.out, "a column map", force=config.force)
-    check_outputs({"--out": config.out, "--json": config.json}, inputs=(config.log,))
+        claim_new(config.out, "a column map", force=config.force)
+    claim_outputs({"--out": config.out, "--json": config.json}, inputs=(config.log,))
     layout = TextLayout(
         delimiter=config.delimiter,
         decimal=config.decimal,
@@ -66,10 +66,10 @@ def convert(config: ConvertLog) -> None:
     """Make recordings of the motions in a file."""
     check_choice("recording format", config.out.suffix, list(FORMATS))
     inputs = (config.log, config.columns, config.robot)
-    check_outputs({"--out": config.out, "--json": config.json}, inputs=inputs)
+    claim_outputs({"--out": config.out, "--json": config.json}, inputs=inputs)
     recordings = read_logs(config.log, config.columns, robot=config.robot)
     files = file_of_each(config.out, [recording.header.segment for recording in recordings])
-    check_outputs({f"--out of {segment}": place for segment, place in files.items()}, inputs=inputs)
+    claim_outputs({f"--out of {segment}": place for segment, place in files.items()}, inputs=inputs)
     made = [(recording, files[recording.header.segment]) for recording in recordings]
     for recording, place in made:
         write_recording(recording, place)
@@ -107,7 +107,7 @@ def check(config: CheckLogs) -> None:
     if not config.logs:
         raise FFGymError("There is nothing to check: name at least one log.")
     inputs = (*config.logs, config.robot, config.columns)
-    check_outputs({"--report": config.report, "--json": config.json}, inputs=inputs)
+    claim_outputs({"--report": config.report, "--json": config.json}, inputs=inputs)
     reports, wiring = _judge(config)
     info = provenance("ffgym log check", config, config.robot or "", None, None)
     info["inputs"] = hash_inputs((*config.logs, config.robot, config.columns))

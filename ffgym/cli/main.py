@@ -1,11 +1,14 @@
 """The `ffgym` command: subcommands, one-line errors, exit codes."""
 
-import os
+import signal
 import sys
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from importlib import import_module
 from typing import Any, NamedTuple
 
+from ffgym.cli.process import EndedError, ended_by_signals, lasting_output
+from ffgym.core.claims import piece_of_work
 from ffgym.core.errors import FFGymError
 from ffgym.core.provenance import is_installed
 from ffgym.core.version import __version__
@@ -158,6 +161,8 @@ COMMANDS = {
 }
 """Subcommands by name, in the order of `ffgym --help`."""
 
+_KEPT = "files that were finished before stay, none is half-written"
+
 _MOVED = {
     "bench-diagnosis": "python -m scripts.exam, in a clone of the repository",
     "lffc": "ffgym train bspline",
@@ -174,7 +179,8 @@ _MOVED = {
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run `ffgym` with the given arguments (None takes the process') and return its exit code.
 
-    0 is success, 1 a request that cannot be met (one line on stderr), 2 arguments that do not parse, 130 Ctrl-C.
+    0 is success, 1 a request that cannot be met (one line on stderr), 2 arguments that do not parse, 130 Ctrl-C, 143
+    SIGTERM, 129 SIGHUP.
     """
     return _guard(lambda: _run(list(sys.argv[1:] if arguments is None else arguments)))
 
@@ -186,23 +192,26 @@ def run_command(command: type[Any], prog: str, arguments: Sequence[str] | None =
 
 
 def _guard(run: Callable[[], int]) -> int:
-    """Exit code of `run`, with its errors as one line."""
+    """Exit code of `run`, with its errors as one line; what it claims it holds until it ends."""
     try:
         missing = [name for name in ("tyro", "rich") if not is_installed(name)]
         if missing:
             raise FFGymError(f"The command line needs {' and '.join(missing)}; pip install 'ffgym[cli]'.")
-        code = run()
-        sys.stdout.flush()
-        return code
+        with ended_by_signals(), lasting_output(), piece_of_work():
+            return run()
     except FFGymError as error:
-        print(f"ffgym: error: {' '.join(str(error).split())}", file=sys.stderr)
+        _tell(f"error: {' '.join(str(error).split())}")
         return 1
-    except BrokenPipeError:  # the reader, e.g. head, has seen enough; keep Python from complaining at exit
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
-    except KeyboardInterrupt:
-        print("ffgym: interrupted; files that were finished before stay, none is half-written", file=sys.stderr)
-        return 130
+    except EndedError as ended:
+        name = signal.Signals(ended.number).name
+        _tell(f"{'interrupted' if name == 'SIGINT' else f'ended by {name}'}; {_KEPT}")
+        return 128 + ended.number
+
+
+def _tell(words: str) -> None:
+    """Write a line to standard error, if there is a place for it."""
+    with suppress(OSError):
+        print(f"ffgym: {words}", file=sys.stderr, flush=True)
 
 
 def _run(given: list[str]) -> int:

@@ -1,4 +1,4 @@
-"""Checks before a command works, what it writes and prints after, and where its numbers come from."""
+"""Checks and claims before a command works, what it writes and prints after, and where its numbers come from."""
 
 import hashlib
 import re
@@ -12,8 +12,9 @@ from typing import Any, get_type_hints
 
 import tyro
 
+from ffgym.core.claims import claim
 from ffgym.core.errors import FFGymError
-from ffgym.core.files import check_writable, write_json
+from ffgym.core.files import check_vacant, check_writable, write_json
 from ffgym.core.provenance import is_installed, versions
 from ffgym.robot import builtin_parameters, builtin_robots
 
@@ -39,10 +40,12 @@ _SUFFIXES = {"--report": ".html", "--page": ".html", "--json": ".json"}
 """Endings of files whose form does not follow from their name, so that no description or program is written over."""
 
 
-def check_outputs(
+def claim_outputs(
     places: Mapping[str, Path | None], *, inputs: Iterable[str | Path | None] = (), suffix: str | None = None
 ) -> None:
-    """Check before long work that all files can be written after it, and pages made; None is none.
+    """Claim all files before long work, which can be written after it then, and pages made; None is none.
+
+    They are claimed until the command ends, so that no second one writes the same places.
 
     Args:
         places: by the option that names each.
@@ -50,7 +53,8 @@ def check_outputs(
         suffix: how the file of `--out` must end; None is as the command likes.
 
     Raises:
-        FFGymError: if one cannot be written, two are one file, one is an input, or is named as another kind of file.
+        FFGymError: if one cannot be written, two are one file, one is an input, or is named as another kind of file, or
+            another process is writing it.
     """
     given = {option: place for option, place in places.items() if place is not None}
     suffixes = _SUFFIXES | ({} if suffix is None else {"--out": suffix})
@@ -67,19 +71,32 @@ def check_outputs(
             raise FFGymError(f"{option} {place}: is read by this command and would be lost; choose another name.")
         if place.suffix != suffixes.get(option, place.suffix):
             raise FFGymError(f"{option} {place}: the name must end in {suffixes[option]}.")
+    for place in given.values():
+        claim(place)
 
 
-def check_new(path: Path, kind: str, *, force: bool) -> None:
-    """Check that a .toml file that people work on can be written, and is written over only by `force`.
+def claim_new(path: Path, kind: str, *, force: bool) -> None:
+    """Claim a .toml file that people work on, which is written over only by `force`.
 
     Raises:
-        FFGymError: if it is there, cannot be written, or has another suffix.
+        FFGymError: if it is there, cannot be written, has another suffix, or another process is writing it.
     """
     if path.suffix != ".toml":
         raise FFGymError(f"{path}: the suffix is {path.suffix!r}, {kind} must end in .toml.")
     if path.exists() and not force:
         raise FFGymError(f"{path} is there already, and may hold your work; --force writes over it.")
     check_writable(path)
+    claim(path)
+
+
+def claim_new_folder(path: Path) -> None:
+    """Claim a folder that is to be made, before long work.
+
+    Raises:
+        FFGymError: if something is there that is no empty folder, it cannot be made, or another process makes it.
+    """
+    check_vacant(path)
+    claim(path)
 
 
 def given_folder(path: Path | None, what: str) -> Path:

@@ -6,7 +6,7 @@ import numpy as np
 
 from ffgym.cli.export import load_machine_or_robot, prepare_motion
 from ffgym.cli.laws import check_laws
-from ffgym.cli.outputs import check_outputs, given_options, print_places, provenance, write_numbers
+from ffgym.cli.outputs import claim_outputs, given_options, print_places, provenance, write_numbers
 from ffgym.cli.stream_options import PlanSetpoints
 from ffgym.control import CorrectionLimits, NoCompensation, SetpointResponse
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
@@ -22,7 +22,7 @@ def run(config: PlanSetpoints) -> None:
     """Check, plan, write, print."""
     check_choice("plan format", config.out.suffix, [".npz"])
     inputs = (config.robot, config.path, config.parameters, config.controller, config.feedforward)
-    check_outputs({"--out": config.out, "--json": config.json}, inputs=inputs)
+    claim_outputs({"--out": config.out, "--json": config.json}, inputs=inputs)
     known, machine = load_machine_or_robot(config.robot)
     if config.path is None:
         plan, machine, notes = _plan_probe(config, RigidArm(known), machine)

@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, closing, contextmanager, suppress
 from pathlib import Path
 from typing import Any, TypeAlias
-from uuid import uuid4
 
 import gymnasium as gym
 import numpy as np
@@ -17,13 +16,14 @@ from numpy.typing import NDArray
 from ffgym.agents.declaration import AgentSetting
 from ffgym.cli.laws import make_agent, setting_for
 from ffgym.cli.motion_options import Play
-from ffgym.cli.outputs import check_outputs, given_options, need_extra, print_places, provenance, write_numbers
+from ffgym.cli.outputs import claim_outputs, given_options, need_extra, print_places, provenance, write_numbers
 from ffgym.cli.progress import progress_bar
 from ffgym.control import Agent, FeedForwardLaw, Policy, find_channel, sees_errors
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
-from ffgym.core.files import check_writable, write_bytes
+from ffgym.core.files import replaced_file, write_bytes
 from ffgym.core.measures import rms
 from ffgym.core.registration import ENVIRONMENTS, find_spec
+from ffgym.core.temporaries import temporary_folder
 from ffgym.core.types import Array
 from ffgym.envs.machines import WORKCELL, find_controller, is_workcell, make_rig
 from ffgym.envs.rendering import Rendering
@@ -100,7 +100,7 @@ def check(config: Play) -> None:
             check_screen()
         except FFGymError as error:
             raise FFGymError(f"--window cannot be opened; leave it out to write a video. {error}") from error
-        check_outputs({"--json": config.json})
+        claim_outputs({"--json": config.json})
         return
     suffix = config.out.suffix.lower()
     if suffix not in NEEDED:
@@ -110,8 +110,7 @@ def check(config: Play) -> None:
         if suffix != ".png":
             raise FFGymError(f"--at {config.at:g} is for a still, --out FILE.png, not for {config.out}; leave it out.")
     need_extra(f"A {suffix} picture" if suffix == ".png" else f"A {suffix} video", *NEEDED[suffix], extra="video")
-    check_writable(config.out)
-    check_outputs({"--out": config.out, "--json": config.json}, inputs=config.agents)
+    claim_outputs({"--out": config.out, "--json": config.json}, inputs=config.agents)
 
 
 class Player:
@@ -370,23 +369,19 @@ def movie(path: Path, fps: float) -> Iterator[Callable[[NDArray[np.uint8]], None
     """
     import imageio.v2 as imageio
 
-    target = Path(os.path.realpath(path))  # through a link, as an ordinary write does
-    temporary = target.with_name(f".ffgym-{uuid4().hex}{target.suffix.lower()}")
     writer: Any = None
-    try:
-        if temporary.suffix == ".gif":
-            writer = imageio.get_writer(temporary, duration=1000 / fps, loop=0)
-        else:
-            writer = imageio.get_writer(temporary, fps=fps, codec="libx264", quality=8, macro_block_size=1)
-        # video players do not take a last odd row or column
-        yield lambda picture: writer.append_data(picture[: len(picture) // 2 * 2, : picture.shape[1] // 2 * 2])
-        writer.close()
-        os.replace(temporary, target)
-    except OSError as error:
-        raise FFGymError(f"{path}: cannot be written: {error}. The folder must have space left.") from error
-    finally:
-        if writer is not None:
-            with suppress(Exception):  # after an error or Ctrl-C; the file goes anyway
-                writer.close()
-        with suppress(OSError):
-            temporary.unlink(missing_ok=True)
+    with replaced_file(path) as temporary, temporary_folder(temporary.parent) as folder:
+        file = folder / f"movie{path.suffix.lower()}"  # imageio goes by the suffix
+        try:
+            if file.suffix == ".gif":
+                writer = imageio.get_writer(file, duration=1000 / fps, loop=0)
+            else:
+                writer = imageio.get_writer(file, fps=fps, codec="libx264", quality=8, macro_block_size=1)
+            # video players do not take a last odd row or column
+            yield lambda picture: writer.append_data(picture[: len(picture) // 2 * 2, : picture.shape[1] // 2 * 2])
+            writer.close()
+            os.replace(file, temporary)
+        finally:
+            if writer is not None:
+                with suppress(Exception):  # after an error or Ctrl-C; the file goes anyway
+                    writer.close()

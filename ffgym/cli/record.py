@@ -5,7 +5,7 @@ from textwrap import fill
 
 from ffgym.cli.laws import check_laws, make_laws, setting_for
 from ffgym.cli.motion_options import Record
-from ffgym.cli.outputs import check_outputs, given_folder, given_options, print_places, provenance, write_numbers
+from ffgym.cli.outputs import claim_outputs, given_folder, given_options, print_places, provenance, write_numbers
 from ffgym.cli.progress import progress_bar
 from ffgym.core.errors import FFGymError, check_number
 from ffgym.envs.machines import make_rig
@@ -38,7 +38,7 @@ def run(config: Record) -> None:
         raise FFGymError("--parameters has no effect without --feedforward: no law has a model. Leave it out.")
     check_laws([config.feedforward], "--feedforward")
     places = {"--json": config.json, "the index of the recordings": folder / INDEX if folder.exists() else None}
-    check_outputs(places, inputs=(config.robot, config.parameters, *config.protocols))
+    claim_outputs(places, inputs=(config.robot, config.parameters, *config.protocols))
     # motions of the session, with one feedforward law for all
     rig = _rig(config, config.robot)
     start = 60.0 * check_number("--later-min", config.later_min, unit="min", low=0.0)

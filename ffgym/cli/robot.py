@@ -4,9 +4,9 @@ import os
 from pathlib import Path
 
 from ffgym.cli.log_options import CheckRobot, FillRobot, NewRobot
-from ffgym.cli.outputs import check_new, check_outputs, print_places, provenance, write_numbers
+from ffgym.cli.outputs import claim_new, claim_outputs, print_places, provenance, write_numbers
 from ffgym.core.errors import FFGymError
-from ffgym.core.files import check_writable, read_text, write_text
+from ffgym.core.files import read_text, write_text
 from ffgym.report.robot.page import format_check, render_robot_page
 from ffgym.robot import ModelOptions, compile_model, load_draft, physics_fingerprint
 from ffgym.robot.arm_file import read_arm
@@ -18,7 +18,7 @@ from ffgym.studies.robot_check import check_robot
 def new(config: NewRobot) -> None:
     """Read the arm, write the table."""
     out, joints = config.out, config.joints or None
-    check_new(out, "a description", force=config.force)
+    claim_new(out, "a description", force=config.force)
     arm = read_arm(config.arm, joints, looks=config.looks)
     model = Path(os.path.relpath(config.arm.resolve(), out.resolve().parent)).as_posix()
     text = template(out.stem, arm, model, joints=joints, tool_frame=config.tool_frame, looks=config.looks)
@@ -37,7 +37,7 @@ def fill(config: FillRobot) -> None:
     if config.robot.suffix != ".toml":
         raise FFGymError(f"{config.robot} must be a description that ends in .toml; built-in robots are whole.")
     draft = load_draft(config.robot)
-    check_writable(config.robot)
+    claim_outputs({"ROBOT": config.robot})
     proposals = propose(draft)
     if proposals:
         text = fill_text(read_text(config.robot), proposals, draft.types)
@@ -51,7 +51,7 @@ def fill(config: FillRobot) -> None:
 
 def check(config: CheckRobot) -> None:
     """Compute, write, print."""
-    check_outputs({"--report": config.report, "--json": config.json})
+    claim_outputs({"--report": config.report, "--json": config.json})
     draft = load_draft(config.robot)
     result, fingerprint = check_robot(draft), None
     if not draft.missing:

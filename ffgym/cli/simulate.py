@@ -6,7 +6,7 @@ from typing import Any
 
 from ffgym.cli.laws import check_laws, record_agents, refuse_with_policies, setting_for
 from ffgym.cli.motion_options import Simulate
-from ffgym.cli.outputs import check_outputs, file_of_each, given_options, print_places, provenance, write_numbers
+from ffgym.cli.outputs import claim_outputs, file_of_each, given_options, print_places, provenance, write_numbers
 from ffgym.cli.program_motion import list_events, read_motion, tell_events
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.files import write_text
@@ -69,7 +69,7 @@ def _check(config: Simulate, is_measured: bool) -> dict[str, Path]:
         recordings = file_of_each(config.out, laws)
     places = {f"--out of {name}": path for name, path in recordings.items()}
     inputs = (config.robot, config.path, config.parameters, *config.feedforward)
-    check_outputs({**places, "--report": config.report, "--json": config.json}, inputs=inputs)
+    claim_outputs({**places, "--report": config.report, "--json": config.json}, inputs=inputs)
     return recordings
 
 

@@ -4,7 +4,7 @@ from contextlib import closing
 
 import numpy as np
 
-from ffgym.cli.outputs import check_outputs, print_places, provenance, write_numbers
+from ffgym.cli.outputs import claim_outputs, print_places, provenance, write_numbers
 from ffgym.cli.stream_options import Stream
 from ffgym.control import CorrectionLimits
 from ffgym.core.errors import FFGymError, check_choice, check_number
@@ -23,7 +23,7 @@ def run(config: Stream) -> None:
     """Check, stream, write, print."""
     if config.out is not None:
         check_choice("recording format", config.out.suffix, list(FORMATS))
-    check_outputs({"--out": config.out, "--json": config.json}, inputs=(config.plan, config.robot))
+    claim_outputs({"--out": config.out, "--json": config.json}, inputs=(config.plan, config.robot))
     plan = read_plan(config.plan)
     robot = load_described_robot(name_robot(plan, config.robot))
     check_fits(plan, robot)

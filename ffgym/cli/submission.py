@@ -6,7 +6,7 @@ from typing import Any
 
 from ffgym.agents.submission import LOADERS, resolve_agent, rows_beside
 from ffgym.cli.learning_options import NewRound, Submit, Verify
-from ffgym.cli.outputs import check_outputs, print_places, provenance, write_numbers
+from ffgym.cli.outputs import claim_outputs, print_places, provenance, write_numbers
 from ffgym.cli.progress import progress_bar
 from ffgym.control.observation import Channel
 from ffgym.core.errors import FFGymError
@@ -25,7 +25,7 @@ from ffgym.robot import load_robot
 def submit(config: Submit) -> None:
     """Check, run, pack, print."""
     inputs = (config.agent, config.agent.partition(":")[2])
-    check_outputs({"--out": config.out, "--json": config.json}, inputs=inputs, suffix=".zip")
+    claim_outputs({"--out": config.out, "--json": config.json}, inputs=inputs, suffix=".zip")
     source, content = resolve_agent(config.agent)
     said = {field.name: getattr(config, field.name) for field in fields(About)}
     about = About(**said | {"title": config.title or config.name})
@@ -42,7 +42,7 @@ def submit(config: Submit) -> None:
 
 def verify(config: Verify) -> None:
     """Check, run, print."""
-    check_outputs({"--json": config.json}, inputs=(config.submission, config.round, config.committed))
+    claim_outputs({"--json": config.json}, inputs=(config.submission, config.round, config.committed))
     drawn = find_round(config)
     others = [read_archive(name) for name in config.beside if name.endswith(".zip")]
     names = tuple(dict.fromkeys((BASE, *(name for name in config.beside if not name.endswith(".zip")))))
@@ -86,7 +86,7 @@ def verify(config: Verify) -> None:
 
 def new_round(config: NewRound) -> None:
     """Draw, write, print."""
-    check_outputs({"--out": config.out, "--secret": config.secret})
+    claim_outputs({"--out": config.out, "--secret": config.secret})
     drawn = draw_round(machines=config.machines, motions=config.motions, series=config.series, kinds=config.kinds)
     write_json(config.secret, drawn.list_revealed())
     write_json(config.out, drawn.list_published())

@@ -17,7 +17,7 @@ from ffgym.agents.stability import STABLE_GROWTH, LearningStability, learning_cu
 from ffgym.agents.tensor_bspline import TensorBSN, even_positions
 from ffgym.agents.trials import RigTrial, SimulatedTrial, training_motions
 from ffgym.cli.learning_options import BSpline, NetworkOptions, Stability
-from ffgym.cli.outputs import check_outputs, given_options, print_places, provenance, write_numbers
+from ffgym.cli.outputs import claim_outputs, given_options, print_places, provenance, write_numbers
 from ffgym.cli.progress import progress_bar
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
 from ffgym.core.types import Array
@@ -84,7 +84,7 @@ def bspline(config: BSpline) -> None:
     """Learn, write, print."""
     if not is_workcell(config.robot) and (given := given_options(config, ("seed",))):
         raise FFGymError(f"{given[0]} has no effect on {config.robot}: only a workcell's sensors are random.")
-    check_outputs({"--out": config.out, "--json": config.json}, suffix=".npz")
+    claim_outputs({"--out": config.out, "--json": config.json}, suffix=".npz")
     state = config.out.with_suffix(".state.npz")  # what is kept between trials, beside the law
     if state.exists() and not config.resume:
         raise FFGymError(f"{state}: holds a training that was interrupted; go on with it by --resume, or delete it.")
@@ -137,6 +137,7 @@ def stability(config: Stability) -> None:
     """Predict, print, and maybe simulate and draw."""
     if config.figure is not None:
         check_figure(config.figure)
+        claim_outputs({"--figure": config.figure})
         for rate in config.figure_rates:
             check_number("figure rate", rate, low=0.0, open_low=True)
         if not config.figure_rates or np.any(np.diff(config.figure_rates) <= 0):

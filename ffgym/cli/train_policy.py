@@ -7,7 +7,7 @@ import tyro
 from ffgym.agents.residual.hyperparameters import hyperparameters
 from ffgym.agents.residual.plan import Training
 from ffgym.cli.learning_options import PolicyOptions, PolicyTraining
-from ffgym.cli.outputs import check_outputs, given_folder, need_extra, print_places, provenance, write_numbers
+from ffgym.cli.outputs import claim_outputs, given_folder, need_extra, print_places, provenance, write_numbers
 from ffgym.cli.progress import progress_bar
 from ffgym.core.errors import FFGymError
 
@@ -57,7 +57,7 @@ def run(config: PolicyTraining) -> None:
     out = given_folder(config.out, "the policy goes")
     if config.json is not None and config.json.resolve().is_relative_to(out.resolve()):
         raise FFGymError(f"--json {config.json}: lies in --out {out}, whose files are the training's own.")
-    check_outputs({"--json": config.json})
+    claim_outputs({"--json": config.json})
     training = config.with_seed(config.seed)
     robot = training.known()
     from ffgym.agents.residual.training import train

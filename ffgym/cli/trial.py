@@ -6,7 +6,8 @@ from typing import Any
 
 from ffgym.cli.laws import check_laws, make_laws, setting_for
 from ffgym.cli.outputs import (
-    check_outputs,
+    claim_new_folder,
+    claim_outputs,
     hash_inputs,
     need_extra,
     print_places,
@@ -17,7 +18,7 @@ from ffgym.cli.progress import progress_bar
 from ffgym.cli.trial_options import PlanTrial, ReadTrial, RehearseTrial
 from ffgym.control import SetpointChannel
 from ffgym.core.errors import FFGymError, check_number, check_whole, errors_at
-from ffgym.core.files import check_vacant, new_folder, read_text, write_text
+from ffgym.core.files import new_folder, read_text, write_text
 from ffgym.core.typed_json import to_json
 from ffgym.deployment.trial.matching import TrialLog
 from ffgym.deployment.trial.pages import render_plan, render_trial
@@ -46,8 +47,8 @@ def plan(config: PlanTrial) -> None:
         raise FFGymError("Say where the plan goes: --out FOLDER.")
     if not config.motions:
         raise FFGymError("Name what the machine is to run, a program for each speed and place, e.g. circles.")
-    check_vacant(config.out)
-    check_outputs({"--json": config.json}, inputs=(config.robot, config.pilot, *config.motions))
+    claim_new_folder(config.out)
+    claim_outputs({"--json": config.json}, inputs=(config.robot, config.pilot, *config.motions))
     runs = check_whole("--runs", config.runs, low=2)
     if runs % 2:
         raise FFGymError(f"--runs {runs} must be even: each run with the correction has one without.")
@@ -117,8 +118,8 @@ def rehearse_plan(config: RehearseTrial) -> None:
     out = config.trial / LOGS if config.out is None else config.out
     made = read_trial_plan(config.trial)
     check_laws([config.feedforward], "--feedforward")
-    check_vacant(out)
-    check_outputs({"--json": config.json}, inputs=(config.machine, config.parameters))
+    claim_new_folder(out)
+    claim_outputs({"--json": config.json}, inputs=(config.machine, config.parameters))
     rig = make_rig(config.machine)
     if rig.robot.joints != load_robot(made.robot).joints:
         raise FFGymError(f"{config.machine} has other joints than {made.robot}, for which the trial was planned.")
@@ -151,7 +152,7 @@ def read(config: ReadTrial) -> None:
     """Read, write, print."""
     made = read_trial_plan(config.trial)
     inputs = (*config.logs, config.columns, config.trial / PLAN)
-    check_outputs({"--report": config.report, "--json": config.json}, inputs=inputs)
+    claim_outputs({"--report": config.report, "--json": config.json}, inputs=inputs)
     robot = load_robot(made.robot) if not _lacks_entries(made) else None
     result = read_trial(made, _read_logs(config, made), robot=robot, without=config.without, accept=config.accept)
     info = provenance("ffgym trial read", config, made.robot, None, made.seed)

@@ -8,15 +8,13 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
-from uuid import uuid4
 
 import numpy as np
 
+from ffgym.core.claims import claimed, claimed_place
 from ffgym.core.errors import FFGymError
+from ffgym.core.temporaries import temporary_file, temporary_folder
 from ffgym.core.types import Array
-
-TEMPORARY = ".ffgym-{}.tmp"
-"""Name of a file while it is written, beside its place."""
 
 
 def check_writable(path: str | os.PathLike[str]) -> None:
@@ -37,23 +35,30 @@ def check_writable(path: str | os.PathLike[str]) -> None:
 
 def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
     """Write `data` beside `path` and move it there; whatever fails or interrupts this, the old file or none is left."""
+    with replaced_file(path) as temporary, open(temporary, "wb") as file:
+        file.write(data)
+        file.flush()
+        os.fsync(file.fileno())
+
+
+@contextmanager
+def replaced_file(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """Yield an empty file, which is at `path` when the block ends without an error, and nowhere otherwise.
+
+    Raises:
+        FFGymError: if the file cannot be written.
+    """
     target = Path(os.path.realpath(path))  # through a link, as an ordinary write does
-    temporary = target.with_name(TEMPORARY.format(uuid4().hex))
     try:
-        with open(temporary, "xb") as file:
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
-        if target.exists():
-            shutil.copymode(target, temporary)
-        os.replace(temporary, target)
+        with temporary_file(target.parent) as temporary:
+            yield temporary
+            if target.exists():
+                shutil.copymode(target, temporary)
+            os.replace(temporary, target)
     except OSError as error:
         raise FFGymError(
             f"{path}: cannot be written: {error.strerror}. The folder must exist, be writable and have space left."
         ) from error
-    finally:
-        with suppress(OSError):
-            temporary.unlink(missing_ok=True)
 
 
 def read_bytes(path: str | os.PathLike[str]) -> bytes:
@@ -88,15 +93,27 @@ def read_text(path: str | os.PathLike[str]) -> str:
 
 def write_text(path: str | os.PathLike[str], text: str) -> None:
     """Write a UTF-8 file, as `write_bytes`."""
-    write_bytes(path, text.encode("utf-8"))
+    try:
+        data = text.encode("utf-8")
+    except UnicodeEncodeError as error:  # of the name of a file, which may be any bytes
+        raise FFGymError(
+            f"{path}: cannot be written as UTF-8, because of {error.object[error.start : error.end]!r} in a name. "
+            "Rename the file or folder that has it."
+        ) from error
+    write_bytes(path, data)
 
 
 def check_vacant(path: str | os.PathLike[str]) -> None:
     """Check that `new_folder` can make `path`: it is free or an empty folder; for use before long work."""
     target = Path(os.path.realpath(path))
-    if target.exists() and not (target.is_dir() and not any(target.iterdir())):
+    try:
+        is_there = target.exists()
+        is_vacant = not is_there or (target.is_dir() and not any(target.iterdir()))
+    except OSError as error:  # of a name that is too long, or a folder that may not be read
+        raise FFGymError(f"{path}: cannot be read: {error.strerror}; choose another name or place.") from error
+    if not is_vacant:
         raise FFGymError(f"{path}: exists already, and nothing is overwritten; choose another place, or remove it.")
-    check_writable(target / "file" if target.exists() else target)
+    check_writable(target / "file" if is_there else target)
 
 
 @contextmanager
@@ -108,19 +125,18 @@ def new_folder(path: str | os.PathLike[str]) -> Iterator[Path]:
     """
     check_vacant(path)
     target = Path(os.path.realpath(path))
-    temporary = target.with_name(TEMPORARY.format(uuid4().hex))
-    try:
-        temporary.mkdir()
-        yield temporary
-        if target.exists():
-            target.rmdir()  # it is empty
-        temporary.rename(target)
-    except FFGymError as error:  # of a file in the folder: tell its name as the user knows it
-        raise FFGymError(str(error).replace(str(temporary), str(path))) from error
-    except OSError as error:
-        raise FFGymError(f"{path}: cannot be written: {error.strerror}. There must be space left.") from error
-    finally:
-        shutil.rmtree(temporary, ignore_errors=True)
+    with claimed_place(path):
+        check_vacant(path)  # again: another process may have made it before the claim
+        try:
+            with temporary_folder(target.parent) as temporary:
+                yield temporary
+                if target.exists():
+                    target.rmdir()  # it is empty
+                temporary.rename(target)
+        except FFGymError as error:  # of a file in the folder: tell its name as the user knows it
+            raise FFGymError(str(error).replace(str(temporary), str(path))) from error
+        except OSError as error:
+            raise FFGymError(f"{path}: cannot be written: {error.strerror}. There must be space left.") from error
 
 
 @contextmanager
@@ -140,6 +156,17 @@ def made_folder(path: str | os.PathLike[str]) -> Iterator[Path]:
             with suppress(OSError):  # it holds something, or was not made
                 folder.rmdir()
         raise
+
+
+@contextmanager
+def filled_folder(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """Yield a folder as `made_folder`, which no other process fills meanwhile.
+
+    Raises:
+        FFGymError: if it cannot be made or written, or another process fills it.
+    """
+    with made_folder(path) as folder, claimed(folder):
+        yield folder
 
 
 def csv_rows(values: Array) -> str:

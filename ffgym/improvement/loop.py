@@ -5,8 +5,7 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from ffgym.core.claims import claimed
-from ffgym.core.files import made_folder
+from ffgym.core.files import filled_folder
 from ffgym.diagnosis.diagnosis_file import diagnosis_document
 from ffgym.diagnosis.identification import friction_torques, identify_friction
 from ffgym.improvement.gain import HELD_OUT_RADII, ControlGain, contenders, held_out_positions, measure_gain
@@ -84,7 +83,7 @@ def improve(
         FFGymError: if something cannot be recorded, diagnosed, run or written, or another process fills the folder.
     """
     places = held_out_positions(rig.robot) if positions is None else positions
-    with made_folder(folder), claimed(folder):
+    with filled_folder(folder):
         rounds = improve_in_rounds(rig, plan, folder, diagnose, stage)
     # the nominal robot with friction identified from the recordings of the first round
     nominal = plan.nominal.physical

@@ -5,10 +5,9 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from ffgym.core.claims import claimed
 from ffgym.core.errors import FFGymError
 from ffgym.core.executors import Executor
-from ffgym.core.files import made_folder, write_text
+from ffgym.core.files import filled_folder, made_folder, write_text
 from ffgym.leaderboard.entrants import Entrant, Registry, find_entrants
 from ffgym.leaderboard.evaluation import jobs as work
 from ffgym.leaderboard.plants import drives_plant, find_plant
@@ -49,7 +48,7 @@ class Board:
         if self.folder is None:
             yield
             return
-        with made_folder(self.folder), claimed(self.folder):
+        with filled_folder(self.folder):
             self._read()
             yield
 

@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from ffgym.cli.main import run_command
-from ffgym.cli.outputs import check_outputs, given_options, provenance
+from ffgym.cli.outputs import claim_outputs, given_options, provenance
 from ffgym.cli.progress import progress_bar
 from ffgym.core.errors import FFGymError, check_whole
 from ffgym.core.files import write_json
@@ -68,7 +68,7 @@ class HoldExam:
         """Check, ask, mark, write, print."""
         check_whole("--seed", self.seed, low=0)
         check_whole("--jobs", self.jobs, low=1, high=1024)
-        check_outputs({"--json": self.json, "--figure": self.figure})
+        claim_outputs({"--json": self.json, "--figure": self.figure})
         if self.figure is not None:
             check_figure(self.figure)
         if self.cases is not None:
@@ -121,7 +121,7 @@ class HoldExam:
         except OSError as error:
             raise FFGymError(f"{self.out}: cannot be made a folder: {error.strerror}; choose another place.") from error
         place = self.out / exam.file_of(self.seed)
-        check_outputs({"--out": place})
+        claim_outputs({"--out": place})
         return place
 
     def _report(self, exam: Exam, marks: Sequence[Mark]) -> None:

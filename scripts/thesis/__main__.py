@@ -9,7 +9,7 @@ from textwrap import shorten
 from typing import TYPE_CHECKING
 
 from ffgym.cli.main import run_command
-from ffgym.cli.outputs import check_outputs, need_extra
+from ffgym.cli.outputs import claim_outputs, need_extra
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import check_writable, write_json, write_text
 from ffgym.core.provenance import versions
@@ -45,7 +45,7 @@ class Reproduce:
 
         items = chosen(ITEMS, self.only)
         # what cannot be written is refused before anything is simulated
-        check_outputs({"--out": self.out, "--json": self.json})
+        claim_outputs({"--out": self.out, "--json": self.json})
         if self.figures_dir is not None:
             try:
                 self.figures_dir.mkdir(parents=True, exist_ok=True)

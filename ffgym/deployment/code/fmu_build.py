@@ -7,11 +7,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import mujoco
 
 from ffgym.core.files import write_text
+from ffgym.core.temporaries import scratch_folder
 from ffgym.deployment.code.compiler import compile_c, fill_template
 from ffgym.deployment.code.model_description import ModelDescription, Version, description_text
 
@@ -49,8 +49,7 @@ def build_fmu(parts: FmuParts, version: Version, compiler: str) -> bytes:
     options = ["-shared", "-fPIC", "-fvisibility=hidden", "-Wl,-rpath,$ORIGIN", *(f"-I{place}" for place in includes)]
     files = {"modelDescription.xml": description_text(parts.description, version)}
     binaries = f"binaries/{_FOLDERS[version]}"
-    with TemporaryDirectory() as place:
-        folder = Path(place)
+    with scratch_folder() as folder:
         for file, text in sources.items():
             write_text(folder / file, text)
         code = [folder / file for file in sources if file.endswith(".c")]

@@ -4,12 +4,12 @@ from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
-from shutil import rmtree
 from typing import Any, Self
 
 import numpy as np
 
 from ffgym.core.errors import FFGymError
+from ffgym.core.temporaries import scratch_folder
 from ffgym.core.types import Array
 from ffgym.deployment.code.model_description import Version
 from ffgym.paths import Reference
@@ -56,7 +56,9 @@ class Slave:
         import fmpy
         from fmpy.simulation import instantiate_fmu
 
-        self._folder = fmpy.extract(str(path))
+        self._files = ExitStack()
+        self._folder = str(self._files.enter_context(scratch_folder()))
+        fmpy.extract(str(path), self._folder)
         self._description = fmpy.read_model_description(self._folder)
         self._fmu: Any = instantiate_fmu(self._folder, self._description, "CoSimulation")
         self._fmi2 = self._description.fmiVersion.startswith("2")
@@ -71,7 +73,7 @@ class Slave:
     def __exit__(self, *_: object) -> None:
         self._fmu.terminate()
         self._fmu.freeInstance()
-        rmtree(self._folder, ignore_errors=True)
+        self._files.close()
 
     def _references(self, quantity: str) -> list[int]:
         variables = self._description.modelVariables

@@ -5,13 +5,13 @@ import re
 import subprocess
 from dataclasses import dataclass
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import numpy as np
 
 from ffgym.control import CausalLaw, FeedForwardLaw, Window
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import new_folder, write_text
+from ffgym.core.temporaries import scratch_folder
 from ffgym.core.types import Array
 from ffgym.deployment.code.compiler import UNCHECKED, compile_c, need_compiler
 from ffgym.deployment.code.law_text import law_files
@@ -123,8 +123,7 @@ def check_law_files(files: dict[str, str], name: str, what: str, motion: str) ->
         FFGymError: if there is no compiler, or a number differs by more than the tolerance.
     """
     compiler = need_compiler(what)
-    with TemporaryDirectory() as place:
-        folder = Path(place)
+    with scratch_folder() as folder:
         _write_files(folder, files)
         compile_c(compiler, [folder / f"{name}.c", folder / "check.c"], folder / "check")
         command = [folder / "check", folder / "reference.csv"]

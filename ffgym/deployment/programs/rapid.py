@@ -1,12 +1,10 @@
 """Points as a RAPID module, and the path that it gives when it is read back."""
 
-import tempfile
-from pathlib import Path
-
 import numpy as np
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import write_text
+from ffgym.core.temporaries import scratch_folder
 from ffgym.core.types import Array
 from ffgym.deployment.plan import numbers_per_unit
 from ffgym.deployment.programs.names import program_name
@@ -107,8 +105,8 @@ def read_rapid(files: dict[str, str], arm: RigidArm) -> tuple[Array, float]:
     """
     ((name, text),) = files.items()
     limits = MotionLimits(joint_rise=12.5, joint_rise_jerk=2000.0)
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / name
+    with scratch_folder() as folder:
+        path = folder / name
         write_text(path, text)
         reference = rapid_motion(arm, path, limits=limits).reference
     rests = sum(phase.end - phase.start for phase in reference.phases if phase.label in ("rest 0", "rest 1"))

@@ -5,15 +5,14 @@ from dataclasses import dataclass, field
 from functools import partial
 from itertools import combinations
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 
-from ffgym.core.claims import claimed
 from ffgym.core.errors import FFGymError
 from ffgym.core.executors import Executor
-from ffgym.core.files import made_folder
+from ffgym.core.files import filled_folder
+from ffgym.core.temporaries import scratch_folder
 from ffgym.diagnosis.tables.error_table import ErrorTable
 from ffgym.diagnosis.tables.fitting import FitTask, fit_structure
 from ffgym.diagnosis.tables.known_laws import KNOWN_LAWS
@@ -110,23 +109,21 @@ def diagnose_table(
                 f"laws that learn are trained in models that are fitted already: write 'held_out' into 'use'."
             )
     n_pairs = BEST * (BEST - 1) // 2 if pairs else 0
-    with TemporaryDirectory() as temporary:
-        place = Path(temporary) if folder is None else folder
-        with made_folder(place), claimed(place):
-            task = partial(
-                FitTask,
-                table=table,
-                folder=place,
-                steps=steps,
-                left_out_by=left_out_by,
-                learn=learn,
-                search_dt=search_dt,
-                judge_dt=judge_dt,
-            )
-            fits = _fit([task(name=name) for name in names], executor, report, 0, len(names) + n_pairs)
-            if pairs:
-                more = [task(name=name, starts=_starts(name, fits)) for name in _pairs(table, fits, seed)]
-                fits += _fit(more, executor, report, len(names), len(names) + n_pairs)
+    with scratch_folder() if folder is None else filled_folder(folder) as place:
+        task = partial(
+            FitTask,
+            table=table,
+            folder=place,
+            steps=steps,
+            left_out_by=left_out_by,
+            learn=learn,
+            search_dt=search_dt,
+            judge_dt=judge_dt,
+        )
+        fits = _fit([task(name=name) for name in names], executor, report, 0, len(names) + n_pairs)
+        if pairs:
+            more = [task(name=name, starts=_starts(name, fits)) for name in _pairs(table, fits, seed)]
+            fits += _fit(more, executor, report, len(names), len(names) + n_pairs)
     return conclude(table, fits, steps=steps, seed=seed, sessions=sessions)
 
 

@@ -14,11 +14,10 @@ import sys
 import threading
 import time
 from collections.abc import Mapping
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import IO, Any, Self
 from weakref import finalize
 
@@ -27,6 +26,7 @@ import numpy as np
 import ffgym
 from ffgym.control.observation import Channel
 from ffgym.core.errors import FFGymError, check_number
+from ffgym.core.temporaries import scratch_folder
 from ffgym.core.types import Array
 from ffgym.leaderboard.submission.manifest import AgentSource, Refused
 from ffgym.robot import load_robot
@@ -104,8 +104,8 @@ class AgentProcess:
         """Time of the last decision [us], measured beside the agent; the sum of all is measured in this process."""
         # folder with the agent's file, and the process
         try:
-            folder = TemporaryDirectory(prefix="ffgym-agent-")
-            own = Path(folder.name).resolve() / "agent"
+            files = ExitStack()
+            own = files.enter_context(scratch_folder()).resolve() / "agent"
             self._log = own.with_name("log.txt")
             try:
                 own.mkdir()
@@ -113,7 +113,7 @@ class AgentProcess:
                     (own / source.file).write_bytes(content)
                 self._process = launch(own, self._log)
             except OSError:
-                folder.cleanup()
+                files.close()
                 raise
         except OSError as error:
             raise FFGymError(
@@ -121,7 +121,7 @@ class AgentProcess:
                 "which must exist, be writable and have space left."
             ) from error
         # order to make the agent, and its answer
-        self.close = finalize(self, _end, self._process, folder)
+        self.close = finalize(self, _end, self._process, files)
         order = {"source": asdict(source), "robot": robot, "loader": loaders[source.kind], "seed": seed}
         try:
             order |= {"feedback": feedback, "channel": channel, "folder": str(own), "limits": asdict(self._limits)}
@@ -267,8 +267,8 @@ def _exposed() -> str | None:
     """Return the reason why bubblewrap does not isolate; None if it does."""
     if shutil.which("bwrap") is None:
         return "no program bwrap"
-    with TemporaryDirectory() as own:
-        tried = subprocess.run([*_bubble(Path(own)), *_PYTHON, "-c", ""], capture_output=True, text=True, check=False)
+    with scratch_folder() as own:
+        tried = subprocess.run([*_bubble(own), *_PYTHON, "-c", ""], capture_output=True, text=True, check=False)
     return None if tried.returncode == 0 else f"bwrap fails: {' '.join(tried.stderr.split())[-200:]}"
 
 
@@ -285,7 +285,7 @@ def _bubble(own: Path) -> list[str]:
     return [*command, "--bind", str(own), str(own), "--chdir", str(own)]
 
 
-def _end(process: subprocess.Popen[bytes], folder: "TemporaryDirectory[str]") -> None:
+def _end(process: subprocess.Popen[bytes], files: ExitStack) -> None:
     """End a process and remove its files."""
     _kill(process)  # its children may outlive it
     process.wait()
@@ -293,7 +293,7 @@ def _end(process: subprocess.Popen[bytes], folder: "TemporaryDirectory[str]") ->
         if pipe is not None:
             with suppress(OSError):
                 pipe.close()
-    folder.cleanup()
+    files.close()
 
 
 def _kill(process: subprocess.Popen[bytes]) -> None:

@@ -10,7 +10,7 @@ from typing import Any, final
 
 from ffgym.control import FeedForwardLaw, NoCompensation
 from ffgym.core.errors import FFGymError, check_choice
-from ffgym.core.files import check_writable, write_json
+from ffgym.core.files import check_writable, filled_folder, write_json
 from ffgym.core.provenance import versions
 from ffgym.recordings import read_recording, write_recording
 from ffgym.recordings.io import FORMATS, INDEX, read_index
@@ -67,32 +67,34 @@ def record_into(
         progress: called now and then with the simulated seconds done and their total.
 
     Raises:
-        FFGymError: if the folder holds another session, or something cannot be written or run.
+        FFGymError: if the folder holds another session or another process fills it, or something cannot be written or
+            run.
     """
     check_choice("format of recordings", suffix, list(FORMATS))
     law = law or NoCompensation()
     index = _index(motions, rig, law, seed, record_dt, dict(origin or {}), suffix)
-    _prepare(folder, index, force=force)
-    # motions whose recording is missing, or all if forced
-    places = [folder / f"{motion.stem}{suffix}" for motion in motions]
-    todo = [i for i, place in enumerate(places) if force or not _is_complete(place, index["session"])]
-    made = record(
-        motions, rig, law=law, seed=seed, record_dt=record_dt, n_threads=n_threads, progress=progress, only=todo
-    )
-    first = list(islice(made, 1))
-    for place in places if force else ():  # so that an interrupted session is not taken for a mixture of two
-        try:
-            place.unlink(missing_ok=True)
-        except OSError as error:
-            raise FFGymError(
-                f"{place}: cannot be removed: {error.strerror}; move it away, or choose another place."
-            ) from error
-    # index first, by which an interrupted session is known again
-    write_json(folder / INDEX, index)
-    for i, recording in zip(todo, chain(first, made), strict=True):
-        provenance = recording.header.provenance | {"session": index["session"]}
-        header = replace(recording.header, provenance=provenance)
-        write_recording(recording.derive(recording.columns, header), places[i])
+    with filled_folder(folder):
+        _check_session(folder, index, force=force)
+        # motions whose recording is missing, or all if forced
+        places = [folder / f"{motion.stem}{suffix}" for motion in motions]
+        todo = [i for i, place in enumerate(places) if force or not _is_complete(place, index["session"])]
+        made = record(
+            motions, rig, law=law, seed=seed, record_dt=record_dt, n_threads=n_threads, progress=progress, only=todo
+        )
+        first = list(islice(made, 1))
+        for place in places if force else ():  # so that an interrupted session is not taken for a mixture of two
+            try:
+                place.unlink(missing_ok=True)
+            except OSError as error:
+                raise FFGymError(
+                    f"{place}: cannot be removed: {error.strerror}; move it away, or choose another place."
+                ) from error
+        # index first, by which an interrupted session is known again
+        write_json(folder / INDEX, index)
+        for i, recording in zip(todo, chain(first, made), strict=True):
+            provenance = recording.header.provenance | {"session": index["session"]}
+            header = replace(recording.header, provenance=provenance)
+            write_recording(recording.derive(recording.columns, header), places[i])
     return RecordedSession(index=index, made=len(todo), kept=len(motions) - len(todo))
 
 
@@ -134,12 +136,8 @@ def _index(
     return {"format": INDEX_VERSION, **origin, **named, "session": digest.hexdigest(), "motions": listed}
 
 
-def _prepare(folder: Path, index: dict[str, Any], *, force: bool) -> None:
-    """Make the folder, or check that it is for this session."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise FFGymError(f"{folder}: cannot be made a folder: {error.strerror}; choose another place.") from error
+def _check_session(folder: Path, index: dict[str, Any], *, force: bool) -> None:
+    """Check that a folder is for this session."""
     check_writable(folder / INDEX)
     if force or not any(file.suffix.lower() in FORMATS for file in folder.iterdir()):
         return
