@@ -114,7 +114,8 @@ def test_a_folder_of_another_session_is_refused_unless_it_may_be_written_over(he
 
 def test_a_session_of_which_nothing_was_recorded_keeps_no_other_out(here, capsys):
     assert record("--record-dt-ms", "0.3") == 1
-    assert not list((here / "day").iterdir())
+    assert not (here / "day").exists()
+    (here / "day").mkdir()
     (here / "day" / "protocol.json").write_text('{"session": "stopped before its first recording"}')
     assert record() == 0
     assert len(read_folder("day")) == 3

@@ -11,7 +11,6 @@ import pytest
 
 from ffgym.agents.entrants import ENTRANTS, REGISTRY
 from ffgym.control import NoCompensation
-from ffgym.core.claims import claimed
 from ffgym.core.errors import FFGymError
 from ffgym.core.executors import Executor
 from ffgym.core.provenance import is_installed
@@ -20,6 +19,7 @@ from ffgym.leaderboard.entrants import Entrant, ReadyAgent, Registry, one_by_one
 from ffgym.leaderboard.evaluation import jobs
 from ffgym.leaderboard.results import decode_row, encode_row, read_row
 from ffgym.leaderboard.tasks import make_references
+from tests.processes import held_elsewhere
 
 HERE = Executor(jobs=1)
 
@@ -293,7 +293,7 @@ def test_who_has_nothing_for_a_plant_has_no_outcome_there():
 
 
 def test_a_folder_that_another_process_fills_is_refused_and_left_as_it_is(tmp_path, counted):
-    with claimed(tmp_path), pytest.raises(FFGymError, match="another process is filling this folder"):
+    with held_elsewhere(tmp_path), pytest.raises(FFGymError, match=r"process \d+ .* is writing there"):
         run(Board(registry=REGISTRY, folder=tmp_path))
     assert (counted, list(tmp_path.iterdir())) == ([], [])
 

@@ -12,13 +12,13 @@ import pytest
 import tyro
 
 from ffgym.cli.learning_options import PolicyTraining
-from ffgym.core.claims import claimed
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import write_bytes
 from scripts import tune, tuning
 from scripts.tune import main
 from scripts.tuning import FAILED, SPACES, Tune, read_trials
 from tests.agents.residual.residual_samples import SMALL
+from tests.processes import held_elsewhere
 
 TINY = {"base": "none", "steps": 16, "set": SMALL["ppo"], "plants": 1}
 
@@ -141,7 +141,7 @@ def test_a_full_disk_ends_the_search_and_it_goes_on_when_there_is_space(tmp_path
 
 
 def test_a_search_in_a_folder_that_is_searched_in_is_refused(tmp_path, calls):
-    with claimed(tmp_path), pytest.raises(FFGymError, match="another process is filling this folder"):
+    with held_elsewhere(tmp_path), pytest.raises(FFGymError, match=r"process \d+ .* is writing there"):
         main(Tune(out=tmp_path))
 
 

@@ -2,13 +2,13 @@ import numpy as np
 import pytest
 
 from ffgym.agents.entrants import ENTRANTS, REGISTRY
-from ffgym.core.claims import claimed
 from ffgym.core.errors import FFGymError
 from ffgym.core.executors import Executor
 from ffgym.leaderboard.board import Board
 from ffgym.leaderboard.plants import THESIS_WORKCELL
 from ffgym.leaderboard.results import read_row
 from scripts.workcell_oracle import Config, main
+from tests.processes import held_elsewhere
 
 
 @pytest.fixture(scope="module")
@@ -35,6 +35,6 @@ def test_the_command_keeps_it_and_does_not_ask_for_it_again(folder):
 
 def test_a_folder_that_is_being_filled_is_left_alone(folder):
     before = (folder / "oracle.json").read_bytes()
-    with claimed(folder), pytest.raises(FFGymError, match="another process is filling this folder"):
+    with held_elsewhere(folder), pytest.raises(FFGymError, match=r"process \d+ .* is writing there"):
         main(Config(out=folder, splits=("radii",)))
     assert (folder / "oracle.json").read_bytes() == before

@@ -17,11 +17,11 @@ from ffgym.agents.residual.environment import make_environment
 from ffgym.agents.residual.policy import load_policy
 from ffgym.agents.residual.training import segment_seed, train
 from ffgym.agents.residual.validation import POINTS, RADIUS, SEED, SPEEDS
-from ffgym.core.claims import claimed
 from ffgym.core.errors import FFGymError
 from ffgym.leaderboard.tasks import NEW_RADII, NEW_SPEEDS
 from ffgym.robot import load_robot
 from tests.agents.residual.residual_samples import tiny
+from tests.processes import held_elsewhere
 
 STEPS = 48
 
@@ -135,7 +135,7 @@ def test_seeds_differ_and_so_do_segments(done, tmp_path):
 
 
 def test_a_folder_that_another_process_trains_in_is_refused(stopped):
-    with claimed(stopped), pytest.raises(FFGymError, match="another process is filling this folder"):
+    with held_elsewhere(stopped), pytest.raises(FFGymError, match=r"process \d+ .* is writing there"):
         train(tiny(), stopped)
 
 
