@@ -11,6 +11,7 @@ from ffgym.cli.process import EndedError, ended_by_signals, lasting_output
 from ffgym.core.claims import piece_of_work
 from ffgym.core.errors import FFGymError
 from ffgym.core.provenance import is_installed
+from ffgym.core.temporaries import remove_own
 from ffgym.core.version import __version__
 
 DESCRIPTION = "Feed-forward friction compensation on industrial robots: simulate, measure, identify, learn, compare."
@@ -203,6 +204,7 @@ def _guard(run: Callable[[], int]) -> int:
         _tell(f"error: {' '.join(str(error).split())}")
         return 1
     except EndedError as ended:
+        remove_own()
         name = signal.Signals(ended.number).name
         _tell(f"{'interrupted' if name == 'SIGINT' else f'ended by {name}'}; {_KEPT}")
         return 128 + ended.number

@@ -18,7 +18,7 @@ from contextvars import ContextVar
 from pathlib import Path
 
 from ffgym.core.errors import FFGymError
-from ffgym.core.temporaries import TEMPORARY, LockedError, lock, remove_remains
+from ffgym.core.temporaries import TEMPORARY, LockedError, lock, own, remove, remove_remains
 
 _CLAIM = TEMPORARY.format("claim{}")
 """Name of the file of a claim."""
@@ -90,8 +90,7 @@ def _hold(file: Path, place: Path) -> Iterator[None]:
         yield
     finally:
         _held.reset(before)
-        with suppress(OSError):
-            file.unlink(missing_ok=True)
+        remove(file)
         if descriptor is not None:
             os.close(descriptor)
 
@@ -103,6 +102,7 @@ def _lock(file: Path, place: Path) -> int | None:
             file.touch()
             with suppress(LockedError):
                 descriptor = lock(file)
+                own.add(file)
                 file.write_text(json.dumps(_describe_process()), encoding="utf-8")
                 return descriptor
             if (holder := _read_holder(file)) is not None:

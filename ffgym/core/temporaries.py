@@ -22,6 +22,10 @@ TEMPORARY = ".ffgym-{}.tmp"
 """Name of what is temporary, in the folder of the place that it is made for."""
 
 
+own: set[Path] = set()
+"""Temporary files and folders of this process that are there, or are about to be made."""
+
+
 class LockedError(Exception):
     """A file or folder that another process has locked, or another part of this one."""
 
@@ -103,7 +107,7 @@ def _temporary(folder: Path, make: Callable[[Path], object]) -> Iterator[Path]:
     try:
         yield path
     finally:
-        _remove(path)
+        remove(path)
         if held is not None:
             os.close(held)
 
@@ -111,13 +115,14 @@ def _temporary(folder: Path, make: Callable[[Path], object]) -> Iterator[Path]:
 def _make_locked(folder: Path, make: Callable[[Path], object]) -> tuple[Path, int | None]:
     while True:
         path = folder / TEMPORARY.format(uuid4().hex)
+        own.add(path)
         make(path)
         try:
             return path, lock(path)
         except LockedError:  # another process looked for remains in this very instant, and takes it for one
             continue
         except BaseException:
-            _remove(path)
+            remove(path)
             raise
 
 
@@ -131,14 +136,22 @@ def remove_remains(folder: Path) -> None:
             if (held := lock(path)) is None:
                 continue  # nobody can tell whose it is
             try:
-                _remove(path)
+                remove(path)
             finally:
                 os.close(held)
 
 
-def _remove(path: Path) -> None:
+def remove_own() -> None:
+    """Remove what this process has left, after a signal that ended what would have removed it."""
+    for path in sorted(own):
+        remove(path)
+
+
+def remove(path: Path) -> None:
+    """Remove a temporary file or folder, if it is still there."""
     with suppress(OSError):
         if path.is_dir():
             shutil.rmtree(path, ignore_errors=True)
         else:
             path.unlink(missing_ok=True)
+    own.discard(path)
