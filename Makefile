@@ -1,7 +1,8 @@
 # make demo    set up, run the circle test on the built-in robot, print the tables, write report.html; diagnose the example logs
 # make test    set up, run the tests            make test-all   the slow ones too
 # make check   format, lint, types, import rules
-# make bench   speed and memory of simulation and environments, against the bare engine; BENCH="--json FILE" passes options;
+# make bench   speed and memory of simulation and environments, against the bare engine, onto docs/performance_history.jsonl;
+#               ends in an error if a ratio lost 10 % of what recent runs there had; BENCH="--json FILE" passes options;
 #               then a short exam of the diagnosis
 # make exam    both whole exams, some hours on 2 cores, onto their page docs/bench_diagnosis.md; goes on where it was
 #               interrupted; SEED=12 is another exam
@@ -37,7 +38,7 @@ check: .venv/.dev
 	$(BIN)/lint-imports
 
 bench: .venv/.dev
-	$(BIN)/python -m scripts.bench $(BENCH)
+	$(BIN)/python -m scripts.bench --history docs/performance_history.jsonl $(BENCH)
 	$(BIN)/python -m scripts.exam --cases 1 --jobs 2
 
 exam: .venv/.dev

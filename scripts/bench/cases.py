@@ -1,7 +1,5 @@
 """Cases of the benchmark: each part, and the rates and amounts that it is made of."""
 
-import subprocess
-import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
@@ -26,6 +24,7 @@ from ffgym.simulation import Run, simulate
 from ffgym.simulation.bare import bare_rate
 from ffgym.simulation.plant import Machine, Plant
 from ffgym.studies import circle_references, sine_references, thesis_laws
+from scripts.bench.processes import collection_ratio, command_ratios, import_time, memory_of, suite
 from scripts.bench.turns import Amount, Rate, Ratio, rate_of, take_turns
 
 CIRCLES, JOINTS, ONE_AXIS = "ffgym/CirclePath-v0", "ffgym/JointMotion-v0", "ffgym/OneAxis-v0"
@@ -321,48 +320,6 @@ def learning_rate_of(env: Any) -> Rate:
     return rate_of(steps, lambda: model.learn(steps, reset_num_timesteps=False))
 
 
-# ---- memory of many sub-environments and time of the import, each in a fresh process
-
-_MEMORY = """
-import resource, sys
-from pathlib import Path
-import gymnasium as gym
-import numpy as np
-import ffgym.envs
-
-def peak():
-    status = Path("/proc/self/status")
-    if status.exists():  # what getrusage tells begins at the size of the process that started this one
-        return int(status.read_text().partition("VmHWM:")[2].split()[0]) / 2**10
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / (2**20 if sys.platform == "darwin" else 2**10)
-
-before = peak()
-env = gym.make_vec(sys.argv[1], num_envs=int(sys.argv[2]))
-env.reset(seed=0)
-for _ in range(50):
-    env.step(np.zeros(env.action_space.shape, dtype=np.float32))
-print(peak() - before)
-"""
-
-_IMPORT = "import time; began = time.perf_counter(); import ffgym; print(time.perf_counter() - began)"
-
-
-def memory_of(name: str, n: int, wanted: float | None = None) -> Amount:
-    """Peak of memory that `n` sub-environments add to the import: made, reset and stepped 50 times."""
-    return Amount(f"memory of {n} x {name}", _print(_MEMORY, name, str(n)), "MiB", wanted)
-
-
-def import_time(repeats: int) -> Amount:
-    """Median time of `import ffgym`."""
-    return Amount("import ffgym", float(np.median([_print(_IMPORT) for _ in range(repeats)])), "s", wanted=1.0)
-
-
-def _print(code: str, *arguments: str) -> float:
-    """Number that a program prints."""
-    done = subprocess.run([sys.executable, "-c", code, *arguments], capture_output=True, text=True, check=True)
-    return float(done.stdout)
-
-
 def parts(robot: str, repeats: int, long_repeats: int, threads: int) -> dict[str, list[Callable[[], Any]]]:
     """Measurements of each part by its name; each returns one result or several."""
     return {
@@ -381,4 +338,6 @@ def parts(robot: str, repeats: int, long_repeats: int, threads: int) -> dict[str
             lambda: [memory_of(JOINTS, 1024)],
             lambda: [import_time(5)],
         ],
+        "commands": [partial(command_ratios, long_repeats), partial(collection_ratio, 1)],
+        "tests": [suite],
     }

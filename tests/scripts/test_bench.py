@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from ffgym.agents.catalogue import CATALOGUE
+from ffgym.core.errors import FFGymError
 from ffgym.robot import RigidArm
 from ffgym.simulation import Run
 from ffgym.studies import circle_references, thesis_laws
@@ -19,13 +20,13 @@ from scripts.bench.cases import (
     cell_ratios,
     decision_ratios,
     effect_ratios,
-    import_time,
     measure,
-    memory_of,
     python_of_a_step,
     training_ratios,
 )
-from scripts.bench.turns import Ratio, take_turns
+from scripts.bench.history import Entry, losses, read_history
+from scripts.bench.processes import collection_ratio, command_ratios, import_time, memory_of
+from scripts.bench.turns import Amount, Ratio, take_turns
 
 
 def test_a_measurement_of_a_few_runs_has_three_rates(irb4600):
@@ -135,3 +136,61 @@ def test_the_benchmark_prints_all_and_writes_it(tmp_path, capsys):
     assert written["versions"]["mujoco"]
     assert len(written["physics_fingerprint"]["irb4600_60_205"]) == 16
     assert written["machine"]["cores"] >= 1
+
+
+def entry(processor="a", commit="c1", **ratios):
+    spread = {title: value if isinstance(value, tuple) else (value, value, value) for title, value in ratios.items()}
+    return Entry(ratios=spread, amounts={}, processor=processor, commit=commit)
+
+
+def test_a_ratio_that_lost_more_than_a_tenth_of_recent_runs_is_told():
+    history = [
+        entry(x=9.0, commit="old"),
+        *(entry(x=value, commit=f"c{value}") for value in (1.0, 1.02, 0.98, 1.0, 5.0)),
+    ]
+    assert losses(entry(x=0.91), history) == []
+    (change,) = losses(entry(x=0.89, y=0.1), history)
+    assert (change.title, change.before, change.sure) == ("x", 1.0, True)
+    assert str(change) == "LOST 11%: x: 0.89, was 1 in 5 runs since c1.0"
+
+
+def test_a_busy_machine_makes_a_loss_doubtful():
+    for now in ((0.7, 0.8, 0.95), (0.6, 0.8, 0.85)):  # reaches what was, or is wide
+        (change,) = losses(entry(x=now), [entry(x=1.0)])
+        assert not change.sure
+        assert str(change).startswith("lost 20%, measure again: x")
+
+
+def test_runs_on_the_same_processor_are_compared_before_those_on_others():
+    history = [entry("mine", x=0.5), *[entry("other", x=1.0)] * 3]
+    assert losses(entry("mine", x=0.5), history) == []
+    (change,) = losses(entry("third", x=0.5), history)
+    assert change.elsewhere
+    assert "on other processors" in str(change)
+
+
+def test_a_run_is_added_to_its_history_and_a_loss_ends_in_an_error(tmp_path, monkeypatch, capsys):
+    speed = [4.0]
+    cases = {"training": [lambda: [Ratio("a / b", (speed[0],) * 3, (2.0,) * 3, "1/s"), Amount("size", 3.0, "MiB")]]}
+    monkeypatch.setattr("scripts.bench.parts", lambda *arguments: cases)
+    config = Config(parts=("training",), history=tmp_path / "history.jsonl")
+    main(config)
+    speed[0] = 3.0
+    with pytest.raises(FFGymError, match=r"lost more than 10 %"):
+        main(config)
+    assert "LOST 25%: a / b: 1.5, was 2 in 1 run since" in capsys.readouterr().out
+    first, second = read_history(config.history)
+    assert (first.ratios["a / b"], second.ratios["a / b"]) == ([2.0] * 3, [1.5] * 3)
+    assert first.amounts == {"size": [3.0, "MiB"]}
+
+
+def test_a_file_that_is_no_history_is_refused(tmp_path):
+    (tmp_path / "history.jsonl").write_text('{"ratios": 3}\n')
+    with pytest.raises(FFGymError, match=r"is no history of the benchmark"):
+        main(Config(parts=(), history=tmp_path / "history.jsonl"))
+
+
+@pytest.mark.slow
+def test_what_a_user_waits_for_is_measured():
+    ratios = [*command_ratios(1), *collection_ratio(1)]
+    assert all(0 < ratio.quartiles()[1] < 10 for ratio in ratios)
