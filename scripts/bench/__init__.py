@@ -75,7 +75,10 @@ def main(config: Config) -> list[Ratio | Amount]:
         entry = Entry.of(results)
         append(config.history, entry)
         lost = losses(entry, history)
-        print(*lost or ["no ratio lost more than 10 % beside recent runs"], sep="\n")
+        for change in lost:
+            print(change)
+        if not lost:
+            print("no ratio lost more than 10 % beside recent runs")
         if any(change.sure for change in lost):
             raise FFGymError(
                 "Ratios above have lost more than 10 %: find the commit, or say in the history's commit why."

@@ -126,15 +126,15 @@ def check_batch(law, reference):
     np.testing.assert_allclose(together, np.stack(alone), rtol=1e-12, atol=1e-12)
 
 
-@pytest.mark.parametrize("name", ON_ONE_AXIS)
+@pytest.mark.parametrize("name", [name for name in ON_ONE_AXIS if CATALOGUE[name].track != "causal"])
 def test_making_a_law_again_gives_the_same_bits(make, one_axis, sines, name):
     again = make_law(name, AgentSetting.of(one_axis, references=[sines[1.0]], n_threads=2))
     np.testing.assert_array_equal(again.torque(sines[1.0]), make(name).torque(sines[1.0]))
 
 
 @pytest.mark.parametrize("name", [name for name in ON_ONE_AXIS if CATALOGUE[name].track == "causal"])
-def test_what_may_not_know_the_model_is_the_same_with_a_wrong_one(make, one_axis, sines, name):
-    own = AgentSetting.of(one_axis, references=[sines[1.0]])
+def test_what_may_not_know_the_model_is_the_same_with_a_wrong_one_each_time(make, one_axis, sines, name):
+    own = AgentSetting.of(one_axis, references=[sines[1.0]], n_threads=2)
     wrong = replace(one_axis, friction=one_axis.friction.scale(coulomb=2.0, static=2.0, viscous=0.5))
     law = make_law(name, replace(own, arm=RigidArm(wrong), controller=own.arm, truth=one_axis))
     np.testing.assert_array_equal(law.torque(sines[1.0]), make(name).torque(sines[1.0]))

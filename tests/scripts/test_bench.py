@@ -78,6 +78,7 @@ def test_effects_cost_something_but_not_everything():
     assert all(0 < ratio.quartiles()[1] < 1.2 for ratio in ratios)
 
 
+@pytest.mark.slow
 def test_workcells_and_real_drives_are_measured_against_the_nominal_robot_and_against_time():
     ratios = list(cell_ratios(1, threads=1))
     assert [ratio.wanted for ratio in ratios] == [*[0.6] * 3, *[None] * 3, 0.6, None, 10.0]

@@ -187,6 +187,7 @@ ALLOWED = np.array([0.02, 0.02, 0.02, np.inf, 0.1, 0.1])
 """Largest relative error of f_c, f_s, f_v, v_s, sigma_0, sigma_1 that acceptance allows; it says nothing of v_s."""
 
 
+@pytest.mark.slow
 def test_friction_is_found_again_in_one_repetition_on_the_thesis_joint():
     made = friction.coverage({"one_axis": 1}, resamples=40, physics_dt=1.25e-4, record_dt=1e-3)
     found = made.numbers["one_axis"]

@@ -120,6 +120,7 @@ def test_those_of_dynamic_parameters_where_the_torque_acts_late():
     assert (share >= 0.75).all(), share
 
 
+@pytest.mark.slow
 def test_those_of_dynamic_parameters_where_noise_of_the_angle_is_in_speed_and_inertia():
     fits = list(fitted(25, angle_noise=1e-4))
     share = shares([(TRUE[4:], fit.resampled) for fit in fits])

@@ -10,8 +10,8 @@ Reference:
     Gautier (1991), Journal of Robotic Systems 8(4), 485-506.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -67,7 +67,8 @@ class BaseParameters:
         return " ".join(parts)
 
 
-def base_parameters(robot: RobotDescription, terms: Sequence[Term], seed: int = 0) -> BaseParameters:
+@lru_cache(maxsize=8)  # the same robot is fitted to many logs in turn
+def base_parameters(robot: RobotDescription, terms: tuple[Term, ...], seed: int = 0) -> BaseParameters:
     """Base parameters of an arm, from random states within its joint limits.
 
     Args:

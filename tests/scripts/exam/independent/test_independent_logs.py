@@ -48,8 +48,8 @@ def test_a_clean_log_is_clean(n, elastic, gears_that_keep_the_sign):
 @pytest.mark.parametrize(
     "conditions",
     [
-        {"n": 1, "elastic": True, "row_dt": 0.008, "control": "cascade"},
-        {"n": 1, "elastic": False, "row_dt": 0.005, "noise": "coloured"},
+        pytest.param({"n": 1, "elastic": True, "row_dt": 0.008, "control": "cascade"}, marks=pytest.mark.slow),
+        pytest.param({"n": 1, "elastic": False, "row_dt": 0.005, "noise": "coloured"}, marks=pytest.mark.slow),
         {"n": 2, "elastic": False, "row_dt": 0.008, "control": "cascade", "columns": "feedback"},
         pytest.param({"n": 4, "elastic": True, "row_dt": 0.002, "share": 0.05}, marks=pytest.mark.slow),
     ],
@@ -74,6 +74,7 @@ def test_numbers_that_are_off_by_more_than_slopes_tell_are_no_fault():
     assert IndependentExam().answer(draw_task("clean", 6, seed=1601)).verdict == "none"
 
 
+@pytest.mark.slow
 def test_an_effect_below_a_noise_floor_that_allows_for_too_much_is_named():
     """Sensors that are quieter than models foretell: a tenth of the floor is there, and load friction beside it."""
     task = draw_task("single", 3, seed=1601)
@@ -121,7 +122,8 @@ def test_friction_behind_a_spring_is_named_alone_where_a_tracker_sees_the_arm(n,
     assert mark_of(task, answer).outcome == "right"
 
 
-@pytest.mark.parametrize("n", [1, pytest.param(2, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("n", [1, 2])
 def test_friction_behind_a_spring_is_no_other_cause_where_no_tracker_sees_the_arm(n, gears_that_keep_the_sign, hiding):
     hiding("behind")
     answer = IndependentExam().answer(draw_task("arm_blind", 0, seed=4, n=n, **TIDY, **SHORT))
