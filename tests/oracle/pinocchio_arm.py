@@ -3,6 +3,8 @@
 Carpentier et al. (2019), "The Pinocchio C++ library", SII: recursive Newton-Euler and composite rigid bodies.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 import pinocchio as pin
 
@@ -10,37 +12,65 @@ from ffgym.robot import RobotDescription
 
 _JOINTS = {"hinge": pin.JointModelRevoluteUnaligned, "slide": pin.JointModelPrismaticUnaligned}
 
+BASE_RADIUS = 0.3
+"""Radius of gyration of a base that turns [m], chosen by effect base_flexibility."""
+
 
 class PinocchioArm:
     """Links, tool and springs of a robot, link side, one pose at a time: q, dq and ddq have shape (N,).
 
-    Results are in the world frame, in SI units, as those of `ffgym.robot.RigidArm`.
+    Results are in the world frame, in SI units, as those of `ffgym.robot.RigidArm`. Joints without motors may be added:
+    then q is of all joints in their order along the chain, and `own` says which are those of the robot.
     """
 
-    def __init__(self, robot: RobotDescription) -> None:
-        self.robot = robot
-        self.model = model = pin.Model()
-        model.gravity.linear = robot.gravity
+    def __init__(self, robot: RobotDescription, base: Sequence[int] = (), bends: Sequence[int] = ()) -> None:
+        """Build the chain.
+
+        Args:
+            robot: the description.
+            base: axes of the world about which the base turns on its floor, 0 to 2.
+            bends: indices of links that bend about the axis of their joint, a third of the way to the next joint.
+        """
+        self.robot, self.own, self.structure = robot, [], []
+        self.model = pin.Model()
+        self.model.gravity.linear = robot.gravity
         kinematics, bodies = robot.kinematics, robot.bodies
-        self._places = {"base": (0, pin.SE3.Identity())}
-        last = 0
+        last, offset = 0, np.zeros(3)
+        for i in base:
+            last = self._add_joint(self.structure, last, "hinge", np.eye(3)[i], offset, f"base {i}")
+        if base:
+            mass = max(robot.base_mass, 1.0)
+            inertia = pin.Inertia(mass, robot.base_com, mass * BASE_RADIUS**2 * np.eye(3))
+            self.model.appendBodyToJoint(last, inertia, pin.SE3.Identity())
+        self._places = {"base": (last, pin.SE3.Identity())}
+        flange = [np.zeros(3) if robot.tool is None else robot.tool.position]
+        ways = [*kinematics.position[1:], *flange]  # from each joint to the next, and to the tool
+        offset = kinematics.position[0]
         for i, (joint, link, kind) in enumerate(zip(robot.joints, robot.links, kinematics.types, strict=True)):
-            place = pin.SE3(np.eye(3), kinematics.position[i])
-            last = model.addJoint(last, _JOINTS[kind](kinematics.axis[i]), place, joint)
+            axis = kinematics.axis[i]
+            last = self._add_joint(self.own, last, kind, axis, offset, joint)
             inertia = pin.Inertia(bodies.mass[i], bodies.com[i], tensor(bodies.inertia[i]))
-            model.appendBodyToJoint(last, inertia, pin.SE3.Identity())
+            self.model.appendBodyToJoint(last, inertia, pin.SE3.Identity())
             self._places[link] = (last, pin.SE3.Identity())
+            offset = ways[i]
+            if i in bends:
+                last = self._add_joint(self.structure, last, kind, axis, offset / 3, f"{joint} bend")
+                offset = 2 / 3 * offset
         if robot.tool is not None:
-            tool, flange = robot.tool, pin.SE3(robot.tool.rotation, robot.tool.position)
-            model.appendBodyToJoint(last, pin.Inertia(tool.mass, tool.com, tensor(tool.inertia)), flange)
-            self._places["tool"] = (last, flange)
+            tool, place = robot.tool, pin.SE3(robot.tool.rotation, offset)
+            self.model.appendBodyToJoint(last, pin.Inertia(tool.mass, tool.com, tensor(tool.inertia)), place)
+            self._places["tool"] = (last, place)
             self._tcp = self._add_point("tcp", "tool", tool.tcp)
-        self._springs = [
-            (spring, self._add_point(f"{spring.name} start", spring.bodies[0], spring.start),
-             self._add_point(f"{spring.name} end", spring.bodies[1], spring.end))
-            for spring in robot.springs
-        ]  # fmt: skip
-        self._data = model.createData()
+        self._springs = []
+        for spring in robot.springs:
+            points = zip(("start", "end"), spring.bodies, (spring.start, spring.end), strict=True)
+            ends = [self._add_point(f"{spring.name} {end}", body, point) for end, body, point in points]
+            self._springs.append((spring, *ends))
+        self._data = self.model.createData()
+
+    def _add_joint(self, kept, parent, kind, axis, place, name):
+        kept.append(self.model.nv)
+        return self.model.addJoint(parent, _JOINTS[kind](axis), pin.SE3(np.eye(3), place), name)
 
     def add_body(self, mass, com, inertia):
         """Weld a body to the tool: mass [kg], centre of mass [m] (3,), inertia about it [kg m^2] (3, 3), in tool0."""

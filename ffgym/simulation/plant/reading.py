@@ -61,9 +61,11 @@ class Reading(State):
         self._at = at = engine.at
         self._qpos, self._qvel, self._act, self._controls = (values[rows].copy() for values in engine.joints)
         self.time = engine.time[rows].reshape(-1, 1).copy()
-        if engine.outputs is not None:  # gearboxes of rigid joints pass on all but what their rotors take
+        if engine.outputs is not None:  # gearboxes of rigid joints pass on all but what rotors and friction take
             driven, acceleration = (values[rows][:, at.motor_qpos] for values in engine.outputs)
-            self.rigid_load = driven - own["reflected_inertia"] * acceleration + motor
+            # MuJoCo counts viscous friction of actuators as damping of their joints
+            viscous = self.drive.joint_torque(own["viscous"] * at.has_bristle.astype(np.float64) * self.motor_speed)
+            self.rigid_load = driven - viscous - own["reflected_inertia"] * acceleration + motor
             self.is_rigid = ~at.is_elastic
 
     def read_joint_angle(self) -> Array:
