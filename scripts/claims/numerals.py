@@ -25,18 +25,22 @@ NAMES: Mapping[str, re.Pattern[str]] = MappingProxyType(
             "link": r"\]\([^)\s]*\)|https?://[^\s)]+|\b(?:width|height|src|href)=\"[^\"]*\"",
             "date": rf"\b\d{{4}}-\d\d-\d\d\b|\b(?:\d{{1,2}} )?(?:{_MONTHS}) \d{{4}}\b|\b\d{{1,2}} (?:{_MONTHS})\b"
             r"|\((?:19|20)\d\d\)|\b(?:since|of|in) (?:19|20)\d\d\b",
-            "citation": r"arXiv:[\d.]+|\bpp?\. ?\d+(?:[-–]\d+)?|\b\d+[-–]\d+(?:,? \((?:19|20)\d\d\)|, (?:19|20)\d\d), "
-            r"\d+[-–]\d+|\b\d+ \((?:19|20)\d\d\)|\bISBN [\d-]+|\b(?:19|20)\d\d[a-z]?(?=, (?:doi|Table|Figure|ch))",
+            "citation": r"arXiv:[\d.]+|\b10\.\d{4,}/[^\s\]]+|\bpp?\. ?\d+(?:[-–]\d+)?|\b\d+ \((?:19|20)\d\d\)"
+            r"|\b\d+[-–]\d+(?:,? \((?:19|20)\d\d\)|, (?:19|20)\d\d), \d+[-–]\d+|\bISBN [\d-]+|\b\d+\(\d+\)"
+            r"|\b[A-Z][a-z]+,? (?:19|20)\d\d\b|, (?:19|20)\d\d,",
             "version": r"\b(?:Python|MuJoCo|NumPy|SciPy|[Gg]ymnasium|RSI|KSS|RobotWare|PolyScope|FMI|ONNX|opset|"
             r"[Vv]ersions?|format|CSV|MAT|HDF|ROS|EtherCAT|C)(?: version)? v?\d[\d.]*|-v\d\b|\bv\d[\d.]*\b",
             "standard": r"\b(?:ISO|IEC|EN|DIN|VDI|RFC|IEEE|UTF|SHA|Latin|Windows|CP)[- ]?\d[\d-]*",
             "product": r"\b(?:IRB|KR|LBR|FD|AT|PE|IFAC-PapersOnLine) ?\d[\d.]*(?:-\d[\d.]*)?(?:/\d[\d.]*)?",
             "part of a work": rf"\b(?:{_PARTS}) \(?\d+(?:\.\d+)*\)?"
             r"(?:(?:,| to| and|, and| or|-|–) \(?\d+(?:\.\d+)*\)?)*"
-            r"|(?<![\d%] )\([3-6]\.\d{1,2}\)(?:,? (?:and|to) \([3-6]\.\d{1,2}\))?"
+            r"|(?<![\d%] )\([3-6]\.\d{1,2}(?:,? (?:and )?[3-6]\.\d{1,2})+\)|(?<![\d%] )\([3-6]\.\d{1,2}\)(?:,? (?:and|to) \([3-6]\.\d{1,2}\))?"
             r"|\b\d\.\d\.\d\b|\b[Tt]hesis'? \(?\d\.\d+\)?(?:, \d\.\d+)*"
             r"|\b\d\.\d+(?: and \d\.\d+)? of the thesis",
             "seed": r"\bseeds? \d+(?:(?:,| to| and|, and) \d+)*",
+            "case": r"(?<![\d.])\d+(?:\.\d+)?(?:(?:, \d+)*,? (?:and|to|or) \d+)? mm/s\b|\br = \d+ mm\b"
+            r"|\b\d+ mm circles?\b|\bcircles of \d+(?:\.\d+)? mm\b|\bfactor (?:of )?1\.5\b|\b9[05] %(?= (?:confidence|intervals?)\b)",
+            "part of a robot": r"\b(?:[Jj]oints?|[Aa]x[ei]s|[Ll]inks?|[Mm]otors?) \d(?:(?:,| to| and|, and| or) \d)*\b",
             "name": r"(?<![\w.])[A-Za-z_Α-ω](?:\w|-(?=\d))*\d\w*(?:[-.]\d+)*|\b\d[dD]\b|\b\d(?:st|nd|rd|th)\b",
             "number of an item": r"^\s*(?:#+ )?\d+\.(?= )",
             "unit": r"\^[({]?[-+]?\d+[)}]?|\b1/(?=[a-z])|(?<=[a-zµ] )\(1\)",

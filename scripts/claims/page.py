@@ -99,6 +99,8 @@ def _spans(text: str) -> Iterator[tuple[int, int, Kind]]:
             language = None
         elif language is not None:
             yield place, place + len(line), _kind_of(line, language)
+        elif begin is None and line.startswith("    ") and line.strip():
+            yield place, place + len(line), "formula"
         elif line.strip() and not _COMMENT.fullmatch(line.strip()):
             begin = place if begin is None else begin
         elif begin is not None:

@@ -27,6 +27,7 @@ from scripts.tables import (
     recorded,
     recorded_friction,
     setpoints,
+    thesis,
     trial,
 )
 from scripts.tables.page import DOCS, DPI, Contents
@@ -66,6 +67,7 @@ STORED: Mapping[str, Callable[[], Contents]] = {
     "leaderboard/README.md": leaderboard.leaderboard,
     "leaderboard/adaptation.md": leaderboard.adaptation,
     "leaderboard/margins.md": leaderboard.margins,
+    "reproduction.md": thesis.reproduction,
 }
 """Pages that follow from results that are stored beside them."""
 

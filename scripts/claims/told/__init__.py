@@ -1,5 +1,5 @@
 """Claims: passages of pages as they follow from stored results, records and the code, a module for each field."""
 
-from scripts.claims.told import leaderboard
+from scripts.claims.told import leaderboard, thesis
 
-__all__ = ["leaderboard"]
+__all__ = ["leaderboard", "thesis"]
