@@ -6,14 +6,17 @@ table shows which numbers are worth finding, and what a law of this form leaves 
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
 
 from ffgym.agents.elastic import elastic_law
 from ffgym.control import FeedForwardLaw, NoCompensation
+from ffgym.core.files import check_writable, write_json
 from ffgym.core.types import Array
 from ffgym.leaderboard.adaptation.protocol import score, scored_motions
+from ffgym.report import Table
 from ffgym.robot import RigidArm, RobotDescription
 from ffgym.simulation import Run, simulate
 from ffgym.simulation.plant import Machine
@@ -60,14 +63,26 @@ class Config:
     """Seeds of workcells of the series 'drives', and of drawn robots; not those of a round."""
     threads: int = 0
     """Threads of the engine, 0 for all cores."""
+    json: Path | None = None
+    """Also write the error left [1] for each machine and motion to this file."""
 
 
 def main(config: Config) -> None:
     """Run and print."""
+    if config.json is not None:
+        check_writable(config.json)
     cells = [draw(seed, "drives") for seed in config.seeds]
     arm = cells[0].arm
-    print_table("drawn robots", arm, [Machine(robot=robot) for robot in draw_robots(arm, config.seeds)], config)
-    print_table("workcells", arm, [cell.machine for cell in cells], config)
+    kinds = {
+        "drawn robots": [Machine(robot=robot) for robot in draw_robots(arm, config.seeds)],
+        "workcells": [cell.machine for cell in cells],
+    }
+    left = {title: errors_left(arm, machines, config) for title, machines in kinds.items()}
+    for title, found in left.items():
+        print(format_bounds(title, found))
+    if config.json is not None:
+        lists = {title: {name: values.tolist() for name, values in found.items()} for title, found in left.items()}
+        write_json(config.json, lists)
 
 
 def draw_robots(arm: RigidArm, seeds: Sequence[int]) -> list[RobotDescription]:
@@ -76,17 +91,26 @@ def draw_robots(arm: RigidArm, seeds: Sequence[int]) -> list[RobotDescription]:
     return [numbers.draw(arm.robot, np.random.default_rng(seed)) for seed in seeds]
 
 
-def print_table(title: str, arm: RigidArm, machines: Sequence[Machine], config: Config) -> None:
-    """Print the error left for everything that a law may know."""
+def errors_left(arm: RigidArm, machines: Sequence[Machine], config: Config) -> dict[str, Array]:
+    """Compute the error left of that without compensation, (B, M), for everything that a law may know."""
     none = errors(arm, [NoCompensation()] * len(machines), machines, config)
-    print(f"| {title}: elastic feed-forward with | error left | machines | worst motion |\n|---|---|---|---|")
+    left = {}
     for name, known in KNOWN.items():
         laws = [elastic_law(RigidArm(known(arm.robot, machine.robot)), arm) for machine in machines]
-        logs = np.log(errors(arm, laws, machines, config) / none)
+        left[name] = errors(arm, laws, machines, config) / none
+    return left
+
+
+def format_bounds(title: str, left: Mapping[str, Array]) -> str:
+    """Format geometric means over machines and motions, those of machines, and the worst motion as Markdown."""
+    rows = []
+    for name, values in left.items():
+        logs = np.log(values)
         each = np.exp(logs.mean(axis=1))
-        print(
-            f"| {name} | {np.exp(logs.mean()):.1%} | {each.min():.1%} to {each.max():.1%} | {np.exp(logs.max()):.0%} |"
-        )
+        between = f"{each.min():.1%} to {each.max():.1%}"
+        rows.append((name, f"{np.exp(logs.mean()):.1%}", between, f"{np.exp(logs.max()):.0%}"))
+    head = (f"{title}: elastic feed-forward with", "error left", "machines", "worst motion")
+    return Table.of_rows(head, rows).markdown()
 
 
 def errors(arm: RigidArm, laws: Sequence[FeedForwardLaw], machines: Sequence[Machine], config: Config) -> Array:

@@ -34,12 +34,14 @@ NAMES: Mapping[str, re.Pattern[str]] = MappingProxyType(
             "product": r"\b(?:IRB|KR|LBR|FD|AT|PE|IFAC-PapersOnLine) ?\d[\d.]*(?:-\d[\d.]*)?(?:/\d[\d.]*)?",
             "part of a work": rf"\b(?:{_PARTS}) \(?\d+(?:\.\d+)*\)?"
             r"(?:(?:,| to| and|, and| or|-|–) \(?\d+(?:\.\d+)*\)?)*"
-            r"|(?<![\d%] )\([3-6]\.\d{1,2}(?:,? (?:and )?[3-6]\.\d{1,2})+\)|(?<![\d%] )\([3-6]\.\d{1,2}\)(?:,? (?:and|to) \([3-6]\.\d{1,2}\))?"
+            r"|(?<![\d%] )\([3-6]\.\d{1,2}(?:,? (?:and )?[3-6]\.\d{1,2})+\)"
+            r"|(?<![\d%] )\([3-6]\.\d{1,2}\)(?:,? (?:and|to) \([3-6]\.\d{1,2}\))?"
             r"|\b\d\.\d\.\d\b|\b[Tt]hesis'? \(?\d\.\d+\)?(?:, \d\.\d+)*"
             r"|\b\d\.\d+(?: and \d\.\d+)? of the thesis",
             "seed": r"\bseeds? \d+(?:(?:,| to| and|, and) \d+)*",
             "case": r"(?<![\d.])\d+(?:\.\d+)?(?:(?:, \d+)*,? (?:and|to|or) \d+)? mm/s\b|\br = \d+ mm\b"
-            r"|\b\d+ mm circles?\b|\bcircles of \d+(?:\.\d+)? mm\b|\bfactor (?:of )?1\.5\b|\b9[05] %(?= (?:confidence|intervals?)\b)",
+            r"|\b\d+ mm circles?\b|\bcircles of \d+(?:\.\d+)? mm\b|\bfactor (?:of )?1\.5\b"
+            r"|\b9[05] %(?= (?:confidence|intervals?)\b)",
             "part of a robot": r"\b(?:[Jj]oints?|[Aa]x[ei]s|[Ll]inks?|[Mm]otors?) \d(?:(?:,| to| and|, and| or) \d)*\b",
             "name": r"(?<![\w.])[A-Za-z_Α-ω](?:\w|-(?=\d))*\d\w*(?:[-.]\d+)*|\b\d[dD]\b|\b\d(?:st|nd|rd|th)\b",
             "number of an item": r"^\s*(?:#+ )?\d+\.(?= )",

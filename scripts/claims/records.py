@@ -42,6 +42,7 @@ class Record:
 RECORDS: Mapping[str, Record] = MappingProxyType(
     {
         "adaptation_bounds": Record("scripts.adaptation_bounds"),
+        "session": Record("scripts.claims.session"),
         "thesis": Record("scripts.thesis"),
     }
 )

@@ -22,6 +22,8 @@ from ffgym.leaderboard.presentation.words import group_title
 from ffgym.leaderboard.results import Row
 from scripts.adaptation import NOMINAL as NOMINAL_ADAPTED
 from scripts.adaptation import format_table
+from scripts.adaptation_bounds import format_bounds
+from scripts.claims.records import numbers_of
 from scripts.tables.page import DOCS, Contents, markdown
 
 RESULTS = DOCS / "leaderboard" / "results"
@@ -139,12 +141,17 @@ def of_base(found: AgainstBase | None) -> str:
 
 
 def adaptation() -> Contents:
-    """Error left over motion of the robot, on drawn workcells and on the nominal robot."""
+    """Error left over motion of the robot, on drawn workcells and on the nominal robot, and what true numbers leave."""
     cells = list(dict.fromkeys(run.machine for run in adapted() if run.machine != NOMINAL_ADAPTED))
+    bounds = {
+        f"bounds of {title}": format_bounds(title, {name: np.array(values) for name, values in left.items()})
+        for title, left in numbers_of("adaptation_bounds").items()
+    }
     return Contents(
         parts={
             "drawn workcells": format_table(adapted(), ADAPTERS, cells),
             "nominal robot": format_table(adapted(), ADAPTERS, [NOMINAL_ADAPTED]),
+            **bounds,
         }
     )
 
