@@ -42,6 +42,14 @@ class Record:
 RECORDS: Mapping[str, Record] = MappingProxyType(
     {
         "adaptation_bounds": Record("scripts.adaptation_bounds"),
+        "networks": Record(
+            "ffgym",
+            (
+                *("demo", "--agents", "none", "lugre_static", "lugre_dynamic"),
+                *("bsn_static", "bsn_extended", "bsn_extended_prior"),
+                *("--no-diagnosis", "--report", "out/networks.html"),
+            ),
+        ),
         "session": Record("scripts.claims.session"),
         "thesis": Record("scripts.thesis"),
     }

@@ -29,6 +29,7 @@ from scripts.tables import (
     setpoints,
     thesis,
     trial,
+    validation,
 )
 from scripts.tables.page import DOCS, DPI, Contents
 
@@ -68,6 +69,7 @@ STORED: Mapping[str, Callable[[], Contents]] = {
     "leaderboard/adaptation.md": leaderboard.adaptation,
     "leaderboard/margins.md": leaderboard.margins,
     "reproduction.md": thesis.reproduction,
+    "validation.md": validation.validation,
 }
 """Pages that follow from results that are stored beside them."""
 
