@@ -73,7 +73,7 @@ def main(config: Config) -> None:
         check_writable(config.json)
     cells = [draw(seed, "drives") for seed in config.seeds]
     arm = cells[0].arm
-    kinds = {
+    kinds: dict[str, list[Machine]] = {
         "drawn robots": [Machine(robot=robot) for robot in draw_robots(arm, config.seeds)],
         "workcells": [cell.machine for cell in cells],
     }

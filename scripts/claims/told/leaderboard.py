@@ -12,10 +12,10 @@ from ffgym.leaderboard.evaluation.jobs import lost_cells
 from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL, find_plant
 from ffgym.leaderboard.tasks import SPLITS
 from ffgym.simulation import LaserTracker
+from scripts.adaptation import NOMINAL as NOMINAL_ADAPTED
 from scripts.claims.claim import claim
 from scripts.tables.leaderboard import (
     GAINS,
-    NOMINAL_ADAPTED,
     RESIDUALS,
     adapted,
     header_of,
