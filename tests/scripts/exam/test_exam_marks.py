@@ -255,6 +255,7 @@ def test_the_clue_of_a_cross_axis_effect_is_the_other_joint(irb4600):
     assert hidden.clue(irb4600).joint == "j5"
 
 
+@pytest.mark.slow
 def test_the_true_causes_leave_what_noise_and_calibration_leave(arm, irb4600):
     effect = EFFECTS["coulomb_level"].on(irb4600, "j2", change=0.2)
     case = replace(draw_case("single", 0, seed=1011, arm=arm), hidden=(Hidden(effect=effect, joint="j2"),))

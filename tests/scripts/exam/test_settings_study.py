@@ -27,6 +27,7 @@ def ask(monkeypatch):
     return choose
 
 
+@pytest.mark.slow
 def test_a_setting_that_forbids_all_causes_changes_the_answer_and_another_does_not():
     """Twice the whole residual must be removed: no cause does that. The spread of thinned stretches decides nothing."""
     one, other = vary("significance.explains", 10.0, 28), vary("blocks.spread_share", 2.0, 28)
