@@ -46,7 +46,7 @@ RECORDS: Mapping[str, Record] = MappingProxyType(
             "ffgym",
             (
                 *("demo", "--agents", "none", "lugre_static", "lugre_dynamic"),
-                *("bsn_static", "bsn_extended", "bsn_extended_prior"),
+                *("bsn_static", "bsn_extended", "bsn_extended_prior", "narx", "mlp_fel", "residual_gp"),
                 *("--no-diagnosis", "--report", "out/networks.html"),
             ),
         ),
@@ -92,7 +92,8 @@ def make_record(name: str, folder: Path = FOLDER) -> Path:
     ended = subprocess.run(call, cwd=ROOT, check=False, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
     if ended.returncode:
         raise FFGymError(f"{record.command} failed: {ended.stderr.strip().splitlines()[-1:]}")
-    store(name, json.loads(read_text(made)), time.monotonic() - began, place)
+    text = read_text(made).replace(str(made), f"{name}.json")  # no place of this computer in a record
+    store(name, json.loads(text), time.monotonic() - began, place)
     made.unlink()
     return place
 

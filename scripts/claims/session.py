@@ -2,6 +2,7 @@
 
 import json
 import re
+from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -36,16 +37,37 @@ def main(config: Config) -> None:
         place = Path(folder)
         (place / "session.toml").write_text(session, encoding="utf-8")
         logs, parameters = str(place / "logs"), str(place / "parameters.toml")
-        written = {
-            "recorded": _run(place, "record", CELL, str(place / "session.toml"), "--out", logs),
-            "checked": _run(place, "log", "check", *sorted(map(str, Path(logs).glob("*.npz"))), "--robot", NOMINAL),
-            "identified": _run(place, "identify", logs, "--robot", OLD, "--out", parameters),
-            "before": _run(place, "demo", "--robot", CELL, *CIRCLES, "--agents", "none", "lugre_dynamic"),
-            "after": _run(
-                place, "demo", "--robot", CELL, *CIRCLES, "--agents", "lugre_dynamic", "--parameters", parameters
-            ),
-        }
+        recorded = _run(place, "record", CELL, str(place / "session.toml"), "--out", logs)
+        files = sorted(map(str, Path(logs).glob("*.npz")))
+        checked = _run(place, "log", "check", *files, "--robot", NOMINAL)
+        identified = _run(place, "identify", logs, "--robot", OLD, "--out", parameters)
+        before = _run(place, "demo", "--robot", CELL, *CIRCLES, "--agents", "none", "lugre_dynamic")
+        after = _run(place, "demo", "--robot", CELL, *CIRCLES, "--agents", "lugre_dynamic", "--parameters", parameters)
+    written = summarise(recorded, checked, identified, before, after)
     write_json(config.json, written)
+
+
+def summarise(recorded: Any, checked: Any, identified: Any, before: Any, after: Any) -> dict[str, Any]:
+    """Keep what the pages tell: motions, verdicts, parameters with intervals, and RMS path errors of circles [mm]."""
+    parameters = [
+        {key: each[key] for key in ("joint", "name", "value", "interval", "status")}
+        for joint in identified["joints"]
+        for each in joint["parameters"]
+    ]
+    circles = {
+        when: [
+            {key: row[key] for key in ("agent", "position", "radius_mm", "speed_mm_s", "rms_mm")} for row in of["rows"]
+        ]
+        for when, of in (("before", before), ("after", after))
+    }
+    return {
+        "motions": len(recorded["motions"]),
+        "verdicts": dict(Counter(log["verdict"] for log in checked["logs"])),
+        "seconds": sum(log["duration"] for log in checked["logs"]),
+        "physics_fingerprint": recorded["physics_fingerprint"],
+        "parameters": parameters,
+        **circles,
+    }
 
 
 def _run(place: Path, *arguments: str) -> Any:

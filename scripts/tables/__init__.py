@@ -21,6 +21,7 @@ from scripts.tables import (
     friction,
     laws,
     leaderboard,
+    networks,
     package_pages,
     physics,
     published_robot,
@@ -64,6 +65,7 @@ COMPUTED: Mapping[str, Callable[[], Contents]] = {
 """Pages with results, which take minutes; functions of the same names take smaller budgets and other robots."""
 
 STORED: Mapping[str, Callable[[], Contents]] = {
+    "agents/bspline.md": networks.bspline,
     "agents/residual.md": leaderboard.residual,
     "leaderboard/README.md": leaderboard.leaderboard,
     "leaderboard/adaptation.md": leaderboard.adaptation,
