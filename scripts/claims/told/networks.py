@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ffgym.agents import SplineBasis
 from scripts.claims.claim import claim
 from scripts.claims.records import numbers_of
 from scripts.tables.networks import motor_mrad, path_mm
@@ -34,8 +35,6 @@ def networks_on_circles() -> Iterator[str]:
 @claim("ffgym.agents.SplineBasis")
 def knots() -> Iterator[str]:
     """Knots of the splines of the thesis."""
-    from ffgym.agents.bspline import SplineBasis
-
     basis = SplineBasis()
     inner = np.abs(basis.knots) <= 1.0
     yield (
