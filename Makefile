@@ -4,6 +4,7 @@
 # make bench   speed and memory of simulation and environments, against the bare engine, onto docs/performance_history.jsonl;
 #               ends in an error if a ratio lost 10 % of what recent runs there had; BENCH="--json FILE" passes options;
 #               then a short exam of the diagnosis
+# make fuzz    100,000 damaged files for every reader, an hour or two; goes on where it was interrupted; FUZZ="--seed 2"
 # make exam    both whole exams, some hours on 2 cores, onto their page docs/bench_diagnosis.md; goes on where it was
 #               interrupted; SEED=12 is another exam
 # make thesis  chapters 4 to 6 of the thesis simulated, every claim judged, onto reproduction.html; THESIS="--only chapter-4"
@@ -20,7 +21,7 @@ SEED ?= 7
 PYTEST := OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n $(JOBS) --dist worksteal
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check $(CONSTRAINTS)
 
-.PHONY: demo test test-all check bench exam thesis claims format clean
+.PHONY: demo test test-all check bench fuzz exam thesis claims format clean
 
 demo: .venv/.demo
 	$(BIN)/ffgym demo
@@ -40,6 +41,9 @@ check: .venv/.dev
 bench: .venv/.dev
 	$(BIN)/python -m scripts.bench --history docs/performance_history.jsonl $(BENCH)
 	$(BIN)/python -m scripts.exam --cases 1 --jobs 2
+
+fuzz: .venv/.dev
+	$(BIN)/python -m scripts.fuzz --inputs 100000 --out out/fuzz $(FUZZ)
 
 exam: .venv/.dev
 	$(BIN)/python -m scripts.exam --seed $(SEED) --jobs 2 --out out/exam

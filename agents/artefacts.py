@@ -3,7 +3,6 @@
 `agents/trained/<name>/manifest.json` lists the files beside it with their sha256; a file with another hash is refused.
 """
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
@@ -12,8 +11,9 @@ from pathlib import Path
 from typing import Any
 
 from ffgym.core.errors import FFGymError
-from ffgym.core.files import write_json
+from ffgym.core.files import read_text, write_json
 from ffgym.core.provenance import versions
+from ffgym.core.typed_json import from_json, parse_json
 
 TRAINED = Path(__file__).with_name("trained")
 """Folder of the trained agents in the package."""
@@ -76,8 +76,8 @@ def read_manifest(name: str, folder: Path = TRAINED) -> ArtefactManifest | None:
     if not place.exists():
         return None
     try:
-        tree = json.loads(place.read_text(encoding="utf-8"))
-        artefacts = tuple(Artefact(**entry) for entry in tree.pop("artefacts"))
+        tree = parse_json(read_text(place), "it")
+        artefacts = from_json(tuple[Artefact, ...], tree.pop("artefacts"), "artefacts")
         curve = tuple((float(x), float(y)) for x, y in tree.pop("learning_curve"))
         return ArtefactManifest(artefacts=artefacts, learning_curve=curve, **tree)
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:

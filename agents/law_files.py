@@ -15,9 +15,10 @@ import numpy as np
 
 from ffgym.control import FeedForwardLaw
 from ffgym.core.errors import FFGymError, check_choice
-from ffgym.core.files import check_writable, decode_arrays, encode_arrays, write_bytes
+from ffgym.core.files import check_writable, decode_arrays, encode_arrays, read_bytes, write_bytes
 from ffgym.core.plugins import load_families
 from ffgym.core.provenance import versions
+from ffgym.core.typed_json import parse_json
 from ffgym.core.types import Array
 
 FORMAT = 1
@@ -129,16 +130,18 @@ def unpack(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str, Arra
     Raises:
         FFGymError: if the file is missing, damaged, or of another format.
     """
+    data = read_bytes(path)
     try:
-        arrays = decode_arrays(Path(path).read_bytes())
-        header = json.loads(str(arrays.pop("header", "")))
-    except OSError as error:
-        raise FFGymError(f"{path}: cannot be read: {error.strerror}.") from error
-    except ValueError as error:  # ours, or a header that is no JSON
+        arrays = decode_arrays(data)
+        header = parse_json(str(arrays.pop("header", "")), "its header")
+    except FFGymError as error:
         raise FFGymError(f"{path}: is damaged or no file of ffgym: {error}") from error
     if not isinstance(header, dict) or header.get("format") != FORMAT:
         found = header.get("format") if isinstance(header, dict) else header
         raise FFGymError(f"{path}: has format {found!r}, this version of ffgym reads {FORMAT}.")
+    for name in ("settings", "meta"):
+        if not isinstance(header.get(name, {}), dict):
+            raise FFGymError(f"{path}: {name} = {header[name]!r} in its header must be an object.")
     return header, arrays
 
 

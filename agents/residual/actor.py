@@ -28,6 +28,9 @@ OUTPUTS: Mapping[str, Callable[[Array], Array]] = MappingProxyType(
 """Functions that keep residuals within [-1, 1]: `clip` as in PPO, `tanh` as in SAC and TQC."""
 
 
+_LARGEST = float(np.finfo(np.float32).max)
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LinearLayer:
     """Linear layer W x + b."""
@@ -156,12 +159,17 @@ class Actor:
             FFGymError: if shapes do not fit.
         """
 
-        def layer(name: str) -> LinearLayer:
-            return LinearLayer(
-                weight=check_shape(f"{name}_weight", arrays[f"{name}_weight"], (None, None)),
-                bias=check_shape(f"{name}_bias", arrays[f"{name}_bias"], (None,)),
-            )
+        def numbers(name: str, *shape: None) -> Array:
+            values = check_shape(name, arrays[name], shape)
+            if np.any(np.abs(values) > _LARGEST):
+                raise FFGymError(f"{name} has numbers beyond {_LARGEST:g}, those of float32, in which it is kept.")
+            return values
 
+        def layer(name: str) -> LinearLayer:
+            return LinearLayer(weight=numbers(f"{name}_weight", None, None), bias=numbers(f"{name}_bias", None))
+
+        if not isinstance(settings, Mapping):
+            raise FFGymError(f"actor = {settings!r} must be an object of settings.")
         own = dict(settings)
         count, recurrent = own.pop("layers"), own.pop("lstm")
         layers = tuple(layer(f"layer_{k}") for k in range(count))

@@ -149,6 +149,10 @@ class ResidualPolicy:
     `CausalLaw.instant_error`, which differ where friction acts on the arm."""
 
     def __post_init__(self) -> None:
+        if not isinstance(self.base, str) or not isinstance(self.machine, str | None):
+            raise FFGymError(f"base = {self.base!r} and machine = {self.machine!r} must be text.")
+        if not isinstance(self.averaged, bool):
+            raise FFGymError(f"averaged = {self.averaged!r} must be true or false.")
         check_whole("memory", self.memory, unit="samples", low=1, high=1000)
         check_number("bound of the residual", self.bound, unit="breakaway torques", low=0.0, open_low=True)
         check_number("action_scale", self.action_scale, unit="breakaway torques", low=0.0, open_low=True)

@@ -30,6 +30,7 @@ from ffgym.agents.residual.sb3 import export_actor, make_algorithm
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import filled_folder, read_bytes, read_text, write_bytes, write_json
 from ffgym.core.provenance import is_installed, versions
+from ffgym.core.typed_json import parse_json
 
 Points = tuple[tuple[int, float], ...]
 """Points of a learning curve: steps, mean reward per step since the point before."""
@@ -211,9 +212,9 @@ def _learn(model: BaseAlgorithm, training: Training, segment: int, curve: Reward
 def _read_trained(out: Path, about: Mapping[str, Any]) -> Trained:
     """Read the finished training in a folder."""
     try:
-        numbers = json.loads(read_text(out / NUMBERS))
+        numbers = parse_json(read_text(out / NUMBERS), str(out / NUMBERS))
         theirs, wanted = {key: numbers[key] for key in about}, numbers["sha256"]
-    except (KeyError, TypeError, json.JSONDecodeError) as error:
+    except (KeyError, TypeError, FFGymError) as error:
         raise FFGymError(f"{out / NUMBERS}: is damaged. Remove the folder {out} to train again.") from error
     _check_training(theirs, about, out)
     found = hashlib.sha256(read_bytes(out / POLICY)).hexdigest()

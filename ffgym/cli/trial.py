@@ -1,6 +1,5 @@
 """`ffgym trial`: a randomised on/off experiment on a machine: plan it, rehearse it, read it."""
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +18,7 @@ from ffgym.cli.trial_options import PlanTrial, ReadTrial, RehearseTrial
 from ffgym.control import SetpointChannel
 from ffgym.core.errors import FFGymError, check_number, check_whole, errors_at
 from ffgym.core.files import new_folder, read_text, write_text
-from ffgym.core.typed_json import to_json
+from ffgym.core.typed_json import parse_json, to_json
 from ffgym.deployment.trial.matching import TrialLog
 from ffgym.deployment.trial.pages import render_plan, render_trial
 from ffgym.deployment.trial.plan import TrialPlan, plan_trial
@@ -104,9 +103,9 @@ def _read_pilot(path: Path) -> float:
     """Read the spread of an earlier trial from its numbers."""
     with errors_at(str(path)):
         try:
-            gains = json.loads(read_text(path))["gains"]
+            gains = parse_json(read_text(path), "The file")["gains"]
             known = [(float(g["spread"]), int(g["pairs"]) - 1) for g in gains if g["spread"] and not g["is_overall"]]
-        except (KeyError, TypeError, ValueError, RecursionError) as error:
+        except (KeyError, TypeError, ValueError, OverflowError) as error:
             raise FFGymError(
                 f"The file has no gains of a trial ({error!r}); ffgym trial read --json writes it."
             ) from error

@@ -8,9 +8,17 @@ import numpy as np
 
 from ffgym.core.types import Array
 
+LONGEST = 2000
+"""Characters of the longest message: values of damaged files have any length, and who reads the message has not."""
+
 
 class FFGymError(ValueError):
     """A request that cannot be met; the message names the thing, its value, what is valid and the way out."""
+
+    def __init__(self, message: str = "") -> None:
+        """Keep the message; of one that is too long the beginning and the end."""
+        half = LONGEST // 2 - 2
+        super().__init__(message if len(message) <= LONGEST else f"{message[:half]} … {message[-half:]}")
 
 
 @contextmanager

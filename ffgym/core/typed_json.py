@@ -1,13 +1,24 @@
-"""Dataclasses as JSON and back, by the types of their fields; reading checks that all fields are there."""
+"""JSON: text to values, and dataclasses to JSON and back, by the types of their fields, all of which must be there."""
 
+import json
+import sys
 from dataclasses import fields, is_dataclass
 from functools import cache
+from math import isfinite
 from types import UnionType
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 
 from ffgym.core.errors import FFGymError
+
+
+def parse_json(text: str | bytes, what: str, way_out: str = "") -> Any:
+    """Parse JSON; an error calls the text `what`, and ends with a sentence on what to do."""
+    try:
+        return json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise FFGymError(f"{what} is not valid JSON: {error}. {way_out}".rstrip()) from error
 
 
 def to_json(value: Any) -> Any:
@@ -50,8 +61,7 @@ def from_json(kind: Any, value: Any, where: str) -> Any:
         entries = _check(isinstance(value, dict), value, where, "an object")
         return {name: from_json(arguments[1], entry, f"{where}.{name}") for name, entry in entries.items()}
     if kind is float:
-        number = isinstance(value, int | float) and not isinstance(value, bool)
-        return float("nan") if value is None else float(_check(number, value, where, "a number, or null"))
+        return float("nan") if value is None else _number(value, where)
     return _check(type(value) is kind, value, where, {str: "text", bool: "true or false", int: "a whole number"}[kind])
 
 
@@ -75,12 +85,19 @@ def _types(kind: Any) -> dict[str, Any]:
 
 def _tuple(kinds: tuple[Any, ...], value: Any, where: str) -> tuple[Any, ...]:
     entries = _check(isinstance(value, list), value, where, "a list")
-    if kinds == (float, ...) and all(type(entry) is float for entry in entries):  # long lists, mostly
+    # long lists, mostly
+    if kinds == (float, ...) and all(type(entry) is float and isfinite(entry) for entry in entries):
         return tuple(entries)
     if kinds[-1] is ...:
         kinds = (kinds[0],) * len(entries)
     _check(len(entries) == len(kinds), value, where, f"a list of {len(kinds)}")
     return tuple(from_json(k, entry, f"{where}[{i}]") for i, (k, entry) in enumerate(zip(kinds, entries, strict=True)))
+
+
+def _number(value: Any, where: str) -> float:
+    _check(isinstance(value, int | float) and not isinstance(value, bool), value, where, "a number, or null")
+    # a whole number of 400 digits is none that a float holds
+    return float(_check(abs(value) <= sys.float_info.max, value, where, "a finite number, or null"))
 
 
 def _check(right: bool, value: Any, where: str, wanted: str) -> Any:

@@ -91,7 +91,7 @@ def read_servo(path: str | os.PathLike[str], robot: RobotDescription) -> Servo |
         table = _read_table(path, _SERVO, {*_GAINS, *intervals, "source", "joints", "documented"})
         if table is None:
             return None
-        if tuple(table.get("joints", robot.joints)) != robot.joints:
+        if table.get("joints", [*robot.joints]) != [*robot.joints]:
             raise FFGymError(
                 f"joints = {table['joints']} of [{_SERVO}] must be {list(robot.joints)}, those of {robot.name}."
             )
@@ -103,13 +103,9 @@ def _read_gains(table: Mapping[str, Any], name: str, robot: RobotDescription) ->
     """Read one gain of all joints."""
     if name not in table:
         raise FFGymError(f"[{_SERVO}] has no {name}; it must have {', '.join(_GAINS)}, one number per joint.")
-    try:
-        values = np.asarray(table[name], dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise FFGymError(f"{name} = {table[name]!r} must be numbers.") from error
-    check_shape(f"servo.{name}", values, (robot.n_joints,))
+    values = check_shape(f"servo.{name}", table[name], (robot.n_joints,))
     least = 0.0 if name == "integral_gain" else np.nextafter(0.0, 1.0)
-    if not np.all((values >= least) & np.isfinite(values)):
+    if not np.all(values >= least):
         raise FFGymError(f"servo.{name} = {values.tolist()} must be {'>= 0' if least == 0 else '> 0'} on every joint.")
     return values
 

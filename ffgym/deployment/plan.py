@@ -10,6 +10,7 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError, check_number, check_shape, errors_at
 from ffgym.core.files import decode_arrays, encode_arrays, read_bytes, write_bytes
+from ffgym.core.typed_json import parse_json
 from ffgym.core.types import Array
 from ffgym.robot import RobotDescription
 
@@ -113,12 +114,12 @@ def read_plan(path: str | os.PathLike[str]) -> SetpointPlan:
     with errors_at(str(path)):
         arrays = decode_arrays(read_bytes(path))
         try:
-            header = json.loads(str(arrays.pop("header")))
+            header = parse_json(str(arrays.pop("header")), "The header")
             if header.pop("format") != _FORMAT:
                 raise KeyError("format")
             header |= {name: tuple(header[name]) for name in ("joints", "units")}
             return SetpointPlan(**header, **arrays)
-        except (KeyError, TypeError, AttributeError, json.JSONDecodeError) as error:
+        except (KeyError, TypeError, AttributeError) as error:
             raise FFGymError(
                 f"The file is no plan of set-points of this version ({_FORMAT}): {error}. Plan the motion again."
             ) from error

@@ -4,7 +4,6 @@ It has the fields of `Diagnosis`, but instead of `levels` the three objects `noi
 channel and component, value and unit.
 """
 
-import json
 import os
 from collections.abc import Mapping
 from types import MappingProxyType
@@ -12,7 +11,7 @@ from typing import Any
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import read_text, write_json
-from ffgym.core.typed_json import from_json, to_json
+from ffgym.core.typed_json import from_json, parse_json, to_json
 from ffgym.diagnosis.residual import UNITS
 from ffgym.diagnosis.result import Diagnosis
 
@@ -61,12 +60,7 @@ def read_diagnosis(path: str | os.PathLike[str]) -> Diagnosis:
     Raises:
         FFGymError: if it cannot be read, is no diagnosis, of another version, or damaged.
     """
-    try:
-        document = json.loads(read_text(path))
-    except (ValueError, RecursionError) as error:
-        if isinstance(error, FFGymError):
-            raise
-        raise FFGymError(f"{path} is no valid JSON: {error}. Copy it again, or run the diagnosis again.") from error
+    document = parse_json(read_text(path), str(path), "Copy it again, or run the diagnosis again.")
     try:
         return parse_diagnosis(document)
     except FFGymError as error:

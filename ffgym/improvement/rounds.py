@@ -1,6 +1,5 @@
 """Rounds of recording, diagnosing and extending, until the model explains the recordings or the rounds are used up."""
 
-import json
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
@@ -10,6 +9,7 @@ from typing import Any
 from ffgym.core.errors import FFGymError, check_whole
 from ffgym.core.files import read_text, write_json, write_text
 from ffgym.core.provenance import versions
+from ffgym.core.typed_json import parse_json
 from ffgym.diagnosis.diagnosis_file import read_diagnosis, write_diagnosis
 from ffgym.diagnosis.extended import extend_machine, save_extended
 from ffgym.diagnosis.nuisance import ParameterPrior
@@ -206,6 +206,6 @@ def _about(machine: Machine, recordings: Sequence[Recording]) -> dict[str, Any]:
 
 def _json(path: Path) -> Any:
     try:
-        return json.loads(read_text(path))
-    except ValueError:  # damaged or empty: the diagnosis is made again
+        return parse_json(read_text(path), str(path))
+    except FFGymError:  # damaged or empty: the diagnosis is made again
         return None

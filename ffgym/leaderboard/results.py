@@ -11,7 +11,7 @@ from ffgym.control import SetpointChannel, SetpointResponse
 from ffgym.control.observation import Channel
 from ffgym.core.errors import FFGymError, check_choice, check_number
 from ffgym.core.files import read_text
-from ffgym.core.typed_json import from_json
+from ffgym.core.typed_json import from_json, parse_json
 from ffgym.envs.machines import is_workcell
 from ffgym.leaderboard.plants import NOMINAL, draw_number
 from ffgym.leaderboard.tasks import SPLITS
@@ -214,10 +214,7 @@ def read_row(path: Path) -> Row:
 
 def decode_row(text: str, path: str) -> Row:
     """Decode the row in the text of a file; FFGymError that names the path if it is damaged, or of another format."""
-    try:
-        tree = json.loads(text, parse_constant=_no_number)
-    except ValueError as error:
-        raise FFGymError(f"{path}: is damaged, no JSON: {error}. {_AGAIN}") from error
+    tree = parse_json(text, path, _AGAIN)
     # format before content, as files of other versions are no damage
     found = tree.get("format") if isinstance(tree, dict) else None
     if found != FORMAT:
@@ -242,13 +239,28 @@ def decode_row(text: str, path: str) -> Row:
                 check_choice("split", cell.split, SPLITS)
                 check_number("radius_mm", cell.radius_mm, unit="mm", low=0.0)
                 check_number("speed_mm_s", cell.speed_mm_s, unit="mm/s", low=0.0)
+                _check_errors(cell)
+        _check_motors([cell for outcome in row.outcomes for cell in outcome.cells])
     except FFGymError as error:
         raise FFGymError(f"{path}: is no result of the leaderboard: {error} {_AGAIN}") from error
     return row
 
 
-def _no_number(word: str) -> float:
-    raise ValueError(f"{word} is no number of JSON")
+def _check_errors(cell: CircleResult) -> None:
+    """Check that errors are sizes, or None."""
+    sizes = {name: getattr(cell, name) for name in ("rms_mm", "max_mm", "rms_3d_mm", "max_3d_mm")}
+    sizes |= {f"motor_rms_rad[{k}]": value for k, value in enumerate(cell.motor_rms_rad or ())}
+    for name, value in sizes.items():
+        if value is not None:
+            check_number(name, value, low=0.0)
+
+
+def _check_motors(cells: Sequence[CircleResult]) -> None:
+    """Check that all circles have errors of equally many motors."""
+    counts = {len(cell.motor_rms_rad) for cell in cells if cell.motor_rms_rad is not None}
+    if len(counts) > 1:
+        found = " or ".join(map(str, sorted(counts)))
+        raise FFGymError(f"motor_rms_rad has {found} numbers, must have one for each motor, the same on all circles.")
 
 
 def _check_once(what: str, keys: Sequence[object]) -> None:

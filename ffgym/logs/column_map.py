@@ -1,7 +1,6 @@
 """A column map: robot, header, and where each column of a recording is in a file of another tool."""
 
 import os
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import resources
@@ -247,7 +246,7 @@ def write_corrected(
     tree: dict[str, Any] = {}
     if columns is not None:
         known = load_columns(columns)
-        tree = tomllib.loads(_map_text(columns))
+        tree = parse_toml(_map_text(columns), str(columns))
         robot = tree.get("log", {}).get("robot", "")
         if robot.endswith(".toml"):
             tree["log"]["robot"] = os.path.relpath(known.folder / robot, Path(path).parent)

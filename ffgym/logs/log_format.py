@@ -122,6 +122,8 @@ def one_error(what: str) -> Iterator[None]:
         yield
     except FFGymError:
         raise
+    except MemoryError as error:  # of a length in a damaged file, for which a library reserves memory before it reads
+        raise FFGymError(f"Not {what}, or damaged: it asks for more memory than there is. Copy it again.") from error
     except Exception as error:
         # scipy, h5py, pyarrow, sqlite3 and rosbags parse what may be any bytes, and document no closed list of
         # what they raise: IndexError, struct.error, zlib.error, OverflowError, AttributeError, ... were all seen.

@@ -191,6 +191,8 @@ _MISS = 1e-9
 """Error of arc length, as a share of the whole, after which one more Newton step, which squares it, leaves rounding."""
 
 
+SHORTEST = 1e-15
+"""Length of a piece of a curve, in m or rad, that rounding of positions leaves nothing of."""
 CUSP = 0.01
 """Speed by its parameter, which is 1 on average, below which a spline counts as turning on the spot."""
 
@@ -213,7 +215,13 @@ class PolynomialCurve(Curve):
         ends = self.polynomial.x
         u = np.concatenate([np.linspace(a, b, _PIECES, endpoint=False) for a, b in itertools.pairwise(ends)])
         u = np.append(u, ends[-1])
-        return u, np.concatenate([[0.0], np.cumsum(self._length_between(u[:-1], u[1:]))])
+        lengths = self._length_between(u[:-1], u[1:])
+        if not lengths.min() > SHORTEST:
+            raise FFGymError(
+                f"A piece of a curve is {lengths.min():g} long, must be more than {SHORTEST:g}. Is a zone, or a "
+                f"distance between points, in another unit?"
+            )
+        return u, np.concatenate([[0.0], np.cumsum(lengths)])
 
     def _length_between(self, start: Array, end: Array) -> Array:
         """Arc length from `start` to `end`, parameters of shape (T,) within one polynomial each."""

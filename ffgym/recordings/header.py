@@ -10,6 +10,7 @@ from typing import Any, Literal, Self, get_args
 import numpy as np
 
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_shape
+from ffgym.core.typed_json import parse_json
 from ffgym.core.types import Array
 from ffgym.recordings.schema import USER_PREFIX
 
@@ -167,10 +168,7 @@ class Header:
     @classmethod
     def from_json(cls, text: str) -> Self:
         """Return the header that `to_json` wrote; text that is no valid header is an error."""
-        try:
-            values = json.loads(text)
-        except (ValueError, RecursionError) as error:
-            raise FFGymError(f"The header is not valid JSON: {error}.") from error
+        values = parse_json(text, "The header")
         if not isinstance(values, dict):
             raise FFGymError(f"The header must be a JSON object, got {type(values).__name__}.")
         version = values.get("schema_version")

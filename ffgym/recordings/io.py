@@ -1,6 +1,5 @@
 """Recording files: the suffix chooses the format, a file is replaced whole or not at all."""
 
-import json
 import os
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -11,8 +10,9 @@ from typing import Any, Self, final
 
 import numpy as np
 
-from ffgym.core.errors import FFGymError
-from ffgym.core.files import read_bytes, read_text, write_bytes
+from ffgym.core.errors import FFGymError, errors_at
+from ffgym.core.files import is_file, read_arrays, read_bytes, read_text, write_bytes
+from ffgym.core.typed_json import parse_json
 from ffgym.core.types import Array
 from ffgym.recordings import csv, npz
 from ffgym.recordings.header import Header
@@ -116,14 +116,8 @@ class Stored:
         return recording.rename(self._segment) if self._segment else recording
 
     def _read(self, names: tuple[str, ...]) -> dict[str, Any]:
-        try:
-            with self._path.open("rb") as stream, np.load(stream, allow_pickle=False) as file:
-                return {name: file[name] for name in names}
-        except Exception as error:  # zipfile, zlib and numpy raise a dozen types for damaged bytes
-            kind = type(error).__name__
-            raise FFGymError(
-                f"{self._path}: damaged, cut short, or without {', '.join(names)} ({kind}). Copy or make it again."
-            ) from error
+        with errors_at(str(self._path)):
+            return read_arrays(self._path, names)
 
 
 def read_folder(folder: str | os.PathLike[str]) -> list[Recording]:
@@ -155,7 +149,7 @@ def recording_files(folder: str | os.PathLike[str]) -> list[Path]:
                 f"recordings that are there."
             )
         # an interrupted session lacks some
-        missing = [file.name for file in files if not file.exists()]
+        missing = [file.name for file in files if not is_file(file)]
         if missing:
             raise FFGymError(
                 f"{place}: {len(missing)} of {len(files)} recordings are missing, first {missing[0]}. Run the same "
@@ -171,11 +165,7 @@ def read_index(folder: Path) -> dict[str, Any] | None:
     path = folder / INDEX
     if not path.exists():
         return None
-    text = read_text(path)
-    try:
-        index = json.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise FFGymError(f"{path} is not valid JSON: {error}. Remove it to read all recordings beside it.") from error
+    index = parse_json(read_text(path), str(path), "Remove it to read all recordings beside it.")
     if not isinstance(index, dict):
         raise FFGymError(f"{path} must be a JSON object. Remove it to read all recordings beside it.")
     return index

@@ -69,7 +69,7 @@ def test_what_is_no_law_is_one_clear_error(stored, tmp_path):
         save_law(tmp_path / "law.bin", stored[0])
     with pytest.raises(FFGymError, match="does not exist"):
         save_law(tmp_path / "absent" / "law.npz", stored[0])
-    with pytest.raises(FFGymError, match="No such file"):
+    with pytest.raises(FFGymError, match="no such file"):
         load_law(tmp_path / "absent.npz")
     changed(path, kind="dance")
     with pytest.raises(FFGymError, match=r"Unknown kind of law .* 'dance'. Available: .*viscous"):
@@ -107,7 +107,7 @@ def test_numbers_and_names_that_make_no_law_are_refused_with_the_file_they_stand
 def test_a_damaged_file_is_one_clear_error(stored, damage):
     _, path = stored
     path.write_bytes(damage(path.read_bytes()))
-    with pytest.raises(FFGymError, match="is damaged or no file of ffgym"):
+    with pytest.raises(FFGymError, match=r"is damaged or no file of ffgym|is empty"):
         load_law(path)
 
 

@@ -199,7 +199,7 @@ def test_a_ray_cluster_gives_the_same_rows(tmp_path):
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
-        ("{", "is damaged, no JSON"),
+        ("{", "is not valid JSON"),
         ('{"format": 7}', "has format 7, this version of ffgym reads 1"),
         ('{"format": 1, "name": "none"}', "is no result of the leaderboard"),
         ("[]", "has format None"),
@@ -236,7 +236,7 @@ def in_outcome(**change):
         (lambda tree: tree.pop("title"), "row lacks title"),
         (lambda tree: tree.update(more=1), "has unknown entries more"),
         (in_cell(rms_mm="0.1"), "rms_mm = '0.1' must be a number"),
-        (in_cell(max_mm=float("nan")), "NaN is no number of JSON"),
+        (in_cell(max_mm=float("nan")), "max_mm = nan must be a finite number, or null"),
         (in_cell(radius_mm=None), "radius_mm must be finite"),
         (in_cell(motor_rms_rad=["x"]), "must be a number"),
         (in_cell(split="moon"), "Unknown split 'moon'"),

@@ -193,5 +193,5 @@ def test_what_is_no_revealed_round_is_refused_in_one_line(tmp_path, tree, messag
 def test_a_file_that_is_no_json_is_refused(tmp_path):
     place = tmp_path / "round.json"
     place.write_text("seed = 1")
-    with pytest.raises(FFGymError, match="is no JSON"):
+    with pytest.raises(FFGymError, match="is not valid JSON"):
         read_round(place)

@@ -126,7 +126,7 @@ def test_a_lerobot_set_that_is_not_whole_is_one_error(data_set):
     with refused("There are no data/chunk-*/*.parquet files"):
         read_contents(data_set)
     (data_set / "meta" / "info.json").write_text("[", encoding="utf-8")
-    with refused("meta/info.json is not JSON"):
+    with refused("meta/info.json is not valid JSON"):
         read_contents(data_set)
     (data_set / "meta" / "info.json").unlink()
     with refused("robot_set: the folder has no metadata.yaml or meta/info.json"):

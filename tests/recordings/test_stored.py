@@ -29,10 +29,10 @@ def test_columns_that_are_read_one_at_a_time_are_those_of_the_recording(long, tm
 def test_a_damaged_file_and_a_missing_column_are_refused(long, tmp_path):
     path = tmp_path / "go.npz"
     write_recording(long, path)
-    with refused("damaged, cut short, or without nothing"):
+    with refused("go.npz: The file has no nothing. Copy"):
         Stored(path)["nothing"]
     path.write_bytes(path.read_bytes()[:3000])
-    with refused("damaged, cut short, or without header"):
+    with refused("go.npz: Damaged, cut short, not NPZ"):
         Stored(path)
 
 

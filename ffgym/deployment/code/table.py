@@ -126,9 +126,12 @@ def _csv_text(table: LawTable) -> str:
 
 
 def _parse(text: str) -> LawTable:
-    names = next(csv.reader([text.partition("\n")[0]]))
-    rows = np.loadtxt(io.StringIO(text), delimiter=",", skiprows=1, ndmin=2)
-    if names[0] != "t [s]" or rows.shape[1] != len(names) or len(rows) < 2:
+    head, _, body = text.partition("\n")
+    names = next(csv.reader([head]), [])
+    if not body.strip():
+        raise ValueError("it has no rows")
+    rows = np.loadtxt(io.StringIO(body), delimiter=",", ndmin=2)
+    if not names or names[0] != "t [s]" or rows.shape[1] != len(names) or len(rows) < 2:
         raise ValueError("its columns are others")
     columns: dict[str, dict[str, Array]] = {}
     for name, column in zip(names[1:], rows.T[1:], strict=True):

@@ -2,7 +2,6 @@
 
 import csv
 import io
-import json
 import os
 from collections.abc import Mapping
 from pathlib import Path
@@ -10,6 +9,7 @@ from typing import Any
 
 from ffgym.core.errors import FFGymError, errors_at
 from ffgym.core.files import new_folder, read_text, write_json, write_text
+from ffgym.core.typed_json import parse_json
 from ffgym.deployment.trial.plan import TrialPlan, plan_trial
 from ffgym.deployment.trial.program import TrialProgram
 from ffgym.recordings import read_recording, write_recording
@@ -88,13 +88,13 @@ def read_trial_plan(folder: str | os.PathLike[str]) -> TrialPlan:
         raise FFGymError(f"{folder}: holds no {PLAN}. Name the folder that `ffgym trial plan --out` made.")
     with errors_at(str(path)):
         try:
-            values = json.loads(read_text(path))
+            values = parse_json(read_text(path), "The file")
             if values["format"] != _FORMAT:
                 raise KeyError("format")
             files = [Path(folder) / PROGRAMS / str(entry["file"]) for entry in values["programs"]]
             numbers = {name: values[name] for name in ("pairs", "seed", "warm_up", "laps")}
             robot, runs, digest = str(values["robot"]), values["runs"], values["digest"]
-        except (KeyError, TypeError, ValueError, RecursionError) as error:
+        except (KeyError, TypeError) as error:
             raise FFGymError(f"The file is no plan of this version ({_FORMAT}): {error!r}. Plan again.") from error
         programs = [TrialProgram(recording=read_recording(file)) for file in files]
         plan = plan_trial(robot, programs, **numbers)

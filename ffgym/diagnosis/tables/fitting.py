@@ -7,7 +7,6 @@
 """
 
 import hashlib
-import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,7 +17,7 @@ import numpy as np
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import read_text, write_json
 from ffgym.core.provenance import versions
-from ffgym.core.typed_json import to_json
+from ffgym.core.typed_json import parse_json, to_json
 from ffgym.core.types import Array
 from ffgym.diagnosis.fit.batches import Point
 from ffgym.diagnosis.tables.error_table import ErrorTable
@@ -96,11 +95,8 @@ def fit_structure(task: FitTask, tell: Tell = lambda text: None) -> StructureFit
 def _read_state(task: FitTask) -> dict[str, Any]:
     if not task.file.exists():
         return {}
-    try:
-        state: dict[str, Any] = json.loads(read_text(task.file))
-    except json.JSONDecodeError as error:
-        raise FFGymError(f"{task.file}: is no valid JSON: {error}. Remove it to begin anew.") from error
-    if state.get("key") != task.key:
+    state: Any = parse_json(read_text(task.file), str(task.file), "Remove it to begin anew.")
+    if not isinstance(state, dict) or state.get("key") != task.key:
         raise FFGymError(
             f"{task.file}: is of another table, robot, motion, structure, number of steps or version of a program. "
             f"Name another folder, or remove it to begin anew."

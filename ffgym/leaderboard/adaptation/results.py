@@ -1,13 +1,12 @@
 """Results of adaptation as a file: the error left of every adapter, budget, machine and seed, motion by motion."""
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import read_text, write_json
-from ffgym.core.typed_json import from_json, to_json
+from ffgym.core.typed_json import from_json, parse_json, to_json
 
 FORMAT = 1
 """Version of the file format."""
@@ -64,11 +63,7 @@ def read_results(path: Path) -> AdaptationResults:
     Raises:
         FFGymError: if the file cannot be read, is damaged, or of another format.
     """
-    text = read_text(path)
-    try:
-        tree = json.loads(text)
-    except ValueError as error:
-        raise FFGymError(f"{path}: is damaged, no JSON: {error}. Remove it, and run the command again.") from error
+    tree = parse_json(read_text(path), str(path), "Remove it, and run the command again.")
     found = tree.pop("format", None) if isinstance(tree, dict) else None
     if found != FORMAT:
         raise FFGymError(f"{path}: has format {found!r}, this version of ffgym reads {FORMAT}.")

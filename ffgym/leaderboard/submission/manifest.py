@@ -14,7 +14,7 @@ from typing import Any, Literal, get_args
 from ffgym.control.observation import CHANNELS, Channel
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
 from ffgym.core.files import read_bytes
-from ffgym.core.typed_json import from_json
+from ffgym.core.typed_json import from_json, parse_json
 
 FORMAT = 1
 """Version of the format; see docs/leaderboard/submissions.md."""
@@ -191,9 +191,9 @@ def decode_submission(data: bytes) -> tuple[Manifest, dict[str, bytes]]:
 def decode_manifest(data: bytes) -> Manifest:
     """Decode the bytes of manifest.json; Refused if it is damaged, of another format, incomplete or changed."""
     try:
-        tree = json.loads(data.decode())
-    except (ValueError, RecursionError) as error:
-        raise Refused("manifest", f"{MANIFEST} is no JSON text ({type(error).__name__}).") from error
+        tree = parse_json(data, MANIFEST)
+    except FFGymError as error:
+        raise Refused("manifest", str(error)) from error
     found = tree.pop("format", None) if isinstance(tree, dict) else None
     if type(found) is not int or found != FORMAT:  # true equals 1
         raise Refused("manifest", f"{MANIFEST} has format {found!r}, this version of ffgym reads {FORMAT}.")

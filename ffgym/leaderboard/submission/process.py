@@ -27,6 +27,7 @@ import ffgym
 from ffgym.control.observation import Channel
 from ffgym.core.errors import FFGymError, check_number
 from ffgym.core.temporaries import scratch_folder
+from ffgym.core.typed_json import parse_json
 from ffgym.core.types import Array
 from ffgym.leaderboard.submission.manifest import AgentSource, Refused
 from ffgym.robot import load_robot
@@ -222,7 +223,7 @@ def receive(pipe: IO[bytes]) -> tuple[dict[str, Any], bytes]:
     lengths = _HEAD.unpack(read(_HEAD.size))
     if max(lengths) > _LONGEST:
         raise FFGymError(f"{max(lengths)} bytes are more than any has.")
-    message, numbers = json.loads(read(lengths[0])), read(lengths[1])
+    message, numbers = parse_json(read(lengths[0]), "it"), read(lengths[1])
     if not isinstance(message, dict):
         raise FFGymError("it is no JSON object.")
     return message, numbers

@@ -17,7 +17,7 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
 from ffgym.core.files import read_text
-from ffgym.core.typed_json import from_json
+from ffgym.core.typed_json import from_json, parse_json
 from ffgym.envs.machines import WORKCELL
 from ffgym.leaderboard.motions import CIRCLE, KINDS, TILTED
 from ffgym.leaderboard.plants import find_plant
@@ -198,10 +198,7 @@ def read_round(path: str | os.PathLike[str]) -> Round:
 
 
 def _read(path: str | os.PathLike[str]) -> dict[str, Any]:
-    try:
-        tree = json.loads(read_text(path))
-    except ValueError as error:
-        raise FFGymError(f"{path}: is no JSON: {error}. Give a file of ffgym leaderboard round.") from error
+    tree = parse_json(read_text(path), str(path), "Give a file of ffgym leaderboard round.")
     if not isinstance(tree, dict) or tree.get("format") not in FORMATS or not isinstance(tree.get("commitment"), str):
         versions = " or ".join(map(str, FORMATS))
         raise FFGymError(f"{path}: is no file of a round of format {versions}. Give one of ffgym leaderboard round.")

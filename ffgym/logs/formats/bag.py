@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ffgym.core.files import read_bytes
+from ffgym.core.files import check_ordinary, read_bytes
 from ffgym.logs.contents import Contents
 from ffgym.logs.log_format import LogFormat
 from ffgym.logs.text_layout import TextLayout
@@ -45,6 +45,8 @@ class Bag(LogFormat):
 
     def read(self, path: Path, layout: TextLayout) -> Contents:
         """Read the messages of a bag, one array per field of a topic."""
+        for file in path.iterdir() if path.is_dir() else [path]:
+            check_ordinary(file)
         if (path.is_file() and not path.stat().st_size) or not path.exists():
             read_bytes(path)  # which says what is wrong
         streams, skipped = _messages(path)

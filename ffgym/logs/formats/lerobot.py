@@ -1,6 +1,5 @@
 """LeRobot data sets: a folder with meta/info.json and Parquet files, in which episodes follow each other."""
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +8,7 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import read_bytes, read_text
+from ffgym.core.typed_json import parse_json
 from ffgym.logs.contents import NUMBERS, Contents
 from ffgym.logs.formats.parquet import contents_of, read_table
 from ffgym.logs.log_format import LogFormat, one_error
@@ -31,11 +31,7 @@ class LeRobot(LogFormat):
 
     def read(self, path: Path, layout: TextLayout) -> Contents:
         """Read the episodes of a LeRobot data set, a folder of Parquet files."""
-        text = read_text(path / self.folder)
-        try:
-            info = json.loads(text)
-        except (ValueError, RecursionError) as error:
-            raise FFGymError(f"{self.folder} is not JSON: {error}.") from error
+        info = parse_json(read_text(path / self.folder), self.folder)
         if not isinstance(info, dict):
             raise FFGymError(f"{self.folder} must be a JSON object, got {type(info).__name__}.")
         files = sorted(path.glob("data/*/*.parquet"))

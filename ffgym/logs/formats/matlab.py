@@ -16,6 +16,7 @@ import scipy
 from scipy.io import loadmat
 
 from ffgym.core.errors import FFGymError
+from ffgym.core.files import check_unpacked, most_unpacked
 from ffgym.logs.contents import NUMBERS, TEXT, Contents
 from ffgym.logs.formats.hdf5 import OBJECT, read_mat73
 from ffgym.logs.log_format import LogFormat
@@ -105,15 +106,21 @@ def _check_mat5(data: bytes) -> None:
     order = _ENDIAN.get(data[_HEADER - 2 : _HEADER])
     if order is None:
         raise FFGymError("Not a MATLAB file of version 5 or later, or cut short. In MATLAB, use save -v7 or -v7.3.")
-    file = _Bytes(data, order)
+    file, total = _Bytes(data, order), 0
     for element in file.elements(_HEADER, len(data), aligned=False):
         if element.kind != _COMPRESSED:
             file.check(element, _DEEPEST)
             continue
         try:
-            inner = _Bytes(zlib.decompress(data[element.start : element.end]), order)
+            packed = zlib.decompressobj()
+            unpacked = packed.decompress(data[element.start : element.end], most_unpacked(len(data)) + 1)
+            total += len(unpacked)
+            check_unpacked("The file", len(data), total)
+            if not packed.eof:
+                raise zlib.error("its end is missing")
         except zlib.error as error:
             raise FFGymError(f"Damaged: the variable at byte {element.start} cannot be decompressed.") from error
+        inner = _Bytes(unpacked, order)
         for found in inner.elements(0, len(inner.data), aligned=False):
             inner.check(found, _DEEPEST)
 

@@ -6,6 +6,7 @@ import lazy_loader
 import numpy as np
 from numpy.typing import NDArray
 
+from ffgym.core.files import check_unpacked
 from ffgym.logs.contents import Contents
 from ffgym.logs.log_format import LogFormat
 
@@ -27,9 +28,15 @@ class Parquet(LogFormat):
 
 def read_table(data: bytes) -> Any:
     """Arrow table of a Parquet file."""
-    from pyarrow.parquet import read_table as read
+    from pyarrow.parquet import ParquetFile
 
-    return read(pa.BufferReader(data))
+    file = ParquetFile(pa.BufferReader(data))
+    about = file.metadata
+    groups = [about.row_group(k) for k in range(about.num_row_groups)]
+    columns = [group.column(k) for group in groups for k in range(group.num_columns)]
+    # a value that is written once stands for many
+    check_unpacked("The file", len(data), sum(max(c.total_uncompressed_size, 8 * c.num_values) for c in columns))
+    return file.read()
 
 
 def contents_of(table: Any, where: str) -> Contents:

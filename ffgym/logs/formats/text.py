@@ -2,6 +2,7 @@
 
 import csv
 import gzip
+import io
 import re
 import zlib
 from array import array
@@ -14,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ffgym.core.errors import FFGymError
-from ffgym.core.files import read_bytes
+from ffgym.core.files import check_unpacked, most_unpacked, read_bytes
 from ffgym.logs.contents import Contents
 from ffgym.logs.log_format import PACKED, LogFormat
 from ffgym.logs.text_layout import TextLayout
@@ -45,9 +46,12 @@ class Text(LogFormat):
         data = read_bytes(path)
         if path.suffix.lower() == PACKED:
             try:
-                data = gzip.decompress(data)
+                with gzip.open(io.BytesIO(data)) as packed:
+                    text = packed.read(most_unpacked(len(data)) + 1)
             except (OSError, EOFError, zlib.error) as error:
                 raise FFGymError(f"is no whole gzip file: {error}. Copy it again.") from error
+            check_unpacked("The file", len(data), len(text))
+            data = text
         return self.decode(data, str(path), layout)
 
     def decode(self, data: bytes, where: str, layout: TextLayout | None = None) -> Contents:

@@ -8,6 +8,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from ffgym.core.errors import FFGymError, errors_at
+from ffgym.core.files import read_bytes
 from ffgym.core.types import Array
 from ffgym.paths.moves import Move, MoveJoint, Pose, locate_error
 from ffgym.paths.rapid.controller import Execution
@@ -174,9 +175,9 @@ PROGRAM_SUFFIX = ".pgf"
 
 def _bytes_of(path: Path) -> bytes:
     try:
-        return path.read_bytes()
-    except OSError as error:
-        raise FFGymError(f"Cannot read RAPID program {path}: {error.strerror}.") from error
+        return read_bytes(path)
+    except FFGymError as error:
+        raise FFGymError(f"Cannot read RAPID program {error}") from error
 
 
 def _files_of(path: Path) -> list[Path]:

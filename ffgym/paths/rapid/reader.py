@@ -1,6 +1,7 @@
 """Parser of RAPID, from text to syntax tree, by lark; imported when the first program is read, as lark is an extra."""
 
 from collections import Counter
+from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass
 from functools import cache
@@ -56,6 +57,14 @@ def _parser() -> Lark:
     return Lark(grammar, parser="lalr", lexer="basic", postlex=Keywords(), propagate_positions=True)
 
 
+def _next_of(tokens: Sequence[Token], types: frozenset[str]) -> list[int]:
+    """Find for each token the first one from it on that is of some types, of which the last token is one."""
+    found = [len(tokens) - 1] * len(tokens)
+    for i in range(len(tokens) - 2, -1, -1):
+        found[i] = i if tokens[i].type in types else found[i + 1]
+    return found
+
+
 class _Reading:
     """One pass over the tokens of a file, which goes on behind what it cannot read."""
 
@@ -64,6 +73,10 @@ class _Reading:
         lines = text.rstrip().split("\n")
         end = Token("$END", "", line=len(lines), column=len(lines[-1]) + 1)
         self.tokens = [*tokens, end]
+        self.signs = _next_of(self.tokens, _RESUMED | _BORDERS)
+        """For each token the next sign at which a statement may go on, or its border."""
+        self.ends = _next_of(self.tokens, _BORDERS | {"SEMICOLON"})
+        """For each token the end of its statement."""
         self.parser: InteractiveParser = _parser().parse_interactive()
         self.errors: list[FFGymError] = []
         self.skipped: set[str] = set()
@@ -139,9 +152,7 @@ class _Reading:
 
     def _resume_after_value(self, i: int) -> int | None:
         """Take what stands up to the next sign of its statement as one value, if the statement goes on there."""
-        after = i
-        while self.tokens[after].type not in _RESUMED | _BORDERS:
-            after += 1
+        after = self.signs[i]
         token = self.tokens[after]
         if token.type in _BORDERS:
             return None
@@ -168,8 +179,5 @@ class _Reading:
 
     def _next_statement(self, i: int) -> int:
         """Find the token behind the next semicolon, or at the next border of a statement."""
-        while self.tokens[i].type not in _BORDERS:
-            if self.tokens[i].type == "SEMICOLON":
-                return i + 1
-            i += 1
-        return i
+        end = self.ends[i]
+        return end + 1 if self.tokens[end].type == "SEMICOLON" else end

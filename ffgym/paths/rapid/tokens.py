@@ -81,8 +81,11 @@ class Keywords:
 
     def process(self, stream: Iterator[Token]) -> Iterator[Token]:
         """Pass the tokens on; the last of them is of type TOO_LONG or TOO_DEEP if reading stops there."""
-        depth = 0
+        depth, last = 0, ""
         for token in stream:
+            if token.type == last == "WRONG":  # the first of several says it all
+                continue
+            last = token.type
             if token.type == "NAME" and token.upper() in RESERVED:
                 word = token.upper()
                 token = token.update(type=word if word in KEPT else f"_{word}")

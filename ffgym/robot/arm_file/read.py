@@ -11,8 +11,10 @@ import mujoco
 import numpy as np
 
 from ffgym.core.errors import FFGymError, errors_at
+from ffgym.core.files import read_bytes
 from ffgym.robot.arm_file.arm_file import ArmFile, Kind, Source
 from ffgym.robot.arm_file.chain import check_open, choose_chain
+from ffgym.robot.arm_file.extent import check_extent
 from ffgym.robot.arm_file.measure import find_frames, joint_hints, left_out, pose_at_zero, quantities_of
 from ffgym.robot.arm_file.shapes import WAY_OUT, looks_of, weighs
 from ffgym.robot.arm_file.urdf import read_urdf
@@ -96,6 +98,7 @@ _SMALL = 0.01
 
 def _read_mjcf(path: Path, *, looks: bool) -> Source:
     """Read an MJCF file, with what it includes."""
+    check_extent(path)
     spec = mujoco.MjSpec.from_file(str(path))
     for joint in spec.joints:
         if joint.range[0] > joint.range[1]:
@@ -146,10 +149,7 @@ def read_arm(path: str | Path, joints: Sequence[str] | None = None, *, looks: bo
 
 
 def _read(path: Path, joints: Sequence[str] | None, looks: bool) -> ArmFile:
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise FFGymError(f"Cannot read it: {error.strerror}. It must be an MJCF or URDF file.") from error
+    data = read_bytes(path)
     # format by the outermost element of the file
     text = re.sub(r"<!--.*?-->|<\?.*?\?>|<![^>]*>", "", data.decode("latin-1"), flags=re.DOTALL)
     found = re.search(r"<([\w:.-]+)", text)

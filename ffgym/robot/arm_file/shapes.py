@@ -9,6 +9,7 @@ import numpy as np
 import scipy
 
 from ffgym.core.errors import FFGymError
+from ffgym.core.files import check_ordinary, is_file
 from ffgym.core.types import Array
 from ffgym.robot.arm_file.chain import BASE
 from ffgym.robot.arm_file.measure import ZeroPose
@@ -51,7 +52,8 @@ def find_mesh(uri: str, folder: Path, what: str) -> Path:
     _, scheme, rest = uri.partition("://")
     places = [parent / rest for parent in (folder, *folder.parents)] if scheme else [folder / uri]
     for place in places:
-        if place.is_file():
+        check_ordinary(place)
+        if is_file(place):
             return place
     looked = ", ".join(map(str, places[:3])) + (f" and {len(places) - 3} folders above" if len(places) > 3 else "")
     raise FFGymError(f"The mesh {uri!r} of {what} is missing; looked for {looked}. Put it there, {WAY_OUT}.")

@@ -48,8 +48,8 @@ def load_robot(robot: str | Path) -> RobotDescription:
 def _draft_of(text: str, place: Path, seen: tuple[Path, ...] = ()) -> RobotDraft:
     """Draft from the text of a description or of a parameter file; `seen` are the parameter files that lead to it."""
     try:
-        head = tomllib.loads(text).get("parameters")
-    except (tomllib.TOMLDecodeError, RecursionError):  # the reading of a description says what is wrong
+        head = parse_toml(text, str(place)).get("parameters")
+    except FFGymError:  # the reading of a description says what is wrong
         head = None
     if not isinstance(head, dict) or not isinstance(head.get("robot"), str):
         return parse_draft(text, where=str(place), folder=place.parent)

@@ -123,7 +123,7 @@ def test_results_come_back_from_a_file_and_damaged_files_are_refused(tmp_path):
     write_results(tmp_path / "r.json", results)
     assert read_results(tmp_path / "r.json") == results
     (tmp_path / "cut.json").write_text((tmp_path / "r.json").read_text()[:-20])
-    with pytest.raises(FFGymError, match="is damaged, no JSON"):
+    with pytest.raises(FFGymError, match="is not valid JSON"):
         read_results(tmp_path / "cut.json")
     (tmp_path / "old.json").write_text('{"format": 0}')
     with pytest.raises(FFGymError, match="has format 0"):

@@ -66,7 +66,7 @@ def test_places_count_lines_the_same_with_every_line_end(irb4600):
 
 
 def test_a_file_that_is_not_there_is_one_error(tmp_path):
-    with pytest.raises(FFGymError, match=r"Cannot read RAPID program .*gone.mod: No such file"):
+    with pytest.raises(FFGymError, match=r"Cannot read RAPID program .*gone.mod: no such file"):
         load_program(tmp_path / "gone.mod")
 
 

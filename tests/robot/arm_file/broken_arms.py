@@ -40,7 +40,7 @@ WEIGHT = "<inertial mass='1' pos='0 0 0' diaginertia='1 1 1'/>"
 
 BROKEN = {
     # no arm file at all
-    "empty": ("", "it is empty"),
+    "empty": ("", "the file is empty"),
     "blank": ("  \n", "it is empty"),
     "text": ("six axes, 60 kg", "it is no XML"),
     "page": ("<!DOCTYPE html><html><body/></html>", "it starts with <html>"),

@@ -144,7 +144,7 @@ def test_the_path_of_the_file_starts_at_the_description(tmp_path, monkeypatch):
             "or name, title and model, and may have joints, tool_frame and looks. Got ['links', ",
         ),
         (HEAD.replace("'kr_like.urdf'", "3"), "[robot] model must be names, non-empty text, got [3]"),
-        (HEAD.replace("kr_like", "no_arm"), "no_arm.urdf: Cannot read it: No such file or directory"),
+        (HEAD.replace("kr_like", "no_arm"), "no_arm.urdf: no such file."),
         (HEAD + "joints = 'joint_a1'\n", "[robot] joints must be names, non-empty text, got 'joint_a1'"),
         (HEAD + "looks = 'none'\njoints = ['joint_a7']\n", "Unknown joint 'joint_a7'. Available: joint_a1, joint_a2"),
         (HEAD + "looks = 'nice'\n", "Unknown [robot] looks 'nice'. Available: file, none"),

@@ -119,8 +119,8 @@ def test_one_name_in_place_of_a_list_is_refused():
 
 
 def test_a_file_that_is_not_there_is_refused(tmp_path):
-    assert "Cannot read it: No such file" in refusal(tmp_path / "arm.urdf")
-    assert "Cannot read it: Is a directory" in refusal(tmp_path)
+    assert "no such file" in refusal(tmp_path / "arm.urdf")
+    assert "is a folder, must be a file" in refusal(tmp_path)
 
 
 def test_an_mjcf_file_must_be_called_xml(tmp_path):
