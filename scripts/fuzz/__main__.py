@@ -8,7 +8,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from ffgym.cli.main import run_command
-from ffgym.cli.outputs import check_outputs, provenance
+from ffgym.cli.outputs import claim_outputs, provenance
 from ffgym.cli.progress import progress_bar
 from ffgym.core.claims import claimed
 from ffgym.core.errors import FFGymError, check_choice, check_whole
@@ -48,7 +48,7 @@ class Fuzz:
         """Check, read, print; findings are an error."""
         check_whole("--inputs", self.inputs, low=1, high=_MOST)
         check_whole("--seed", self.seed, low=0)
-        check_outputs({"--json": self.json})
+        claim_outputs({"--json": self.json})
         chosen = self._chosen()
         if self.only is not None:
             self._read_one(chosen, check_whole("--only", self.only, low=0))

@@ -97,6 +97,7 @@ def test_json_and_toml_are_parsed_in_one_place_each():
     assert found == {
         "agents/law_files.py",  # of what it has just written
         "agents/residual/training.py",  # of what it has just written
+        "core/claims.py",  # of who made a claim
         "core/typed_json.py",
         "envs/fingerprint.py",  # of the package
         "logs/formats/json_table.py",  # one value, or one a line
