@@ -49,9 +49,10 @@ def judge(use: Callable[[Path], Any], path: Path, errors: tuple[type[Exception],
 
 
 def _call(use: Callable[[Path], Any], path: Path, errors: tuple[type[Exception], ...]) -> Outcome:
+    known: tuple[type[Exception], ...] = (FFGymError, *errors)
     try:
         use(path)
-    except (FFGymError, *errors) as error:
+    except known as error:
         text = str(error)
         if not text.strip() or len(text) > LONGEST:
             return Outcome(kind="unclear", detail=f"{len(text)} characters: {text[:300]}", place=_place(error))
