@@ -19,7 +19,7 @@ Kind = Literal["text", "input", "output", "formula"]
 _OUTPUT = ("", "text")
 """Languages of fences with output; all others are what a reader types or feeds in."""
 _COMMAND = re.compile(r"\s*(?:\$ |ffgym |make |pip |python |ros2 |docker |git |gcc |cc |ray |tensorboard )")
-_MARK = re.compile(r"<!-- (claim|cited|tested|example): (.*?) -->", flags=re.DOTALL)
+MARK = re.compile(r"<!-- (claim|cited|tested|example): (.*?) -->", flags=re.DOTALL)
 _COMMENT = re.compile(r"<!--.*-->")
 _CODE = re.compile(r"```.*?```|`[^`\n]*`", flags=re.DOTALL)
 _MADE = re.compile(r"<!-- ([^:\n]+) -->\n(.*?)<!-- end -->", flags=re.DOTALL)
@@ -70,7 +70,7 @@ def split(text: str) -> Iterator[Block]:
     made = [(found.start(2), found.end(2), found[1]) for found in _MADE.finditer(text)]
     # marks that are shown as code are none
     code = [found.span() for found in _CODE.finditer(text)]
-    every = [found for found in _MARK.finditer(text) if not any(a <= found.start() < b for a, b in code)]
+    every = [found for found in MARK.finditer(text) if not any(a <= found.start() < b for a, b in code)]
     marks = [Mark(kind=found[1], text=" ".join(found[2].split()), start=found.start()) for found in every]
     plain = text
     for found in every:

@@ -12,11 +12,12 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from types import MappingProxyType
 from typing import Any
 
 from ffgym.core.errors import FFGymError, check_choice
-from ffgym.core.files import read_text, write_json
+from ffgym.core.files import made_folder, read_text, write_json
 from ffgym.core.provenance import versions
 from scripts.claims.page import ROOT
 
@@ -85,16 +86,15 @@ def make_record(name: str, folder: Path = FOLDER) -> Path:
         FFGymError: if the command fails.
     """
     record = RECORDS[check_choice("record", name, list(RECORDS))]
-    folder.mkdir(parents=True, exist_ok=True)
     place, began = folder / f"{name}.json", time.monotonic()
-    made = folder / f"{name}.new.json"
-    call = [sys.executable, "-m", record.module, *record.options, "--json", str(made)]
-    ended = subprocess.run(call, cwd=ROOT, check=False, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-    if ended.returncode:
-        raise FFGymError(f"{record.command} failed: {ended.stderr.strip().splitlines()[-1:]}")
-    text = read_text(made).replace(str(made), f"{name}.json")  # no place of this computer in a record
-    store(name, json.loads(text), time.monotonic() - began, place)
-    made.unlink()
+    with TemporaryDirectory() as scratch, made_folder(folder):
+        made = Path(scratch) / place.name
+        call = [sys.executable, "-m", record.module, *record.options, "--json", str(made)]
+        ended = subprocess.run(call, cwd=ROOT, check=False, capture_output=True, text=True)
+        if ended.returncode:
+            raise FFGymError(f"{record.command} failed: {ended.stderr.strip().splitlines()[-1:]}")
+        text = read_text(made).replace(str(made), place.name)  # no place of this computer in a record
+        store(name, json.loads(text), time.monotonic() - began, place)
     return place
 
 

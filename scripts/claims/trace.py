@@ -11,7 +11,7 @@ from ffgym.core.files import read_text
 from scripts.claims import told  # noqa: F401  (its modules register claims)
 from scripts.claims.claim import CLAIMS, Found, find_passage
 from scripts.claims.numerals import Numeral, find_names, find_numerals
-from scripts.claims.page import ROOT, Block, Mark, name_of, read_blocks, split
+from scripts.claims.page import MARK, ROOT, Block, Mark, name_of, read_blocks, split
 
 HOW: Mapping[str, str] = MappingProxyType(
     {
@@ -80,6 +80,9 @@ def trace_page(page: Path) -> Trace:
     """Trace all numerals of a page."""
     text, blocks, name = read_text(page), read_blocks(page), name_of(page)
     found, faults = _find_claims(name, text, blocks)
+    faults += [
+        Fault(name, line, "a mark splits the lines around it; put it at the end of one") for line in _splitting(text)
+    ]
     numerals = [
         Traced(line=_line(text, block.start + numeral.start), text=numeral.text, how=how, by=by)
         for block in blocks
@@ -87,6 +90,16 @@ def trace_page(page: Path) -> Trace:
     ]
     faults += [fault for block in blocks for fault in _check_marks(name, text, block)]
     return Trace(page=name, numerals=tuple(numerals), faults=tuple(sorted(faults, key=lambda fault: fault.line)))
+
+
+def _splitting(text: str) -> Iterator[int]:
+    """Yield lines with nothing but a mark, below one with text: Markdown would end a paragraph or list there."""
+    lines, is_code = ["", *text.splitlines()], False
+    for k, line in enumerate(lines[1:], start=1):
+        is_code ^= line.lstrip().startswith("```")
+        alone = [each.strip().startswith("<!-- ") and each.strip().endswith("-->") for each in (lines[k - 1], line)]
+        if not is_code and alone[1] and MARK.match(line.strip()) and lines[k - 1].strip() and not alone[0]:
+            yield k
 
 
 def _trace_block(block: Block, page: str, found: Sequence[tuple[str, Found]]) -> Iterator[tuple[Numeral, str, str]]:

@@ -21,6 +21,7 @@ from scripts.tables import (
     friction,
     laws,
     leaderboard,
+    learning,
     networks,
     package_pages,
     physics,
@@ -52,6 +53,7 @@ DEFINED: Mapping[str, Callable[[], Contents]] = {
 
 COMPUTED: Mapping[str, Callable[[], Contents]] = {
     "agents/elastic.md": laws.elastic,
+    "agents/learning_stability.md": learning.stability,
     "agents/model.md": laws.model,
     "deployment/setpoints.md": setpoints.channels,
     "diagnosis.md": recorded.diagnosis,
@@ -66,6 +68,10 @@ COMPUTED: Mapping[str, Callable[[], Contents]] = {
 
 STORED: Mapping[str, Callable[[], Contents]] = {
     "agents/bspline.md": networks.bspline,
+    "agents/feedback_error.md": partial(networks.compare, "none", "lugre_dynamic", "mlp_fel"),
+    "agents/lugre.md": networks.lugre,
+    "agents/narx.md": partial(networks.compare, "none", "lugre_dynamic", "narx"),
+    "agents/residual_torque.md": partial(networks.compare, "none", "lugre_dynamic", "bsn_extended", "residual_gp"),
     "agents/residual.md": leaderboard.residual,
     "leaderboard/README.md": leaderboard.leaderboard,
     "leaderboard/adaptation.md": leaderboard.adaptation,

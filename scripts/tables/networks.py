@@ -1,4 +1,4 @@
-"""Tables of docs/agents/bspline.md, from the stored record of the demo with the laws of the thesis."""
+"""Tables of pages about laws, from the stored record of the demo: errors on circles of the nominal robot."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -53,3 +53,25 @@ def bspline() -> Contents:
             rows.append((f"{name}, {title}", taken, *(format(x, form) for x in cells)))
     head = [f"{speed:g} mm/s {where}" for speed in SPEEDS for where in ("p1", "p2-p4")]
     return Contents(parts={"results": markdown(("", "trials (robot time)", *head), rows)})
+
+
+def compare(*agents: str) -> Contents:
+    """Errors of laws where networks were trained and elsewhere, a column for each law."""
+    rows = []
+    for title, measure, form in (
+        ("motor RMS [mrad]", motor_mrad, ".2f"),
+        ("path RMS [mm]", path_mm, ".3f"),
+    ):
+        for where in ("p1", "p2 p3 p4"):
+            for speed in SPEEDS:
+                cells = [format(measure(agent, speed, where), form) for agent in agents]
+                rows.append((f"{title}, {where.replace(' p3 ', '-')}", f"{speed:g} mm/s", *cells))
+    names = ["none" if agent == "none" else f"`{agent}`" for agent in agents]
+    return Contents(parts={"results": markdown(("", "", *names), rows)})
+
+
+def lugre() -> Contents:
+    """Path errors of both LuGre laws over all circles [mm]."""
+    agents = ("none", "lugre_static", "lugre_dynamic")
+    rows = [(f"{speed:g} mm/s", *(f"{path_mm(agent, speed):.3f}" for agent in agents)) for speed in SPEEDS]
+    return Contents(parts={"results": markdown(("", "none", "static", "dynamic"), rows)})

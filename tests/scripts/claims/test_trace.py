@@ -98,6 +98,11 @@ def test_a_mark_that_leads_nowhere_is_a_fault(mark, message, write_page):
     assert message in str(check_pages([write_page(f"<!-- {mark} -->\nIt is 5.\n")])[1])
 
 
+def test_a_mark_between_the_lines_of_a_block_is_a_fault(write_page):
+    assert "splits the lines" in str(check_pages([write_page("It leaves\n<!-- claim: left -->\n24.1 % here.\n")])[1])
+    assert check_pages([write_page("It leaves <!-- claim: left -->\n24.1 % here.\n")])[1] == []
+
+
 def test_tests_that_pages_name_exist():
     assert trace.test_exists("tests/scripts/claims/test_trace.py::test_tests_that_pages_name_exist")
     assert not trace.test_exists("tests/scripts/claims/test_trace.py::test_of_something_else")
