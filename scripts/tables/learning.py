@@ -23,9 +23,11 @@ def stability() -> Contents:
         rows.append((name, f"{dt * 1e3:g} ms", *(f"{rate:.2f}" for rate in rates)))
     axis = RigidArm(load_robot(AXIS))
     alone = []
-    for kind, network in (("static", StaticBSN.zero(1)), ("extended", ExtendedBSN.zero(1))):
-        found = [LearningStability.of(network, axis, [motion]).largest_rate[0] for motion in every_speed(axis)]
-        alone.append((kind, *(f"{rate:.2f}" for rate in found)))
+    for kind in (StaticBSN, ExtendedBSN):
+        networks = [kind.zero(1) for _ in every_speed(axis)]
+        pairs = zip(networks, every_speed(axis), strict=True)
+        found = [LearningStability.of(each, axis, [motion]).largest_rate[0] for each, motion in pairs]
+        alone.append((kind.__name__.removesuffix("BSN").lower(), *(f"{rate:.2f}" for rate in found)))
     return Contents(
         parts={
             "largest rates": markdown(("learned from", "rows", *arm.robot.joints), rows),
