@@ -10,6 +10,8 @@
 # make thesis  chapters 4 to 6 of the thesis simulated, every claim judged, onto reproduction.html; THESIS="--only chapter-4"
 # make claims  every number of README and docs made again, hours; says which no longer hold, and goes on where it was
 #               interrupted; CLAIMS=--short compares with stored results alone, in seconds
+# make engine  does MuJoCo move robots and environments as the record of the last release says, to the bit? MUJOCO=4.1.0 asks
+#              that release, in an environment that is thrown away; ENGINE="--json FILE" passes options
 # PYTHON=python3.12 chooses the interpreter of a new environment; CONSTRAINTS= installs the newest versions.
 
 PYTHON ?= python3
@@ -21,7 +23,11 @@ SEED ?= 7
 PYTEST := OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n $(JOBS) --dist worksteal
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check $(CONSTRAINTS)
 
+<<<<<<< HEAD
 .PHONY: demo test test-all check bench fuzz exam thesis claims format clean
+=======
+.PHONY: demo test test-all check bench exam thesis claims engine format clean
+>>>>>>> 9b61a2ae (Ask a release of MuJoCo if it moves all as the stored record says)
 
 demo: .venv/.demo
 	$(BIN)/ffgym demo
@@ -56,6 +62,16 @@ thesis: .venv/.dev
 
 claims: .venv/.dev
 	$(BIN)/python -m scripts.claims $(CLAIMS)
+
+ifdef MUJOCO
+engine:
+	@set -e; at=$$(mktemp -d); trap 'rm -rf "$$at"' EXIT; $(PYTHON) -m venv "$$at"; grep -v '^mujoco' constraints.txt > "$$at/constraints.txt"; \
+	"$$at/bin/python" -m pip install --quiet --disable-pip-version-check -c "$$at/constraints.txt" -e '.[cli]' pin 'mujoco==$(MUJOCO)'; \
+	"$$at/bin/python" -m scripts.engine $(ENGINE)
+else
+engine: .venv/.dev
+	$(BIN)/python -m scripts.engine $(ENGINE)
+endif
 
 format: .venv/.dev
 	$(BIN)/ruff format .

@@ -1,11 +1,13 @@
 """Equations of all effects that act on a machine, written anew from docs/effects: what the plant must obey.
 
-An equation takes numbers of a machine and values of the effect, and gives torques at a situation: 'motor' on rotors,
-motor side; 'spring' between gearbox and link, and 'link' on the link from the one before it, link side.
+Native effects are functions that change numbers, the others `Equation`s, which say how torques are given.
 """
 
 import numpy as np
 from scipy.linalg import expm
+
+from scripts.engine.second.machine import Equation, FlexibleMachine
+from scripts.engine.second.steps import TorqueDelay
 
 
 def _change(**shares):
@@ -53,32 +55,8 @@ NATIVE = {
 }
 """Effects that are other numbers of the machine: functions that change them."""
 
-STRUCTURE = ("base_flexibility", "link_flexibility")
-"""Effects that are joints without motors, which `PinocchioArm` has."""
-
-
-class Equation:
-    """Torques of an effect that remembers nothing."""
-
-    ages_at_once = True
-    """False where the first step of the plant still has the memory of rest."""
-
-    def __init__(self, n, given) -> None:
-        self.n = n
-        for name, value in given.items():
-            setattr(self, name, np.asarray(value))
-
-    def start(self, x):
-        """Memory at rest, (M, N)."""
-        return np.zeros((0, self.n.size))
-
-    def rate(self, x, memory):
-        """Rate of the memory."""
-        return np.zeros_like(memory)
-
-    def after(self, x, memory, later, h):
-        """Memory a step of `h` [s] later, at the situation `later`."""
-        return memory
+STRUCTURE = {"base_flexibility": "base", "link_flexibility": "bends"}
+"""Effects that are joints without motors, and what `PinocchioArm` calls them."""
 
 
 def _plain(formula):
@@ -249,37 +227,6 @@ class FlexibleLoad(Equation):
         return np.transpose(found)
 
 
-class TorqueDelay(Equation):
-    """Dead time, then a lag: rows are the commands of past steps, the latest first, and the torque given last."""
-
-    ages_at_once = False
-    length = 60
-
-    def start(self, x):
-        return np.tile(x.held, (self.length + 1, 1))
-
-    def torques(self, x, memory):
-        if self.n.command_at is None:
-            return {"motor": self.after(x, memory, x, self.step)[-1] - x.torque}
-        given = np.where(self.lag > 0, memory[-1], self._due_at(x.time))
-        return {"motor": given - x.torque}
-
-    def rate(self, x, memory):
-        rate = np.zeros_like(memory)
-        rate[-1] = np.divide(self._due_at(x.time) - memory[-1], self.lag, out=0 * self.lag, where=self.lag > 0)
-        return rate
-
-    def _due_at(self, time):
-        return np.array([self.n.command_at(time - delay)[j] for j, delay in enumerate(self.delay)])
-
-    def after(self, x, memory, later, h):
-        commands = np.vstack([x.torque, memory[:-1]])
-        steps = np.arange(len(commands)) * h
-        due = np.array([np.interp(d, steps, commands[:, j]) for j, d in enumerate(self.delay)])
-        left = np.exp(-np.divide(h, self.lag, out=np.full_like(self.lag, np.inf), where=self.lag > 0))
-        return np.vstack([commands[:-1], due + (memory[-1] - due) * left])
-
-
 EQUATIONS = {
     "asymmetry": _friction(lambda e, x, n: e.coulomb * n.fc * np.abs(x.sign) + e.viscous * n.fv * np.abs(x.omega)),
     "load_friction": _friction(lambda e, x, n: e.share * np.abs(np.linalg.solve(n.gears.T, x.load)) * x.sign),
@@ -309,3 +256,27 @@ EQUATIONS = {
     "cable_pull": CablePull,
 }
 """Effects that add torques, by name."""
+
+
+def own_machine(machine):
+    """The equations of a machine with its effects, but for those of its sensors.
+
+    Raises:
+        KeyError: for an effect that has no equation here.
+    """
+    robot, given = machine.robot, {e.name: e.values() for e in machine.effects if e.name != "resolver_ripple"}
+    if np.any(robot.drive.delay):  # one after the other
+        late = given.get("torque_delay", {"delay": 0.0, "lag": 0.0 * robot.drive.delay})
+        given["torque_delay"] = {"delay": late["delay"] + robot.drive.delay, "lag": late["lag"]}
+    structure = [
+        (part, np.array(given[name]["compliance"]), float(given[name]["relaxation"]))
+        for name, part in STRUCTURE.items()
+        if name in given
+    ]
+    own = FlexibleMachine(robot, machine.climate, structure)
+    for name, values in given.items():
+        if name in NATIVE:
+            NATIVE[name](own.n, own.arm, values)
+    others = [name for name in given if name not in (*NATIVE, *STRUCTURE)]
+    own.effects = [EQUATIONS[name](own.n, given[name]) for name in others]
+    return own

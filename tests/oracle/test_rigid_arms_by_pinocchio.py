@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from ffgym.robot import RigidArm, builtin_parameters, builtin_robots, load_robot
 from ffgym.robot.description import with_payload
+from scripts.engine.second.arm import PinocchioArm
 from tests.oracle.comparing import ROUNDING, relative
-from tests.oracle.pinocchio_arm import PinocchioArm
 from tests.robot.arm_samples import ARMS, random_arm
 
 TYPES = ("R", "P", "RR", "RP", "PR", "PRP", "RRR", "RRPR", "PPP", "RRRRR", "RRRRRR", "PRRRRRR", "RRRRRRR", "PRPRPRPR")

@@ -96,7 +96,7 @@ def test_every_effect_moves_every_robot_by_its_equation(name, effect):
 
 
 def test_every_effect_that_acts_on_machines_has_an_equation_of_its_own():
-    written = {*NATIVE, *STRUCTURE, *EQUATIONS, "resolver_ripple"}  # the last in `following.Reader`
+    written = {*NATIVE, *STRUCTURE, *EQUATIONS, "resolver_ripple"}  # the last in `Reader`
     assert set(ACTING) == written
 
 
@@ -104,5 +104,5 @@ def test_every_effect_that_acts_on_machines_has_an_equation_of_its_own():
 def test_what_acts_on_recordings_leaves_motions_to_the_bit(effect, irb4600):
     machines = Machine(robot=irb4600), machine_with(EFFECTS[effect], irb4600)
     for plain, measured in zip(*(random_motions(machine, 0) for machine in machines), strict=True):
-        for name, values in vars(plain.at).items():
-            np.testing.assert_array_equal(vars(measured.at)[name], values)
+        for name, values in plain.at.items():
+            np.testing.assert_array_equal(measured.at[name], values)

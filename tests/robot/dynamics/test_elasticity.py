@@ -7,7 +7,7 @@ import pytest
 from scipy.linalg import eigh
 
 from ffgym.robot import RigidArm, resonances, static_deflection
-from tests.oracle.pinocchio_arm import PinocchioArm
+from scripts.engine.second.arm import PinocchioArm
 
 
 def test_springs_carry_gravity_in_the_bent_pose(irb4600, arm, corners):

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from ffgym.core.errors import FFGymError
 from ffgym.robot import RigidArm, pose_solutions, solve_path, solve_pose
 from ffgym.robot.inverse_kinematics import rotation_error
-from tests.oracle.pinocchio_arm import PinocchioArm
+from scripts.engine.second.arm import PinocchioArm
 from tests.robot.arm_samples import ARMS, make_arm
 
 seeds = st.integers(0, 2**32 - 1)

@@ -14,8 +14,8 @@ from ffgym.robot.reading.load import with_numbers
 from ffgym.simulation import Run, simulate
 from ffgym.simulation.plant import Plant, PlantDistribution, Uniform
 from ffgym.studies import circle_references
+from scripts.engine.second.arm import PinocchioArm
 from scripts.tables.physics import free_of_servo
-from tests.oracle.pinocchio_arm import PinocchioArm
 from tests.simulation.plant.driving import controls
 
 AMPLITUDE, FREQUENCY, DURATION = 0.6, 1.5, 1.0  # motor side [rad], [Hz], [s]

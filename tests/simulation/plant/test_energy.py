@@ -7,8 +7,8 @@ import pytest
 
 from ffgym.robot import ModelOptions
 from ffgym.simulation.plant import Plant
+from scripts.engine.second.arm import PinocchioArm
 from scripts.tables.physics import free_of_servo
-from tests.oracle.pinocchio_arm import PinocchioArm
 from tests.simulation.plant.driving import controls
 
 DURATION = 0.2
