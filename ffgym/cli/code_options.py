@@ -17,6 +17,7 @@ from ffgym.cli.options import (
     Numbers,
     Procedure,
     Threads,
+    Yes,
 )
 
 
@@ -42,6 +43,7 @@ class ExportCode:
     """Write files that are not compared with the simulation, and say so; for computers without a C compiler."""
     json: Numbers = None
     threads: Threads = 0
+    yes: Yes = False
 
 
 @dataclass(frozen=True)
@@ -83,6 +85,7 @@ class ExportTable:
     parameters: LawParameters = None
     json: Numbers = None
     threads: Threads = 0
+    yes: Yes = False
 
 
 @dataclass(frozen=True)
@@ -108,6 +111,7 @@ class ExportFmu:
     """Program with its law, beside the robot; no-program leaves it out, for laws that have no form in C."""
     json: Numbers = None
     threads: Threads = 0
+    yes: Yes = False
 
 
 @dataclass(frozen=True)

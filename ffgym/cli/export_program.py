@@ -3,6 +3,7 @@
 from ffgym.cli.code_options import ExportProgram
 from ffgym.cli.export import load_machine_or_robot
 from ffgym.cli.outputs import claim_new_folder, claim_outputs, given_options, print_places, provenance, write_numbers
+from ffgym.cli.progress import stages_bar
 from ffgym.cli.stream import name_robot
 from ffgym.core.errors import FFGymError
 from ffgym.deployment import ServoProgram, read_plan
@@ -19,16 +20,18 @@ def run(config: ExportProgram) -> None:
     plan = read_plan(config.plan)
     known, _ = load_machine_or_robot(name_robot(plan, config.robot))
     info = provenance("ffgym export program", config, known.name, None, seed=None)
-    written = write_program(
-        plan,
-        RigidArm(known),
-        config.out,
-        config.format,
-        tolerance=config.tolerance_mm / 1e3,
-        period=None if config.period_ms is None else config.period_ms / 1e3,
-        servo=ServoProgram(lookahead_time=config.lookahead_time, gain=config.gain),
-        report=info,
-    )
+    with stages_bar("choosing points") as tell:
+        written = write_program(
+            plan,
+            RigidArm(known),
+            config.out,
+            config.format,
+            tolerance=config.tolerance_mm / 1e3,
+            period=None if config.period_ms is None else config.period_ms / 1e3,
+            servo=ServoProgram(lookahead_time=config.lookahead_time, gain=config.gain),
+            report=info,
+            tell=tell,
+        )
     write_numbers(config, info | describe_changes(written, plan))
     print(format_changes(written, plan))
     print_places(folder=config.out, numbers=config.json)

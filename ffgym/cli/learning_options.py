@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Literal
 
 import tyro
 
-from ffgym.cli.options import RECORD_DT_MS, TEST_SPEEDS_MM_S, Numbers, Threads
+from ffgym.cli.options import RECORD_DT_MS, TEST_SPEEDS_MM_S, Numbers, Threads, Yes
 
 if TYPE_CHECKING:
     from ffgym.agents.residual.plan import Training
@@ -131,6 +131,7 @@ class BSpline(NetworkOptions):
     seed: int = 0
     """Seed of the noise of a workcell's sensors."""
     json: Numbers = None
+    yes: Yes = False
 
 
 @dataclass(frozen=True)
@@ -149,6 +150,7 @@ class Stability(NetworkOptions):
     """Learning rates of the figure, ascending."""
     figure_joints: tuple[str, ...] = ()
     """Joints of the figure; none given is all."""
+    yes: Yes = False
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from typing import Literal
 
 import tyro
 
-from ffgym.cli.options import TEST_SPEEDS_MM_S, ColumnMap, Numbers, PageFile, Threads
+from ffgym.cli.options import TEST_SPEEDS_MM_S, ColumnMap, Numbers, PageFile, Threads, Yes
 
 
 @dataclass(frozen=True)
@@ -240,3 +240,4 @@ class Improve:
     json: Path | None = None
     """File for all numbers; none is improvement.json in the folder."""
     threads: Threads = 0
+    yes: Yes = False

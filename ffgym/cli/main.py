@@ -1,5 +1,6 @@
 """The `ffgym` command: subcommands, one-line errors, exit codes."""
 
+import os
 import signal
 import sys
 from collections.abc import Callable, Sequence
@@ -9,6 +10,7 @@ from typing import Any, NamedTuple
 
 from ffgym.cli.process import EndedError, ended_by_signals, lasting_output
 from ffgym.core.claims import piece_of_work
+from ffgym.core.effort import watched
 from ffgym.core.errors import FFGymError
 from ffgym.core.provenance import is_installed
 from ffgym.core.temporaries import remove_own
@@ -203,6 +205,11 @@ def _guard(run: Callable[[], int]) -> int:
     except FFGymError as error:
         _tell(f"error: {' '.join(str(error).split())}")
         return 1
+    except OSError as error:
+        if error.filename is None:  # no file is to blame, but this program
+            raise
+        _tell(f"error: {os.fsdecode(error.filename)}: {error.strerror}. Choose another place, or allow access to it.")
+        return 1
     except EndedError as ended:
         remove_own()
         name = signal.Signals(ended.number).name
@@ -262,7 +269,14 @@ def _work(options: type[Any], work: Callable[[Any], None], prog: str, arguments:
     """Read options, and do what they ask for."""
     import tyro
 
-    work(tyro.cli(options, prog=prog, args=list(arguments)))
+    chosen = tyro.cli(options, prog=prog, args=list(arguments))
+    if not hasattr(chosen, "yes"):  # it never asks
+        work(chosen)
+        return 0
+    from ffgym.cli.long_work import watch_over
+
+    with watched(watch_over(chosen)):
+        work(chosen)
     return 0
 
 

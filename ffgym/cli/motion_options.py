@@ -23,6 +23,7 @@ from ffgym.cli.options import (
     RowPeriod,
     Springs,
     Threads,
+    Yes,
 )
 
 
@@ -48,6 +49,7 @@ class Demo:
     threads: Threads = 0
     diagnosis: bool = True
     """End with a diagnosis of the example logs: those of a machine that has two faults."""
+    yes: Yes = False
 
 
 @dataclass(frozen=True)
@@ -81,6 +83,7 @@ class Simulate:
     report: PageFile = None
     json: Numbers = None
     threads: Threads = 0
+    yes: Yes = False
 
 
 @dataclass(frozen=True)
@@ -128,6 +131,7 @@ class Play:
     """Seed of everything that the environment draws."""
     json: Path | None = None
     """Also write return, length, errors and origin to this file."""
+    yes: Yes = False
 
 
 @dataclass(frozen=True)
@@ -159,6 +163,7 @@ class Export:
     json: Path | None = None
     """Also write where the files come from to this file."""
     threads: Threads = 0
+    yes: Yes = False
 
 
 @dataclass(frozen=True)
@@ -195,3 +200,4 @@ class Record:
     json: Path | None = None
     """Also write what was recorded to this file."""
     threads: Threads = 0
+    yes: Yes = False

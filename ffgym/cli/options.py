@@ -73,6 +73,9 @@ LawParameters = Annotated[Path | None, tyro.conf.arg(help="Parameter file for th
 NewFolder = Annotated[Path, tyro.conf.arg(help="Folder to write; it must be empty or not exist.")]
 """Option `--out` of a command that writes a folder."""
 
+Yes = Annotated[bool, tyro.conf.arg(help="Begin without a question, however long it takes.")]
+"""Option `--yes`."""
+
 Elastic = Annotated[bool, tyro.conf.arg(help="Elastic joints; no-flexible makes them rigid.")]
 """Option `--flexible`."""
 

@@ -160,8 +160,9 @@ def provenance(
         robot: name.
         fingerprint: of the simulated physics; None where nothing can be simulated.
         seed: None where nothing is random.
-        passing: options that only say where results go and how they are made, and are left out.
+        passing: options that only say where results go and how they are made, and are left out, as `yes` always is.
     """
+    passing = (*passing, "yes")
     return {
         "command": command,
         "command_line": write_command(command, config, passing=passing),

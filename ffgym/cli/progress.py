@@ -4,7 +4,11 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+from ffgym.core.effort import announce
 from ffgym.simulation.run import Progress
+
+MOTION = "s"
+"""Unit of bars that count seconds of motion, which are announced before they are simulated."""
 
 
 @contextmanager
@@ -15,10 +19,20 @@ def progress_bar(title: str, unit: str) -> Iterator[Progress]:
     from rich.progress import Progress as Bar
 
     columns = (TextColumn(title), BarColumn(), TextColumn("{task.fields[done]}"))
-    console = Console(file=sys.stderr)
+    console, told = Console(file=sys.stderr), False
     with Bar(*columns, TimeRemainingColumn(), console=console, disable=not console.is_terminal) as bar:
         task = bar.add_task(title, total=None, done="")  # the bar is drawn before the first numbers come
-        yield lambda done, total: bar.update(task, completed=done, total=total, done=f"{done:.0f}/{total:.0f} {unit}")
+
+        def tell(done: float, total: float) -> None:
+            nonlocal told
+            if unit == MOTION and not told:
+                told = True
+                bar.stop()  # there may be a question
+                announce(total, "run")
+                bar.start()
+            bar.update(task, completed=done, total=total, done=f"{done:.0f}/{total:.0f} {unit}")
+
+        yield tell
 
 
 @contextmanager

@@ -16,6 +16,7 @@ from ffgym.cli.options import (
     Numbers,
     Procedure,
     Threads,
+    Yes,
 )
 
 ProtocolName = Literal["egm", "rsi", "rsi_12ms", "rtde", "rtde_torque", "ros2", "ros2_effort"]
@@ -98,6 +99,7 @@ class PlanSetpoints:
     """Seed of that motion."""
     json: Numbers = None
     threads: Threads = 0
+    yes: Yes = False
 
 
 @dataclass(frozen=True)

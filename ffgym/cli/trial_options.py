@@ -6,7 +6,7 @@ from typing import Literal
 
 import tyro
 
-from ffgym.cli.options import ColumnMap, Numbers, PageFile, Procedure, Threads
+from ffgym.cli.options import ColumnMap, Numbers, PageFile, Procedure, Threads, Yes
 
 
 @dataclass(frozen=True)
@@ -38,6 +38,7 @@ class PlanTrial:
     pilot: Path | None = None
     """Numbers of a trial before (`ffgym trial read --json`), whose spread is reckoned with."""
     json: Numbers = None
+    yes: Yes = False
 
 
 @dataclass(frozen=True)
@@ -66,6 +67,7 @@ class RehearseTrial:
     """Seed of what differs from run to run, and of the sensors' noise."""
     json: Numbers = None
     threads: Threads = 0
+    yes: Yes = False
 
 
 @dataclass(frozen=True)

@@ -177,6 +177,12 @@ def circle_test(
     return CartesianPath(name=name, t=t, position=position, velocity=velocity, acceleration=acceleration, phases=phases)
 
 
+def circle_test_duration(speed: float, radii: Sequence[float] = RADII) -> float:
+    """Compute the time [s] of `circle_test` at a speed [m/s] with circles of `radii` [m], before its path is made."""
+    ways = sum((2 * np.pi + 4 * LEADS["smooth"].length) * radius for radius in radii)
+    return float(ways / speed + DWELL * (len(radii) + 1))
+
+
 def _circle(
     centre: Array, plane: Plane, radius: float, speed: float, start_angle: float, lead: SmoothLead | HalfCircle
 ) -> list[Segment]:

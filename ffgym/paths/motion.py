@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ffgym.core.effort import announce
 from ffgym.core.errors import FFGymError, check_number
 from ffgym.core.types import Array
 from ffgym.recordings import Phase, PhaseKind
@@ -101,6 +102,7 @@ def sample(segments: Sequence[Segment], dt: float) -> tuple[Array, Array, Array,
         raise FFGymError(
             f"The motion lasts {ends[-1]:.6g} s, must be from one step of dt = {dt} s to {MAX_STEPS:g} of them."
         )
+    announce(float(ends[-1]), "plan")
     count = int(np.ceil(steps - 1e-9)) + 1  # the last sample may lie up to one step beyond the end
     t = np.arange(count, dtype=np.float64) * dt
     which = np.minimum(np.searchsorted(ends, t, side="right"), len(segments) - 1)

@@ -4,9 +4,11 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
 from ffgym.control import DynamicLuGreExact, FeedForwardLaw, NoCompensation, StaticLuGre
+from ffgym.core.effort import announce
 from ffgym.core.errors import FFGymError, check_shape
 from ffgym.core.measures import rms
 from ffgym.paths import RADII, SPEEDS, CartesianPath, Reference, cartesian_reference, circle_test
+from ffgym.paths.circles import circle_test_duration
 from ffgym.recordings import Recording
 from ffgym.recordings.metrics import motor_error, path_errors
 from ffgym.robot import ModelOptions, RigidArm, RobotDescription
@@ -147,6 +149,8 @@ def circle_references(
     for what, values in axes.items():
         if not values or len(set(values)) < len(values):
             raise FFGymError(f"{what} of one study must be at least one, and all different, got {values}.")
+    if min(speeds) > 0 and min(radii) > 0:  # others are refused below, with words of their own
+        announce(len(names) * sum(circle_test_duration(speed, radii) for speed in speeds), "plan all")
     return {
         (name, speed): cartesian_reference(arm, circle_path(robot, name, speed, radii))
         for speed in speeds

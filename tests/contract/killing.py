@@ -5,6 +5,7 @@ Started as a process it reads orders from standard input, a line of JSON each, a
 time; {"go on": pid} lets one go on that was stopped. A point is a call by which a command changes what is on the disk.
 """
 
+import ctypes
 import io
 import json
 import mmap
@@ -44,9 +45,20 @@ class Killing:
         )
         self.ready = self._read()
 
-    def run(self, *arguments, at=None, by=signal.SIGKILL, after=None):
-        """Run a command; return code (negative: signal), points, seconds, pid, output and errors."""
-        return self._ask({"run": arguments, "at": at, "by": int(by), "after": after})
+    def run(self, *arguments, at=None, by=signal.SIGKILL, after=None, out=None, encoding="utf-8", mode=None):
+        """Run a command; return code (negative: signal), points, seconds, pid, output and errors.
+
+        Args:
+            arguments: words of the command.
+            at: point at which it gets a signal; None is none.
+            by: the signal.
+            after: time after which it is killed [s]; None is none.
+            out: standard output: a device, `closed`, or `left` for a pipe that nobody reads; None is a file.
+            encoding: encoding of standard output.
+            mode: permissions of the working directory, which it then cannot go beyond, whoever its user is.
+        """
+        how = {"at": at, "by": int(by), "after": after, "out": out, "encoding": encoding, "mode": mode}
+        return self._ask({"run": arguments} | how)
 
     def go_on(self, pid):
         """Let a stopped command go on; returns as `run`."""
@@ -118,11 +130,11 @@ def _begin(place, order, counter):
         return pid
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL)
-    for number, name in ((1, "out"), (2, "err")):
-        os.dup2(os.open(place / f"{name}.{os.getpid()}", os.O_WRONLY | os.O_CREAT), number)
-    sys.stdout = sys.__stdout__ = io.TextIOWrapper(io.FileIO(1, "w", closefd=False), encoding="utf-8")
-    sys.stderr = io.TextIOWrapper(io.FileIO(2, "w", closefd=False), encoding="utf-8", write_through=True)
+    _connect(place, order["out"], order["encoding"])
     os.chdir(place / "run")
+    if order["mode"] is not None:
+        os.chmod(".", order["mode"])
+        _give_up_rights()
     sys.argv = ["ffgym", *order["run"]]
     counter[:4] = struct.pack("i", 0)
     _count(place, counter, order["at"], order["by"])
@@ -140,8 +152,33 @@ def _begin(place, order, counter):
 
         traceback.print_exc()
         code = 70
-    sys.stdout.flush()
+    if sys.stdout is not None:
+        sys.stdout.flush()
     os._exit(code or 0)
+
+
+def _connect(place, out, encoding):
+    """Connect the standard streams of this process to files, and the output to something else if it is named."""
+    for number, name in ((1, "out"), (2, "err")):
+        os.dup2(os.open(place / f"{name}.{os.getpid()}", os.O_WRONLY | os.O_CREAT), number)
+    sys.stderr = io.TextIOWrapper(io.FileIO(2, "w", closefd=False), encoding="utf-8", write_through=True)
+    if out == "closed":
+        os.close(1)
+        sys.stdout = sys.__stdout__ = None
+        return
+    if out == "left":
+        read, write = os.pipe()
+        os.close(read)
+        os.dup2(write, 1)
+    elif out is not None:
+        os.dup2(os.open(out, os.O_WRONLY), 1)
+    sys.stdout = sys.__stdout__ = io.TextIOWrapper(io.FileIO(1, "w", closefd=False), encoding=encoding)
+
+
+def _give_up_rights():
+    """Give up the right of root to pass by permissions."""
+    header, none = struct.pack("Ii", 0x20080522, 0), bytes(24)
+    assert ctypes.CDLL(None, use_errno=True).capset(header, none) == 0
 
 
 def _count(place, counter, at, by):

@@ -1,71 +1,18 @@
 """Each command that writes, killed at any point and begun again, writes the same; two at once do not spoil a place."""
 
 import random
-import re
 import shutil
 import signal
 
 import pytest
 
-from ffgym.core.provenance import is_installed
-from tests.contract.killing import process_of_commands
-from tests.contract.writing_commands import EXAMPLES, REAL_TIME, make_stock, make_whole_stock, writing_commands
+from tests.contract.runs import CHEAP, begin, remains, run, skip_without, written
+from tests.contract.writing_commands import EXAMPLES, REAL_TIME, writing_commands
 
 KILLS = 20
 """Kills of each command by the slow test."""
-MINUTE = rb"\d{4}-\d\d-\d\d \d\d:\d\d UTC"
-"""Time that a page says it was written, which differs."""
-TENSORBOARD = "tensorboard"
-"""Folder of a training whose files have times in their names."""
 FEW = 2
 """Kills of the quick ones by the usual tests."""
-CHEAP = ["robot fill", "plan", "export table", "record"]
-"""Commands of the usual tests, of each kind of place: a file that is changed, files, a new folder, a filled one."""
-
-
-@pytest.fixture(scope="module")
-def few(tmp_path_factory):
-    """The process of the commands of the usual tests."""
-    with process_of_commands(tmp_path_factory.mktemp("few"), f"{make_stock.__module__}:{make_stock.__name__}") as made:
-        yield made
-
-
-@pytest.fixture(scope="module")
-def every(tmp_path_factory):
-    """The process of all commands."""
-    name = f"{make_whole_stock.__module__}:{make_whole_stock.__name__}"
-    with process_of_commands(tmp_path_factory.mktemp("every"), name) as made:
-        yield made
-
-
-def begin(killing, name):
-    """Make the working directory of an example anew."""
-    shutil.rmtree(killing.folder)
-    killing.folder.mkdir()
-    for file in EXAMPLES[name].given:
-        shutil.copy(killing.place / "stock" / file, killing.folder)
-
-
-def run(killing, name, *more, **how):
-    """Run an example."""
-    return killing.run(*name.split(), *EXAMPLES[name].arguments.split(), *more, **how)
-
-
-def written(killing, name):
-    """Bytes of all files of an example by their names, without what may differ; no remains are among them."""
-    differs = EXAMPLES[name].differs
-    assert not remains(killing)
-    files = {
-        path.relative_to(killing.folder).as_posix(): path.read_bytes()
-        for path in sorted(killing.folder.rglob("*"))
-        if path.is_file() and path.parent.name != TENSORBOARD
-    }
-    return {file: differs(re.sub(MINUTE, b"", data)) for file, data in files.items()}
-
-
-def remains(killing):
-    """List temporary files and folders, and claims."""
-    return [path for folder in ("run", "tmp") for path in (killing.place / folder).rglob(".ffgym-*")]
 
 
 def run_whole(killing, name):
@@ -141,13 +88,6 @@ def run_two_at_once(killing, name):
     assert line.endswith("is writing there. Wait for it, end it, or choose another place.")
     assert first["code"] == 0
     assert written(killing, name) == wanted
-
-
-def skip_without(name):
-    """Skip where a package or program is missing that an example needs."""
-    for needed in EXAMPLES[name].needs:
-        if not is_installed(needed) and shutil.which(needed) is None:
-            pytest.skip(f"{needed} is not installed")
 
 
 def test_every_command_that_writes_has_an_example():

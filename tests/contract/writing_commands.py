@@ -140,7 +140,7 @@ held_out,p3,100,3,none,rms,0.25
 
 EXAMPLES = {
     "demo": Example("--no-diagnosis --positions p1 --speeds-mm-s 100 --agents none --json n.json", is_slow=True),
-    "robot new": Example("../stock/arm.xml --out new.toml"),
+    "robot new": Example("../stock/arm.xml --out new.toml --force"),
     "robot fill": Example("cutter.toml", given=("arm.xml", "cutter.toml")),
     "robot check": Example("one_axis --report r.html --json n.json"),
     "simulate": Example(

@@ -2,7 +2,7 @@
 
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -58,6 +58,7 @@ def write_program(
     period: float | None = None,
     servo: ServoProgram | None = None,
     report: Mapping[str, Any] | None = None,
+    tell: Callable[[str, float], None] = lambda what, share: None,
 ) -> WrittenProgram:
     """Write a plan as a program for a controller, with a report of what was changed.
 
@@ -72,6 +73,7 @@ def write_program(
         period: time that points of RAPID and KRL are apart at least [s]; None leaves it to the path.
         servo: how servoj follows (URScript); None takes the defaults.
         report: provenance by name for the page; None writes no page.
+        tell: function that is called with what is being done, and the share of the work that is done.
 
     Raises:
         FFGymError: if the controller cannot have the robot's joints, or the path read back is farther from the plan
@@ -79,8 +81,11 @@ def write_program(
     """
     check_choice("format of program", format, list(FORMATS))
     check_fits(plan, arm.robot)
+    tell("choosing points", 0.0)
     files, points = _texts(plan, arm, format, tolerance, period, servo or ServoProgram())
+    tell("reading the program back", 0.3)
     path, duration = _read(files, arm, format)
+    tell("comparing it with the plan", 0.8)
     deviation = measure_deviation(arm, plan.setpoints, plan.t, path, duration)
     if not deviation.distance <= tolerance:
         closer = "" if period is None else ", or points closer in time (period, --period-ms)"
