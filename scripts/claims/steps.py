@@ -48,7 +48,7 @@ def every_step(folder: Path) -> list[Step]:
         for name in (*DEFINED, *(name for name in PAGES if name not in DEFINED))
     ]
     records = [Step(f"record {name}", each.command, partial(_again, name, folder)) for name, each in RECORDS.items()]
-    tests = sorted({mark.text.partition(" for ")[0] for mark in _marks("tested")} | {PRINTED})
+    tests = sorted({mark.text.partition(" for ")[0] for mark in _marks("tested")} | set(PRINTED.values()))
     return [
         *parts,
         Step("tests", f"python -m pytest {' '.join(tests)}", partial(_run_tests, tests)),

@@ -28,11 +28,20 @@ HOW: Mapping[str, str] = MappingProxyType(
 )
 """Ways to trace a numeral, with their meaning."""
 
-PRINTED = "tests/test_tutorial_with_commands.py"
-"""Test that compares the output on the pages below with what commands print, to 5 %."""
-PAGES_WITH_OUTPUT = tuple(
-    f"docs/tutorials/{name}.md" for name in ("your_robot", "identify", "diagnose", "real_machine", "onto_the_machine")
+_TUTORIALS = "tests/test_tutorial_with_commands.py"
+PRINTED: Mapping[str, str] = MappingProxyType(
+    {
+        **dict.fromkeys(
+            [
+                f"docs/tutorials/{name}.md"
+                for name in ("your_robot", "identify", "diagnose", "real_machine", "onto_the_machine")
+            ],
+            _TUTORIALS,
+        ),
+        "docs/deployment/trial.md": "tests/deployment/trial/test_trial_page.py",
+    }
 )
+"""Tests that compare the output on a page with what its commands print, to 5 %."""
 
 SOURCES: Mapping[str, str] = MappingProxyType(tomllib.loads(read_text(Path(__file__).with_name("sources.toml"))))
 """Published works by the name in marks."""
@@ -121,8 +130,8 @@ def _trace_block(block: Block, page: str, found: Sequence[tuple[str, Found]]) ->
             yield numeral, "name", rules[0]
         elif by_marks:
             yield numeral, *by_marks[0]
-        elif block.kind == "output" and page in PAGES_WITH_OUTPUT:
-            yield numeral, "printed", PRINTED
+        elif block.kind == "output" and page in PRINTED:
+            yield numeral, "printed", PRINTED[page]
         else:
             yield numeral, "untraced", ""
 

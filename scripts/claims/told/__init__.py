@@ -1,5 +1,5 @@
 """Claims: passages of pages as they follow from stored results, records and the code, a module for each field."""
 
-from scripts.claims.told import constants, leaderboard, networks, published_robot, session, thesis
+from scripts.claims.told import constants, exams, leaderboard, networks, published_robot, session, thesis
 
-__all__ = ["constants", "leaderboard", "networks", "published_robot", "session", "thesis"]
+__all__ = ["constants", "exams", "leaderboard", "networks", "published_robot", "session", "thesis"]

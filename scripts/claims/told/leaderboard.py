@@ -260,3 +260,17 @@ def stability_of_residuals() -> Iterator[str]:
     yield f"is worth {100 * (1 - ratio(WORKCELLS, 'servo_gains_stable')):.0f} % there"
     worse = [speeds(THESIS_WORKCELL, name)[100] / speeds(THESIS_WORKCELL, "elastic")[100] for name in RESIDUALS[1:5]]
     yield f"those on `elastic` are up to {100 * (max(worse) - 1):.0f} % worse"
+
+
+@claim(RESULTS)
+def what_getting_started_tells_of_the_workcell() -> Iterator[str]:
+    """What a fitted model and policies leave on the workcell `thesis`."""
+    fitted, none = (speeds(THESIS_WORKCELL, name) for name in ("model_fitted", "none"))
+    at = (10, 40, 100)
+    yield f"leaves {fitted[10]:.0f}, {fitted[40]:.0f} and {fitted[100]:.0f} um at 10, 40 and 100 mm/s"
+    yield f"servo alone leaves {', '.join(f'{none[v]:.0f}' for v in at[:2])} and {none[100]:.0f}."
+    names = [
+        name for name in RESIDUALS if row_of(THESIS_WORKCELL, name).row.base == "elastic" and name != "servo_gains"
+    ]
+    less = [100 * (1 - ratio(THESIS_WORKCELL, name)) for name in names]
+    yield f"leave {min(less):.0f} to {max(less):.0f} % less than that law"
