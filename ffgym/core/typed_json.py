@@ -12,6 +12,9 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError
 
+_MOST = 2**63
+"""Size of whole numbers that no array holds."""
+
 
 def parse_json(text: str | bytes, what: str, way_out: str = "") -> Any:
     """Parse JSON; an error calls the text `what`, and ends with a sentence on what to do."""
@@ -62,7 +65,8 @@ def from_json(kind: Any, value: Any, where: str) -> Any:
         return {name: from_json(arguments[1], entry, f"{where}.{name}") for name, entry in entries.items()}
     if kind is float:
         return float("nan") if value is None else _number(value, where)
-    return _check(type(value) is kind, value, where, {str: "text", bool: "true or false", int: "a whole number"}[kind])
+    right = type(value) is kind and (kind is not int or abs(value) < _MOST)
+    return _check(right, value, where, {str: "text", bool: "true or false", int: "a whole number of 63 bits"}[kind])
 
 
 def _object(kind: Any, value: Any, where: str) -> Any:

@@ -9,7 +9,7 @@ from typing import Any, Self
 
 from ffgym.control import SetpointChannel, SetpointResponse
 from ffgym.control.observation import Channel
-from ffgym.core.errors import FFGymError, check_choice, check_number
+from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
 from ffgym.core.files import read_text
 from ffgym.core.typed_json import from_json, parse_json
 from ffgym.envs.machines import is_workcell
@@ -234,6 +234,9 @@ def decode_row(text: str, path: str) -> Row:
             if name != NOMINAL and not is_workcell(name) and draw_number(name) is None:
                 raise FFGymError(f"plant = {name!r} must be nominal, workcell:<name or seed> or draw:<number>.")
             check_number("robot_seconds", outcome.robot_seconds, unit="s", low=0.0)
+            check_whole("env_steps", outcome.env_steps, low=0)
+            if outcome.inference_us is not None:
+                check_number("inference_us", outcome.inference_us, unit="us", low=0.0)
             _check_once("circle", [cell.key for cell in outcome.cells])
             for cell in outcome.cells:
                 check_choice("split", cell.split, SPLITS)

@@ -84,6 +84,10 @@ def _mutate_sqlite(data: bytes, rng: np.random.Generator) -> bytes:
     table = str(rng.choice(tables))
     columns = [row[1] for row in base.execute(f"pragma table_info({table})")]
     rows = [row for (row,) in base.execute(f"select rowid from {table}")]
+    # a table of the same rows, without the rules of the first one
+    base.execute(f"create table free as select * from {table}")
+    base.execute(f"drop table {table}")
+    base.execute(f"alter table free rename to {table}")
     kind = rng.integers(10)
     if kind == 0 or not rows:
         base.execute(f"drop table {table}")

@@ -69,7 +69,7 @@ def _parse_options(head: dict[str, Any], where: str) -> dict[str, Any]:
     """Parse what a table may say beside its rows."""
     found: dict[str, Any] = {}
     alike, asked = head.get("alike", []), head.get("sign_of")
-    if not isinstance(alike, list) or not all(isinstance(x, str) for group in alike for x in group):
+    if not isinstance(alike, list) or not all(map(_is_list_of_texts, alike)):
         raise FFGymError(f"{where}: alike = {alike!r} must be a list of lists of positions.")
     found["alike"] = tuple(tuple(group) for group in alike)
     if asked is not None:
@@ -82,6 +82,10 @@ def _parse_options(head: dict[str, Any], where: str) -> dict[str, Any]:
             radius_mm=check_number("sign_of.radius_mm", asked["radius_mm"], unit="mm"),
         )
     return found
+
+
+def _is_list_of_texts(value: Any) -> bool:
+    return isinstance(value, list) and all(isinstance(entry, str) for entry in value)
 
 
 def write_table(path: str | os.PathLike[str], table: ErrorTable) -> None:

@@ -74,8 +74,11 @@ def _messages(path: Path) -> tuple[dict[str, list[dict[str, Any]]], dict[str, st
     found: dict[str, dict[frozenset[str], list[dict[str, Any]]]] = defaultdict(lambda: defaultdict(list))
     skipped: dict[str, str] = {}
     with AnyReader([path], default_typestore=get_typestore(Stores.LATEST)) as reader:
-        known = [c for c in reader.connections if c.msgtype in reader.typestore.fielddefs]
-        skipped |= {c.topic: f"messages of unknown type {c.msgtype}" for c in reader.connections if c not in known}
+        named = [c for c in reader.connections if isinstance(c.topic, str)]
+        if len(named) < len(reader.connections):
+            skipped["topics without a name"] = "the bag says of some messages no topic"
+        known = [c for c in named if c.msgtype in reader.typestore.fielddefs]
+        skipped |= {c.topic: f"messages of unknown type {c.msgtype}" for c in named if c not in known}
         for connection, log_time, raw in reader.messages(connections=known) if known else ():
             message = reader.deserialize(raw, connection.msgtype)
             joints = _joint_names(message)

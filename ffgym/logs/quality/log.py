@@ -96,8 +96,8 @@ class CheckedLog:
         return part if part in self.joints and not column.startswith("user.") else ""
 
     def rows(self, seconds: float) -> int:
-        """Rows in a time span, one at least."""
-        return max(1, round(seconds / self.dt))
+        """Rows in a time span, one at least and no more than there are."""
+        return max(1, round(min(seconds / self.dt, len(self.t))))
 
     def link_side(self, family: str) -> Array:
         """A family of `MOTION_FAMILIES` behind the gearbox [rad, rad/s, ... or m], shape (T, N)."""

@@ -40,6 +40,11 @@ def _clock_unit(log: CheckedLog) -> Iterator[Seen]:
 
 
 @check
+def _clock_rate(log: CheckedLog) -> Iterator[Seen]:
+    yield Seen(1 / log.dt, _CLOCK)
+
+
+@check
 def _dropped_samples(log: CheckedLog) -> Iterator[Seen]:
     """Rows that are missing, over rows that there should be; clock jumps, over which nothing moves, are not meant."""
     steps, moved = long_intervals(log)

@@ -14,6 +14,13 @@ def time_in_milliseconds(recording, rng):
     return Damaged(columns, replace(recording.header, phases=()), "", ("timestamp",))
 
 
+@defect("clock_rate")
+def seconds_read_as_nanoseconds(recording, rng):
+    columns = columns_of(recording)
+    columns["timestamp"] *= 1e-9
+    return Damaged(columns, replace(recording.header, phases=()), "", ("timestamp",))
+
+
 @defect("clock_jump")
 def clock_step(recording, rng):
     columns = columns_of(recording)
