@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from ffgym.core.errors import FFGymError
-from ffgym.core.files import read_text, write_json
+from ffgym.core.files import read_bytes, read_text, write_json
 from ffgym.core.provenance import versions
 from ffgym.core.typed_json import from_json, parse_json
 
@@ -92,9 +92,9 @@ def locate_artefact(name: str, artefact: Artefact, folder: Path = TRAINED) -> Pa
     """
     place = folder / name / artefact.file
     try:
-        found = sha256(place.read_bytes()).hexdigest()
-    except OSError as error:
-        raise FFGymError(f"{place}: cannot be read: {error.strerror}. Install ffgym again, or train it.") from error
+        found = sha256(read_bytes(place)).hexdigest()
+    except FFGymError as error:
+        raise FFGymError(f"{error} Install ffgym again, or train it.") from error
     if found != artefact.sha256:
         raise FFGymError(
             f"{place}: has sha256 {found[:16]}..., its manifest says {artefact.sha256[:16]}...: one of them was "

@@ -24,6 +24,9 @@ from ffgym.core.types import Array
 FORMAT = 1
 """Version of the file format; see docs/agents/files.md."""
 
+LARGEST = 1e30
+"""Largest number of a law's arrays; chosen: far beyond any weight, and products of some stay finite."""
+
 KINDS: dict[str, type["StoredLaw"]] = {}
 """Classes of laws by the kind of their files; each class enters itself."""
 
@@ -109,6 +112,9 @@ def load_law(path: str | os.PathLike[str]) -> FeedForwardLaw:
         load_families("ffgym.agents")
     stored = KINDS[check_choice(f"kind of law in {path}", kind, list(KINDS))]
     try:
+        for name, values in arrays.items():
+            if values.dtype.kind == "f" and np.any(np.abs(values) > LARGEST):
+                raise FFGymError(f"{name} must be finite, and {LARGEST:g} at most in size.")
         law: Any = stored.from_parts(header["settings"], arrays)
         if not isinstance(law.name, str):
             raise FFGymError(f"name = {law.name!r} must be text.")
@@ -139,6 +145,9 @@ def unpack(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str, Arra
     if not isinstance(header, dict) or header.get("format") != FORMAT:
         found = header.get("format") if isinstance(header, dict) else header
         raise FFGymError(f"{path}: has format {found!r}, this version of ffgym reads {FORMAT}.")
+    for name, values in arrays.items():
+        if values.dtype.kind not in "biufU":
+            raise FFGymError(f"{path}: {name} is {values.dtype}, must be real numbers or text.")
     for name in ("settings", "meta"):
         if not isinstance(header.get(name, {}), dict):
             raise FFGymError(f"{path}: {name} = {header[name]!r} in its header must be an object.")

@@ -20,6 +20,9 @@ COARSE_KNOTS = 38
 FULL_RANGE = 20.0
 """[rad/s], motor side: the fastest motor of the circles at 100 mm/s, thesis 5.1.1."""
 
+_CLOSEST = 1e-12
+"""Distance of knots, over their range if that is beyond 1, below which splines between them are rounding."""
+
 
 def thesis_knots() -> Array:
     """Knots of thesis 5.1.1 [rad/s], motor side, shape (79,)."""
@@ -39,8 +42,11 @@ class SplineBasis:
 
     def __post_init__(self) -> None:
         knots = check_shape("knots", self.knots, (None,))
-        if len(knots) < 2 or np.any(np.diff(knots) <= 0):
-            raise FFGymError(f"knots = {knots.tolist()} must be two or more numbers, each above the last.")
+        if len(knots) < 2 or np.any(np.diff(knots) <= _CLOSEST * max(1.0, knots[-1] - knots[0])):
+            raise FFGymError(
+                f"knots = {knots.tolist()} must be two or more numbers, each above the last, by more than {_CLOSEST:g}, "
+                f"or by that share of a range beyond 1."
+            )
         object.__setattr__(self, "knots", knots)
         object.__setattr__(self, "order", check_whole("order", self.order, low=1))
 

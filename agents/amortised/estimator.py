@@ -200,6 +200,9 @@ class Estimator:
         if header.get("kind") != KIND:
             raise FFGymError(f"{path}: is a file of kind {header.get('kind')!r}, an estimator's is {KIND!r}.")
         try:
+            for name, values in arrays.items():
+                if values.dtype.kind == "f" and not np.all(np.isfinite(values)):
+                    raise FFGymError(f"{name} must be finite")
             arrays = {name: values.astype(np.float64) for name, values in arrays.items()}
 
             def layer(name: str) -> LinearLayer:

@@ -8,13 +8,14 @@ tendon whose length is the motor angle. MuJoCo supplies servo (`ffgym.robot.mode
 angle of the link times the gear ratio. A spring between two links is a spatial tendon.
 """
 
+import warnings
 from dataclasses import dataclass
 from typing import Any
 
 import mujoco
 import numpy as np
 
-from ffgym.core.errors import check_number
+from ffgym.core.errors import FFGymError, check_number
 from ffgym.robot.description import RobotDescription
 from ffgym.robot.model.friction import add_friction, bear_arm_friction
 from ffgym.robot.model.looks import add_looks
@@ -116,8 +117,21 @@ def build_spec(robot: RobotDescription, options: ModelOptions | None = None) -> 
 
 
 def compile_model(robot: RobotDescription, options: ModelOptions | None = None) -> mujoco.MjModel:
-    """Compile the MuJoCo model of the robot."""
-    return build_spec(robot, options).compile()
+    """Compile the MuJoCo model of the robot.
+
+    Raises:
+        FFGymError: if its masses and lengths are such that MuJoCo cannot invert the inertia.
+    """
+    spec = build_spec(robot, options)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", UserWarning)
+        try:
+            return spec.compile()
+        except UserWarning as warning:
+            raise FFGymError(
+                f"Robot {robot.name!r} cannot be simulated: {str(warning).partition('.')[0]}. Is a mass, an inertia or "
+                f"a length in another unit?"
+            ) from warning
 
 
 def _add_joint(parent: mujoco.MjsBody, robot: RobotDescription, i: int, options: ModelOptions) -> mujoco.MjsBody:
