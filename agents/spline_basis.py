@@ -44,8 +44,8 @@ class SplineBasis:
         knots = check_shape("knots", self.knots, (None,))
         if len(knots) < 2 or np.any(np.diff(knots) <= _CLOSEST * max(1.0, knots[-1] - knots[0])):
             raise FFGymError(
-                f"knots = {knots.tolist()} must be two or more numbers, each above the last, by more than {_CLOSEST:g}, "
-                f"or by that share of a range beyond 1."
+                f"knots = {knots.tolist()} must be two or more numbers, each above the last, by more than "
+                f"{_CLOSEST:g}, or by that share of a range beyond 1."
             )
         object.__setattr__(self, "knots", knots)
         object.__setattr__(self, "order", check_whole("order", self.order, low=1))
