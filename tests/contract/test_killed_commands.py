@@ -100,7 +100,7 @@ def test_a_command_that_is_killed_and_begun_again_writes_the_same(few, name):
 
 
 @pytest.mark.parametrize("name", CHEAP)
-@pytest.mark.parametrize("by", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize("by", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_command_that_a_signal_ends_says_so_in_a_line_and_cleans_up(few, name, by):
     end_and_begin_again(few, name, by, FEW)
 
