@@ -57,12 +57,15 @@ class CheckClaims:
         every = [*faults, *(fault for one in made for fault in one.faults), *more_untraced(traces, allowed)]
         print(describe(traces))
         print("\n".join(map(str, every)) or "All numbers that are traced hold.")
+        fewer = [page for page, found in count(traces).items() if found["untraced"] < allowed.get(page, 0)]
+        if fewer and not self.accept:
+            print(f"Fewer numbers than stored are untraced on {', '.join(fewer)}: store that with --accept.")
         print(
             f"{time.monotonic() - began:.0f} s; all that was made again took {sum(one.seconds for one in made):.0f} s"
         )
         if self.accept:
-            fewer = {page: found["untraced"] for page, found in count(traces).items() if found["untraced"]}
-            write_json(ALLOWED, {page: min(n, allowed.get(page, n)) for page, n in fewer.items()})
+            left = {page: found["untraced"] for page, found in count(traces).items() if found["untraced"]}
+            write_json(ALLOWED, {page: min(n, allowed.get(page, n)) for page, n in left.items()})
         if self.json is not None:
             write_json(self.json, _document(traces, every, made))
         if every:
