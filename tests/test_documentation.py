@@ -15,6 +15,7 @@ WITH_COMMANDS = ("your_robot.md", "identify.md", "diagnose.md", "real_machine.md
 
 EXECUTED = [
     "README.md",
+    "docs/claims.md",
     "docs/getting_started.md",
     "docs/identification.md",
     "docs/kinematics.md",
