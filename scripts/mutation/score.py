@@ -56,12 +56,22 @@ def read_outcomes(path: Path) -> list[Outcome]:
     if not path.exists():
         return []
     try:
-        rows = [json.loads(line) for line in read_text(path).splitlines()]
-        return [Outcome(**{**row, "mutant": Mutant(**row["mutant"])}) for row in rows]
+        return [_outcome(json.loads(line)) for line in read_text(path).splitlines()]
     except (ValueError, TypeError, KeyError) as error:
         raise FFGymError(
             f"{path}: holds no outcomes of mutants: {error}. Remove it, or choose another --out."
         ) from error
+
+
+def read_score(row: dict[str, Any]) -> Score:
+    """Read a score as `Score.as_dict` wrote it."""
+    outcomes = tuple(_outcome(each) for each in row["outcomes"])
+    return Score(room=row["room"], n_mutants=row["n_mutants"], outcomes=outcomes)
+
+
+def _outcome(row: dict[str, Any]) -> Outcome:
+    """Outcome of its JSON form."""
+    return Outcome(**{**row, "mutant": Mutant(**row["mutant"])})
 
 
 def keep_outcome(path: Path, outcome: Outcome) -> None:
