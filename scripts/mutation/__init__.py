@@ -67,7 +67,8 @@ def _test_room(name: str, config: Config) -> Score:
     there = {outcome.mutant.key for outcome in outcomes}
     missing = [mutant for mutant in drawn if mutant.key not in there]
     if missing:
-        workplace = Workplace.prepare(config.out / "copy", room, config.out / f"{name}_tests.json")
+        watched = config.out / f"{'_'.join(room.tests).replace('/', '-')}.json"
+        workplace = Workplace.prepare(config.out / "copy", room, tuple(ROOMS.values()), watched)
         began = time.perf_counter()
         for done, mutant in enumerate(missing, start=1):
             outcome = workplace.test(mutant, config.limit)

@@ -85,9 +85,11 @@ def _mutants_of(module: str) -> Iterable[Mutant]:
     nodes = list(ast_nodes(get_ast(source)))
     for name in OPERATORS:
         operator = get_operator(f"core/{name}")()
-        places = [start for node in nodes for start, _ in operator.mutation_positions(node)]
+        places = [(node, start) for node in nodes for start, _ in operator.mutation_positions(node)]
         seen: Counter[str] = Counter()
-        for occurrence, (line, _) in enumerate(places):
+        for occurrence, (node, (line, _)) in enumerate(places):
+            if node.search_ancestor("decorator") is not None:  # it declares, and computes nothing
+                continue
             text = lines[line - 1].strip()
             yield Mutant(module, name, occurrence, line, text, seen[text])
             seen[text] += 1

@@ -7,7 +7,7 @@ import shutil
 import subprocess
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -59,15 +59,20 @@ class Workplace:
     """Digest of each file of tests as it was when it was watched."""
 
     @classmethod
-    def prepare(cls, copy: Path, room: Room, kept: Path) -> "Workplace":
-        """Copy the repository's files as they are, and watch the tests of a room unless `kept` has it for this code."""
+    def prepare(cls, copy: Path, room: Room, rooms: Sequence[Room], kept: Path) -> "Workplace":
+        """Copy the repository's files as they are, and watch the tests of a room unless `kept` has it for this code.
+
+        Of all `rooms`, those with the same tests are watched at once.
+        """
         _copy_repository(copy)
-        code = {module: _digest(module) for module in room.modules()}
+        watched = [each for each in rooms if each.tests == room.tests]
+        code = {module: _digest(module) for each in watched for module in each.modules()}
         found = json.loads(read_text(kept)) if kept.exists() else {}
         if found.get("code") != code:
             print(f"running the tests of {', '.join(room.tests)} to see which lines they run", flush=True)
             files, place = room.test_files(), kept.with_suffix(".tmp").absolute()
-            command = ["-m", "scripts.mutation.watch", str(place), ",".join(room.code), *files]
+            folders = ",".join(folder for each in watched for folder in each.code)
+            command = ["-m", "scripts.mutation.watch", str(place), folders, *files]
             done = subprocess.run([sys.executable, *command], cwd=copy, env=_environment(copy))
             if done.returncode:
                 raise FFGymError(

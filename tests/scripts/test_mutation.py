@@ -14,7 +14,9 @@ from scripts.mutation.score import Score, keep_outcome, read_outcomes
 from scripts.mutation.testing import Outcome, Workplace
 
 SOURCE = '''"""Doc with 1 + 2."""
+from functools import lru_cache
 
+@lru_cache(4)
 def area(width: float | None, height: float) -> float:
     if width is None or height < 0:
         return 0
@@ -39,12 +41,12 @@ def test_mutants_change_one_place_of_the_code_and_no_words_or_types(room):
         place: [new for new, old in zip(code.splitlines(), SOURCE.splitlines(), strict=True) if new != old]
         for place, code in found.items()
     }
-    assert changed.pop(("NumberReplacer", 4)) == ["    if width is None or height < -1:"]
-    assert changed["ReplaceBinaryOperator_Mul_Div", 6] == ["    return width / height"]
-    assert changed["ReplaceOrWithAnd", 4] == ["    if width is None and height < 0:"]
-    assert changed["ReplaceComparisonOperator_Lt_GtE", 4] == ["    if width is None or height >= 0:"]
+    assert changed.pop(("NumberReplacer", 6)) == ["    if width is None or height < -1:"]
+    assert changed["ReplaceBinaryOperator_Mul_Div", 8] == ["    return width / height"]
+    assert changed["ReplaceOrWithAnd", 6] == ["    if width is None and height < 0:"]
+    assert changed["ReplaceComparisonOperator_Lt_GtE", 6] == ["    if width is None or height >= 0:"]
     assert all(len(lines) == 1 for lines in changed.values())
-    assert {line for _, line in found} == {4, 5, 6}
+    assert {line for _, line in found} == {6, 7, 8}
 
 
 def test_a_larger_sample_holds_the_smaller_one_and_lines_before_change_nothing(room, tmp_path):
