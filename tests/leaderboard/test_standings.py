@@ -380,3 +380,14 @@ def test_what_the_tracker_of_a_workcell_cannot_see_is_told(some):
     words = "a laser tracker with 10 um of noise in each coordinate"
     texts = {group: format_standings(standings(some, group, "thesis")) for group in (NOMINAL, THESIS_WORKCELL)}
     assert [words in " ".join(text.split()) for text in texts.values()] == [False, True]
+
+
+def test_selections_are_all_held_out_circles_each_split_those_of_the_thesis_and_those_of_training():
+    assert SELECTIONS["held_out"] == ("positions", "radii", "speeds")
+    assert [SELECTIONS[split] for split in ("positions", "radii", "speeds")] == [
+        ("positions",),
+        ("radii",),
+        ("speeds",),
+    ]
+    assert SELECTIONS["thesis"] == ("train", "positions")
+    assert SELECTIONS["train"] == ("train",)

@@ -122,3 +122,13 @@ def test_seeds_drawn_anew_in_every_cell_would_claim_too_much():
         means = values[taken, np.arange(12)].mean(axis=(1, 2))
         held += interval(means, 5).includes(0.0)
     assert held / 200 < 0.75
+
+
+def test_the_ends_of_an_interval_are_in_it():
+    one = Interval(1.0, 2.0)
+    assert [one.includes(value) for value in (0.99, 1.0, 1.5, 2.0, 2.01)] == [False, True, True, True, False]
+
+
+@pytest.mark.parametrize(("n_seeds", "n_plants", "levels"), [(1, 1, 1), (2, 1, 2), (1, 5, 5), (3, 2, 2), (2, 7, 2)])
+def test_levels_are_the_fewest_of_a_factor_that_has_more_than_one(n_seeds, n_plants, levels):
+    assert draw_resamples("a", n_seeds, n_plants, 10).levels == levels
