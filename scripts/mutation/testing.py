@@ -17,8 +17,8 @@ from ffgym.core.files import read_text, write_json
 from scripts.mutation.mutants import Mutant
 from scripts.mutation.rooms import REPOSITORY, Room
 
-_SLOWER = 4.0
-"""Times that tests may take longer than they did before a mutant counts as one that hangs; busy machines are slower."""
+_SLOWER = 8.0
+"""Times that tests may take longer than their processor time before a mutant counts as one that hangs."""
 _START = 60.0
 """Time that pytest may take to begin [s]."""
 
@@ -54,7 +54,7 @@ class Workplace:
     lines: Mapping[str, Mapping[str, list[str]]]
     """Files of tests by module and line."""
     times: Mapping[str, float]
-    """Time of each file of tests [s]."""
+    """Processor time of each file of tests [s]."""
     digests: Mapping[str, str]
     """Digest of each file of tests as it was when it was watched."""
 
