@@ -29,7 +29,7 @@ class Watch:
 
 
 def watch(folders: list[str], files: list[str], out: Path) -> int:
-    """Run files of tests, and write what runs which line, and the processor time of each [s]; returns pytest's exit code."""
+    """Run files of tests, and write what runs which line and the processor time of each; return how pytest ended."""
     measured = coverage.Coverage(data_file=None, source=folders, config_file=False)
     plugin = Watch(measured)
     measured.start()

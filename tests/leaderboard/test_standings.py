@@ -91,6 +91,13 @@ def test_figures_of_a_row_are_those_of_its_circles():
     assert (score.worse, score.stopped, score.robot_seconds) == (0, 0, 12)
 
 
+def test_interquartile_means_have_an_interval_where_something_is_random_and_only_there():
+    found = standings([NONE, fixed("half", 0.5), learned("some", 0.5, 0.1)], NOMINAL, "held_out")
+    assert found.line("half").score.iqm_interval_um is None
+    some = found.line("some").score
+    assert some.iqm_interval_um.low < some.iqm_um < some.iqm_interval_um.high
+
+
 def test_cells_made_worse_are_counted():
     mixed = row("mixed", lambda _, plant, key: zero_error(key) * (1.5 if key[3] == 100 else 0.5))
     found = standings([NONE, mixed], NOMINAL, "held_out")
