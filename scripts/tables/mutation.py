@@ -23,12 +23,14 @@ def scores(file: Path = OUTCOMES) -> Contents:
         code = ", ".join(f"`{place}`" for place in ROOMS[score.room].code)
         tested, share = f"{len(score.outcomes)} of {score.n_mutants}", f"{100 * score.share:.0f} %"
         rows.append((score.room, code, tested, str(score.n_killed), share, f"{100 * low:.0f} to {100 * high:.0f} %"))
+    unmeasured = [name for name in ROOMS if name not in {score.room for score in rooms}]
+    missing = f" Not measured yet: {', '.join(unmeasured)}." if unmeasured else ""
     versions = ", ".join(f"{name} {version}" for name, version in kept["versions"].items())
     table = markdown(("room", "code", "mutants tested", "noticed", "score", "95 % interval"), rows)
     survived = [_survivor(score, i) for score in rooms for i, each in enumerate(score.outcomes) if not each.is_killed]
     return Contents(
         parts={
-            "scores": f"{table}\n\nSeed {kept['seed']}; {versions}.",
+            "scores": f"{table}\n\nSeed {kept['seed']}; {versions}.{missing}",
             "survivors": markdown(("place", "change", "line"), survived),
             "operators": markdown(("change", "tested", "noticed"), _by_operator(rooms)),
         },
