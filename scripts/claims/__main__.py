@@ -85,11 +85,14 @@ def _document(traces: list[Trace], faults: list[Fault], made: list[Made]) -> dic
 
 
 def _state() -> str:
-    """Name the state of the project: what was made of another one is made again."""
-    call = ["git", "stash", "create"]
-    state = subprocess.run(call, cwd=ROOT, check=False, capture_output=True, text=True).stdout.strip()
-    head = subprocess.run(["git", "rev-parse", "HEAD"], cwd=ROOT, check=False, capture_output=True, text=True)
-    return state or head.stdout.strip()
+    """Name the state of the code: what was made by other code is made again."""
+    changed = _git("stash", "create") or "HEAD"
+    return " ".join(_git("rev-parse", f"{changed}:{folder}") for folder in ("ffgym", "agents", "scripts", "tests"))
+
+
+def _git(*arguments: str) -> str:
+    call = ["git", *arguments]
+    return subprocess.run(call, cwd=ROOT, check=False, capture_output=True, text=True).stdout.strip()
 
 
 if __name__ == "__main__":

@@ -57,13 +57,17 @@ def every_step(folder: Path) -> list[Step]:
 
 
 def run_steps(steps: Sequence[Step], folder: Path, state: str) -> Iterator[Made]:
-    """Run steps, or read what an interrupted call has made of the same state of the project, and yield what came."""
+    """Run steps, or read what an interrupted call has made by the same code, and yield what came.
+
+    A step of which something did not hold is made again, as the page may have been mended.
+    """
     kept = folder / "steps.json"
     done = json.loads(read_text(kept)) if kept.exists() else {}
     if done.get("state") != state:
         done = {"state": state, "made": {}}
     for step in steps:
-        if step.name not in done["made"]:
+        known = done["made"].get(step.name)
+        if known is None or known["faults"]:
             began = time.monotonic()
             try:
                 faults, skipped = step.make(), ""

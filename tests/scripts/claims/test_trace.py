@@ -135,22 +135,24 @@ def test_numbers_of_a_part_that_was_made_again_are_compared_one_by_one():
     assert "is 'other'" in fault.message
 
 
-def test_an_interrupted_call_goes_on_where_it_was(tmp_path):
+def test_an_interrupted_call_goes_on_where_it_was_and_makes_again_what_did_not_hold(tmp_path):
     calls = []
 
-    def make(name, fails=False):
+    def make(name, found=(), fails=False):
         calls.append(name)
         if fails:
             raise KeyboardInterrupt
-        return [Fault("page.md", 1, name)]
+        return [*found]
 
-    steps = [Step("one", "", lambda: make("one")), Step("two", "", lambda: make("two", fails=True))]
+    wrong = Fault("page.md", 1, "wrong")
+    steps = [Step("one", "", lambda: make("one")), Step("two", "", lambda: make("two", [wrong]))]
+    broken = Step("three", "", lambda: make("three", fails=True))
     with pytest.raises(KeyboardInterrupt):
-        list(run_steps(steps, tmp_path, "state"))
-    made = list(run_steps([steps[0], Step("two", "", lambda: make("two"))], tmp_path, "state"))
-    assert calls == ["one", "two", "two"]
-    assert [str(fault) for one in made for fault in one.faults] == ["page.md:1: one", "page.md:1: two"]
-    list(run_steps([steps[0]], tmp_path, "another state"))
+        list(run_steps([*steps, broken], tmp_path, "state"))
+    made = list(run_steps([*steps, Step("three", "", lambda: make("three"))], tmp_path, "state"))
+    assert calls == ["one", "two", "three", "two", "three"]
+    assert [str(fault) for one in made for fault in one.faults] == ["page.md:1: wrong"]
+    list(run_steps(steps[:1], tmp_path, "another state"))
     assert calls[-1] == "one"
 
 
