@@ -80,6 +80,8 @@ class Board:
             jobs = work.jobs_for(self.registry, missing, splits)
             seconds = {plant: sum_durations([plant], splits) for plant in dict.fromkeys(plants)}
             total, done, run = sum(seconds[plant] for _, _, plant in missing), 0.0, 0.0
+            if progress is not None and jobs:
+                progress(0.0, total)
             for i, outcomes in executor.run(work.run_job, jobs):
                 self.keep(outcomes)
                 done += len(jobs[i].agents) * seconds[jobs[i].plant]
