@@ -33,22 +33,13 @@ def random_motions(machine, seed, *, steps=24, h=STEP):
     count = 2
     machine = Machine.of(machine)
     plant = Plant(machine, count, options=ModelOptions(physics_dt=h, looks=False))
-    robot, at, rng = machine.physical, plant.addresses, np.random.default_rng(seed)
+    robot, rng = machine.physical, np.random.default_rng(seed)
     n = robot.n_joints
     home = np.zeros(n) if robot.work_area is None else robot.work_area.home
     plant.rest(np.tile(home, (count, 1)))
     rest = [coordinates(plant, *(x[i] for x in (plant._qpos, plant._qvel, plant._act))) for i in range(count)]
-    soft = np.append(at.deflection_qpos, at.extra_qpos).astype(int)
-    low, high = robot.kinematics.range.T  # limits push back
-    plant._qpos[:, at.motor_qpos] = np.clip(home + rng.uniform(-0.2, 0.2, (count, n)), low + 0.02, high - 0.02)
-    plant._qpos[:, soft] += rng.uniform(-1e-3, 1e-3, (count, len(soft)))
     slow = 2 * robot.friction.stribeck_velocity / robot.drive.gear_ratio
-    plant._qvel[:, at.motor_qpos] = rng.uniform(-1, 1, (count, n)) * [np.ones(n), slow]
-    plant._qvel[:, soft] = rng.uniform(-0.02, 0.02, (count, len(soft)))
-    length = robot.friction.coulomb / robot.friction.bristle_stiffness
-    # bristles of both sides
-    for places, have in ((at.bristle, at.has_bristle), (at.arm_bristle, at.has_arm_bristle)):
-        plant._act[:, places[have]] = (rng.uniform(-0.9, 0.9, (count, n)) * length)[:, have]
+    set_random_state(plant, rng, np.stack([np.ones(n), slow]))
     first = [x.copy() for x in (plant._qpos, plant._qvel, plant._act)]
     # set-points so near that most torques are within their limits
     near = plant.state()
@@ -68,6 +59,22 @@ def random_motions(machine, seed, *, steps=24, h=STEP):
         )
         for i in range(count)
     ]
+
+
+def set_random_state(plant, rng, speeds):
+    """Put the simulations of a plant at rest to a random state, with speeds of gearboxes up to `speeds` (B, N)."""
+    at, robot, (count, n) = plant.addresses, plant.robots[0], speeds.shape
+    home = np.zeros(n) if robot.work_area is None else robot.work_area.home
+    soft = np.append(at.deflection_qpos, at.extra_qpos).astype(int)
+    low, high = robot.kinematics.range.T  # limits push back
+    plant._qpos[:, at.motor_qpos] = np.clip(home + rng.uniform(-0.2, 0.2, (count, n)), low + 0.02, high - 0.02)
+    plant._qpos[:, soft] += rng.uniform(-1e-3, 1e-3, (count, len(soft)))
+    plant._qvel[:, at.motor_qpos] = rng.uniform(-1, 1, (count, n)) * speeds
+    plant._qvel[:, soft] = rng.uniform(-0.02, 0.02, (count, len(soft)))
+    # bristles of both sides
+    length = robot.friction.coulomb / robot.friction.bristle_stiffness
+    for places, have in ((at.bristle, at.has_bristle), (at.arm_bristle, at.has_arm_bristle)):
+        plant._act[:, places[have]] = (rng.uniform(-0.9, 0.9, (count, n)) * length)[:, have]
 
 
 def follow(machine, motions):

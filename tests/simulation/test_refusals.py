@@ -58,6 +58,14 @@ def test_a_bad_option_of_a_simulation_is_refused(arm, run, options, message):
         simulate([run], arm=arm, **options)
 
 
+@pytest.mark.parametrize("torque", [np.nan, np.inf, 1e11])
+def test_a_torque_that_is_no_number_is_refused_where_the_engine_would_stand_still(two_link, torque):
+    plant = Plant(two_link, 1)
+    plant.rest(two_link.work_area.home[None])
+    with pytest.raises(FFGymError, match="got a set-point or torque that is no number below 1e10"):
+        plant.advance(np.full((1, 10, plant.model.nu), torque))
+
+
 def test_a_law_that_is_a_class_and_a_reference_that_is_none_are_refused(run):
     with pytest.raises(FFGymError, match="law must be a feed-forward law"):
         Run(reference=run.reference, law=NoCompensation)

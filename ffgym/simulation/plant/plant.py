@@ -22,6 +22,8 @@ _BAD = [
     int(mujoco.mjtWarning.mjWARN_BADQACC),
 ]
 """Warnings of the engine that a simulation is unstable."""
+_BAD_CONTROL = int(mujoco.mjtWarning.mjWARN_BADCTRL)
+"""Warning of the engine that a control is no number, or larger than 1e10; it then stands still."""
 MAX_THREADS = 1024
 """More threads than any machine has cores; a larger number is a slip."""
 
@@ -292,14 +294,25 @@ class Plant:
             mujoco.set_mju_user_warning(before)
         if np.count_nonzero(self._warnings):
             warned, self._warned = self._warnings > self._warned, self._warnings.copy()
-            failed = np.flatnonzero(warned[:, _BAD].any(axis=1))
-            if failed.size:
-                first = int(failed[0])
-                raise FFGymError(
-                    f"Simulation {first} of robot {self.robot.name!r} became unstable between t = {began[first]:.3f} s "
-                    f"and {began[first] + steps * self.physics_dt:.3f} s. Lower servo gains, torques or "
-                    f"the physics step of {self.physics_dt} s."
-                )
+            for wrong, what, way_out in (
+                (
+                    warned[:, [_BAD_CONTROL]],
+                    "got a set-point or torque that is no number below 1e10",
+                    "Give finite ones.",
+                ),
+                (
+                    warned[:, _BAD],
+                    "became unstable",
+                    f"Lower servo gains, torques or the physics step of {self.physics_dt} s.",
+                ),
+            ):
+                failed = np.flatnonzero(wrong.any(axis=1))
+                if failed.size:
+                    first = int(failed[0])
+                    raise FFGymError(
+                        f"Simulation {first} of robot {self.robot.name!r} {what} between t = {began[first]:.3f} s and "
+                        f"{began[first] + steps * self.physics_dt:.3f} s. {way_out}"
+                    )
         return out
 
 
