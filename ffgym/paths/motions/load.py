@@ -57,6 +57,10 @@ HEAD: Mapping[str, str] = {
 """Entries of a motion file, with their meaning."""
 
 
+MOST_PARTS = 2000
+"""Most parts of a motion file; chosen: each takes some milliseconds to be composed."""
+
+
 def parse_motion(arm: RigidArm, text: str, *, where: str, name: str, folder: Path | None = None) -> Motion:
     """Motion from TOML text; `where` names the text in messages, `name` the motion if the text does not.
 
@@ -98,6 +102,10 @@ def _moves(arm: RigidArm, tree: Mapping[str, Any], where: str, folder: Path) -> 
     parts = tree.get("part")
     if not isinstance(parts, list) or not parts or not all(isinstance(part, dict) for part in parts):
         raise FFGymError("A motion file needs parts, each a table that begins with [[part]].")
+    if len(parts) > MOST_PARTS:
+        raise FFGymError(
+            f"It has {len(parts)} parts, must have {MOST_PARTS} at most; a long path is a table or a program."
+        )
     origin = tree.get("origin", [0.0, 0.0, 0.0])
     origin = find_point(arm.robot, origin) if isinstance(origin, str) else check_shape("origin", origin, (3,))
     moves: list[Move] = []

@@ -15,8 +15,8 @@ from ffgym.paths.rapid.syntax import SourceLocation
 from ffgym.paths.rapid.targets import MotionSettings
 from ffgym.robot import RobotDescription
 
-MAX_STATEMENTS = 200_000
-"""Most statements that are run; chosen: hours of motion, and a program that never ends must come to an end."""
+MAX_STATEMENTS = 50_000
+"""Most statements that are run; chosen: hours of motion, and a program that never ends is told within 10 s."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -6,6 +6,9 @@ from math import prod
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
+import mujoco
+import numpy as np
+
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import check_ordinary, is_file
 
@@ -21,6 +24,33 @@ _MOST_NUMBERS = 10**7
 
 _ATTRIBUTE = r"""\b{}\s*=\s*["']([^"']*)["']"""
 """Pattern of an attribute by name; its group is the value."""
+
+
+LONGEST = 1e6
+"""Longest length of an arm file [m]; chosen: a thousand kilometres."""
+_FLAT = 1e-9
+"""Thickness over length below which a mesh is flat."""
+
+
+def check_lengths(spec: mujoco.MjSpec) -> None:
+    """Check places and sizes of a parsed file, of which MuJoCo computes products.
+
+    Raises:
+        FFGymError: if one is longer than LONGEST, or a mesh whose vertices stand in the file is flat.
+    """
+    found = [("body", body.pos) for body in spec.bodies]
+    found += [("geom", np.concatenate([geom.pos, geom.size, geom.fromto])) for geom in spec.geoms]
+    for mesh in spec.meshes:
+        points = np.reshape(mesh.uservert, (-1, 3)) * mesh.scale
+        found.append(("mesh", points))
+        if len(points) > 3 and np.all(np.abs(points) <= LONGEST):
+            thickness = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+            if thickness[2] <= _FLAT * thickness[0]:
+                raise FFGymError("A mesh is flat; its points must span a volume.")
+    for what, values in found:
+        longest = np.abs(np.where(np.isnan(values), 0.0, values)).max(initial=0.0)
+        if longest > LONGEST:
+            raise FFGymError(f"A {what} has a length of {longest:g} m, must be {LONGEST:g} m at most. Is it in mm?")
 
 
 def check_extent(path: Path) -> None:

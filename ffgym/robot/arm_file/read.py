@@ -14,7 +14,7 @@ from ffgym.core.errors import FFGymError, errors_at
 from ffgym.core.files import read_bytes
 from ffgym.robot.arm_file.arm_file import ArmFile, Kind, Source
 from ffgym.robot.arm_file.chain import check_open, choose_chain
-from ffgym.robot.arm_file.extent import check_extent
+from ffgym.robot.arm_file.extent import check_extent, check_lengths
 from ffgym.robot.arm_file.measure import find_frames, joint_hints, left_out, pose_at_zero, quantities_of
 from ffgym.robot.arm_file.shapes import WAY_OUT, looks_of, weighs
 from ffgym.robot.arm_file.urdf import read_urdf
@@ -162,6 +162,7 @@ def _read(path: Path, joints: Sequence[str] | None, looks: bool) -> ArmFile:
     # compile in the engine, which finds further errors and warns
     with _engine_errors(line_numbers=mjcf) as warnings:
         source = _read_mjcf(path, looks=looks) if mjcf else read_urdf(data, path.parent, joints, looks=looks)
+        check_lengths(source.spec)
         model = _compile(source.spec)
     # measure the chain at zero angles
     chain = choose_chain(model, joints)
