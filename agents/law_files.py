@@ -113,7 +113,7 @@ def load_law(path: str | os.PathLike[str]) -> FeedForwardLaw:
     stored = KINDS[check_choice(f"kind of law in {path}", kind, list(KINDS))]
     try:
         for name, values in arrays.items():
-            if values.dtype.kind == "f" and np.any(np.abs(values) > LARGEST):
+            if values.dtype.kind == "f" and np.any(np.abs(values) > np.float64(LARGEST)):
                 raise FFGymError(f"{name} must be finite, and {LARGEST:g} at most in size.")
         law: Any = stored.from_parts(header["settings"], arrays)
         if not isinstance(law.name, str):

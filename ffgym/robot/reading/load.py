@@ -1,5 +1,6 @@
 """Robots by name or file, and parameter files, whose numbers replace some of a robot's."""
 
+import os
 import tomllib
 from collections.abc import Mapping
 from dataclasses import replace
@@ -57,13 +58,18 @@ def _draft_of(text: str, place: Path, seen: tuple[Path, ...] = ()) -> RobotDraft
         known = load_draft(check_choice(f"robot of parameter file {place}", head["robot"], builtin_robots()))
     elif not path.endswith(".toml"):
         raise FFGymError(f"{place}: description = {path!r} must be the path of the robot's description, .toml.")
-    elif (seen := (*seen, place.resolve())).count((place.parent / path).resolve()):
+    elif (seen := (*seen, _real(place))).count(_real(place.parent / path)):
         raise FFGymError(f"{place}: description = {path!r} leads back to a parameter file, must be a description.")
     else:
         known = _draft_of(_read_text(place.parent / path), place.parent / path, seen)
     with errors_at(str(place)):
         tree = _read_tables(text, place, known.description_for("kinematics"))
         return replace(draft_with_numbers(known, tree), where=str(place))
+
+
+def _real(path: Path) -> Path:
+    """Path without links; one that leads to itself stays, and cannot be read."""
+    return Path(os.path.realpath(path))
 
 
 def load_draft(robot: str | Path) -> RobotDraft:
