@@ -16,7 +16,7 @@ from ffgym.agents.residual.plan import Training
 from ffgym.agents.residual.policy import RESIDUALS, ResidualPolicy, load_policy
 from ffgym.cli.train_policy import options_of
 from ffgym.core.errors import FFGymError, check_choice
-from ffgym.core.files import made_folder, read_bytes, write_bytes
+from ffgym.core.files import filled_folder, read_bytes, write_bytes
 
 POLICY = "policy.npz"
 _ABOUT = ("training", "origin", "versions")
@@ -57,7 +57,7 @@ def main(config: Config) -> ArtefactManifest:
         )
     command = command_of(config.name, training, list(places))
     files, artefacts = {seed: f"seed_{seed}.npz" for seed in places}, list[Artefact]()
-    with made_folder(config.out / config.name / ANYWHERE) as folder:
+    with filled_folder(config.out / config.name / ANYWHERE) as folder:
         for seed, policy in policies.items():
             write_bytes(folder / files[seed], read_bytes(places[seed]))
             entry = describe_artefact(

@@ -13,7 +13,7 @@ from ffgym.cli.progress import progress_bar
 from ffgym.cli.train_policy import need_training
 from ffgym.core.errors import FFGymError
 from ffgym.core.executors import Executor
-from ffgym.core.files import made_folder
+from ffgym.core.files import filled_folder
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ def main(config: Sweep, run: Callable[[tuple[Training, Path]], tuple[int, float,
         raise FFGymError(f"seeds = {config.seeds} must be one or more different numbers.")
     jobs = [(config.with_seed(seed), config.out / f"seed_{seed}") for seed in config.seeds]
     jobs[0][0].known()
-    with made_folder(config.out), progress_bar("seeds", "trained") as progress:
+    with filled_folder(config.out), progress_bar("seeds", "trained") as progress:
         for done, (i, (steps, reward, sha256)) in enumerate(config.executor.run(run, jobs), start=1):
             progress(done, len(jobs))
             print(f"seed {config.seeds[i]}: {steps} steps, reward per step {reward:.4f}, sha256 {sha256[:16]}")

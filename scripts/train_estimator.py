@@ -28,7 +28,7 @@ from ffgym.agents.artefacts import ANYWHERE, TRAINED, add_artefacts, describe_ar
 from ffgym.agents.elastic import elastic_law
 from ffgym.agents.residual.actor import LSTM, LinearLayer
 from ffgym.agents.torque_response import task_error
-from ffgym.core.files import decode_arrays, encode_arrays, made_folder, write_bytes
+from ffgym.core.files import decode_arrays, encode_arrays, filled_folder, made_folder, write_bytes
 from ffgym.core.types import Array, IntArray
 from ffgym.leaderboard.adaptation.protocol import LAP, lap, practice_motion
 from ffgym.paths import SPEEDS
@@ -86,7 +86,7 @@ def main(config: Config) -> None:
     signals = signals[: config.draws] - nominal_signals(arm)
     for variant in config.variants:
         name, entries = NAMES[variant], []
-        with made_folder(config.out / name / ANYWHERE):
+        with filled_folder(config.out / name / ANYWHERE):
             pass
         for seed in config.seeds:
             metric = teacher_metric(arm, numbers.std(axis=0)) if variant == "recurrent" else None

@@ -30,7 +30,7 @@ from ffgym.agents.residual.policy import save_policy
 from ffgym.agents.residual.required_margins import has_margins, plants_around
 from ffgym.agents.residual.validation import SEED, SPEEDS, validate
 from ffgym.core.errors import FFGymError, check_choice
-from ffgym.core.files import made_folder
+from ffgym.core.files import filled_folder
 from ffgym.core.types import Array
 from ffgym.leaderboard.evaluation.margins import CIRCLES, LoopMargins
 from ffgym.leaderboard.plants import TestPlant
@@ -121,7 +121,7 @@ def main(config: Config) -> Array:
         **({} if required is None else {"margins": {"gain": required.gain, "delay": required.delay}}),
         "validation": {"seed": SEED, "speeds": SPEEDS, "plants": config.plants, "effects": config.effects},
     }
-    with made_folder(config.out / config.name / ANYWHERE) as folder:
+    with filled_folder(config.out / config.name / ANYWHERE) as folder:
         save_policy(folder / "seed_0.npz", make_gains(gains, n_motors=n_motors, meta=meta))
     entry = describe_artefact(
         config.name,
