@@ -101,7 +101,7 @@ def test_full_disk_is_reported_while_writing(tmp_path: Path, monkeypatch: pytest
     path = tmp_path / "motion.csv"
     real_open = open
     monkeypatch.setattr(
-        "builtins.open", lambda name, mode="r", **kw: real_open("/dev/full" if "x" in mode else name, "wb", **kw)
+        "builtins.open", lambda name, mode="r", **kw: real_open("/dev/full" if mode == "wb" else name, mode, **kw)
     )
     with refused("cannot be written: No space left on device"):
         write_recording(recording(), path)
