@@ -23,11 +23,7 @@ SEED ?= 7
 PYTEST := OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n $(JOBS) --dist worksteal
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check $(CONSTRAINTS)
 
-<<<<<<< HEAD
-.PHONY: demo test test-all check bench fuzz exam thesis claims format clean
-=======
-.PHONY: demo test test-all check bench exam thesis claims engine format clean
->>>>>>> 9b61a2ae (Ask a release of MuJoCo if it moves all as the stored record says)
+.PHONY: demo test test-all check bench fuzz exam thesis claims engine format clean
 
 demo: .venv/.demo
 	$(BIN)/ffgym demo

@@ -4,12 +4,14 @@ import re
 import subprocess
 import sys
 from importlib import metadata, resources
+from pathlib import Path
 
 import pytest
 
 import ffgym
 from ffgym.core.provenance import is_installed, versions
 
+REPOSITORY = Path(__file__).parents[1]
 CORE = {"numpy", "scipy", "gymnasium", "mujoco", "threadpoolctl", "lazy-loader"}
 EXTRAS = {
     "fast",
@@ -28,6 +30,7 @@ EXTRAS = {
     "paths",
     "tune",
     "streams",
+    "mutation",
     "fmu",
     "onnx",
 }
@@ -150,3 +153,10 @@ def test_versions_name_everything_that_can_change_a_number():
 def test_installed_tells_without_importing():
     assert is_installed("numpy")
     assert not is_installed("no-such-distribution-at-all")
+
+
+def test_make_knows_every_target_that_it_lists():
+    text = (REPOSITORY / "Makefile").read_text(encoding="utf-8")
+    (targets,) = re.findall(r"^\.PHONY: (.*)$", text, flags=re.M)
+    assert {"demo", "test", "check", "bench", "exam", "test-all"} <= set(targets.split())
+    subprocess.run(["make", "--dry-run", *targets.split()], cwd=REPOSITORY, check=True, capture_output=True)
