@@ -20,11 +20,11 @@ TOLD = 30.0
 _ROBOT = "irb4600_60_205"
 """Robot with whose speed in the engine times are estimated."""
 _BESIDE = 1.5
-"""Time of a simulation, with planning, laws and recordings, over that of the engine alone; measured on circles."""
+"""Time of a simulation, with planning, laws and recordings, over that of the engine alone; of few runs of circles."""
 _STEPS = 0.05
-"""Time of the steps of an environment that a second of motion has, beside the engine [s]; measured."""
+"""Time of the steps of an environment that a second of motion has, beside the engine [s]; of few runs."""
 _PICTURE = 0.01
-"""Time to draw and write one picture [s]; measured without a graphics card."""
+"""Time to draw and write one picture [s]; of few runs without a graphics card."""
 _MEASURED = 1.0
 """Motion that is simulated to measure the speed of this computer [s]."""
 

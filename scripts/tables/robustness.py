@@ -17,11 +17,12 @@ def inputs(file: Path = RECORD) -> Contents:
     counts = {name: Count(**count) for name, count in kept["counts"].items()}
     total = {key: f"{value:,}" for key, value in kept["total"].items()}
     versions = ", ".join(f"{name} {version}" for name, version in kept["versions"].items())
+    findings = f"{total['findings']} finding{'s' * (kept['total']['findings'] != 1)}"
     slowest = max(counts.values(), key=lambda count: count.slowest_s)
     largest = max(counts.values(), key=lambda count: count.peak_mb)
     said = (
         f"{total['inputs']} inputs of seed {kept['seed']}: {total['errors']} clear errors, {total['valid']} results, "
-        f"{total['findings']} findings; the slowest took {slowest.slowest_s:.1f} s, most memory was "
+        f"{findings}; the slowest took {slowest.slowest_s:.1f} s, most memory was "
         f"{largest.peak_mb:.0f} MB, with all that a process had imported; {versions}."
     )
     return Contents(parts={"inputs": f"{said}\n\n{tally_table(counts).markdown()}"}, numbers=kept["total"])
