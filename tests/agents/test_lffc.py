@@ -275,7 +275,7 @@ def test_a_state_that_lacks_something_or_holds_nonsense_is_one_clear_error(part,
 def test_a_state_without_settings_is_not_resumed(state, trial, sines):
     header, arrays = unpack(state)
     state.write_bytes(pack(header | {"settings": [1]}, arrays))
-    with pytest.raises(FFGymError, match="holds other learning"):
+    with pytest.raises(FFGymError, match=r"settings = \[1\] in its header must be an object"):
         LFFC(rate=0.8, iterations=2).learn(StaticBSN.zero(1), sines[:1], trial, state=state, machine="mine")
 
 

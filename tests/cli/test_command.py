@@ -281,7 +281,7 @@ def test_wrong_agents_are_refused_before_any_is_made(wrong, capsys, monkeypatch)
         (["--agents"], "There is no agent to run"),
         (["--agents", "nobody"], "Unknown agent 'nobody'. Available: "),
         (["--agents", "none", "none"], "must have different names"),
-        (["--agents", "absent.npz"], "absent.npz: cannot be read: No such file"),
+        (["--agents", "absent.npz"], "absent.npz: no such file"),
         (["--parameters", "absent.toml"], "Cannot read parameter file absent.toml"),
     ],
 )

@@ -146,7 +146,7 @@ def test_a_still_shows_the_time_that_is_asked_for(needs_gl, tmp_path):
         (["none", "elastic", "oracle"], "There is room for two agents, got none elastic oracle"),
         (["none", "--law", "lugre_static"], "--law lugre_static is for plays without named agents, got none too"),
         (["nobody"], "Unknown agent 'nobody'. Available: "),
-        (["nobody.npz"], "nobody.npz: cannot be read"),
+        (["nobody.npz"], "nobody.npz: no such file"),
         (["nobody.zip"], "nobody.zip: "),
         (["model_fitted"], "Agent 'model_fitted' was trained on another machine"),
         (["amortised", "--env", "ffgym/OneAxis-v0"], "amortised cannot practise on one_axis: Robot 'one_axis' has no "),

@@ -168,7 +168,7 @@ def test_an_estimator_practises_a_lap_on_a_workcell_before_the_motion(here):
         (["one_axis", "circles"], "'one_axis'"),
         (["irb4600_60_205", "circles", "--feedforward"], "Name some, e.g. --feedforward none elastic"),
         (["irb4600_60_205", "circles", "--feedforward", "nobody"], "Unknown agent 'nobody'"),
-        (["irb4600_60_205", "circles", "--feedforward", "absent.npz"], "absent.npz: cannot be read"),
+        (["irb4600_60_205", "circles", "--feedforward", "absent.npz"], "absent.npz: no such file"),
         (["irb4600_60_205", "circles", "--parameters", "absent.toml"], "absent.toml"),
         (["irb4600_60_205", "circles", "--out", "c.txt"], "Unknown recording format '.txt'. Available: .csv, .npz"),
         (["irb4600_60_205", "circles", "--out", "no/c.csv"], "the folder"),

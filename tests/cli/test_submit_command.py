@@ -141,7 +141,7 @@ def test_a_round_that_cannot_be_run_is_told_in_one_line_before_anything_runs(sma
         (["oracle", *WHO], "cannot be submitted by its name"),
         (["lugre_static:file.toml", *WHO], "takes no file"),
         (["nobody", *WHO], "Unknown agent 'nobody'"),
-        (["none.npz", *WHO], "none.npz: cannot be read"),
+        (["none.npz", *WHO], "none.npz: no such file"),
         (["none.py", *WHO], "none.py: no such file"),
         (["mine.py", *WHO, "--out", "agent.txt"], "must end in .zip"),
         (["mine.py", *WHO, "--out", "elsewhere/agent.zip"], "does not exist"),

@@ -118,7 +118,7 @@ def test_gains_come_back_from_the_file_of_a_controller(controller: Path, one_axi
         ("velocity_gain = [", "velocity_gain = [-", r"servo.velocity_gain = \[-0.48.*\] must be > 0"),
         ("position_gain = [", "position_gain = [1.0, ", r"position_gain.*shape"),
         ("position_gain = [", "damping = [", r"Unknown entries of \[servo\]: damping"),
-        ("integral_gain = [", 'integral_gain = ["much", ', r"integral_gain = .* must be numbers"),
+        ("integral_gain = [", 'integral_gain = ["much", ', r"integral_gain must be numbers"),
     ],
 )
 def test_mistakes_in_gains_are_named(
