@@ -175,6 +175,8 @@ def joint_hints(model: mujoco.MjModel, chain: Chain, source: Source) -> tuple[Jo
         dof = int(model.jnt_dofadr[joint])
         acting = np.flatnonzero(np.isin(model.actuator_trntype, _ON_JOINTS) & (model.actuator_trnid[:, 0] == joint))
         gears = model.actuator_gear[acting, 0].tolist()
+        if not np.isfinite(gears).all():
+            raise FFGymError(f"The gear of an actuator of joint {name!r} is {gears}, must be finite.")
         # largest torque: the joint's own limit, else what its actuators give at their force limits
         effort = 0.0
         if model.jnt_actfrclimited[joint]:

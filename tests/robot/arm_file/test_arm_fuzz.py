@@ -62,6 +62,14 @@ def test_a_file_with_any_value_of_any_attribute_replaced(folder, name, data):
     arm_or_refusal(folder, name, text.encode())
 
 
+def test_an_infinite_gear_is_refused(folder):
+    text = TEXTS["kr_like.xml"].replace('gear="120"', 'gear="inf"', 1)
+    assert "inf" in text
+    (folder / "kr_like.xml").write_text(text)
+    with pytest.raises(FFGymError, match=r"gear of an actuator of joint 'joint_a\d' is \[inf\], must be finite"):
+        read_arm(folder / "kr_like.xml", looks=False)
+
+
 @settings(max_examples=60)
 @given(name=names, data=st.data())
 def test_a_file_with_bytes_overwritten(folder, name, data):
