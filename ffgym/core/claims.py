@@ -55,9 +55,6 @@ def claimed_place(path: str | os.PathLike[str]) -> Iterator[Path]:
         FFGymError: if another process holds the place, or its folder cannot be read or written.
     """
     target = Path(os.path.realpath(path))  # through a link, as what is written there
-    if target.with_name(_CLAIM.format("")) in _held.get():  # the whole folder is held by the same work
-        yield Path(path)
-        return
     name = hashlib.sha256(target.name.encode(errors="surrogateescape")).hexdigest()[:16]
     with _hold(target.with_name(_CLAIM.format(f"-{name}")), Path(path)):
         yield Path(path)

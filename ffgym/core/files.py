@@ -17,7 +17,7 @@ from typing import Any, BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-from ffgym.core.claims import claimed, claimed_place
+from ffgym.core.claims import claimed, claimed_place, piece_of_work
 from ffgym.core.errors import FFGymError
 from ffgym.core.temporaries import temporary_file, temporary_folder
 from ffgym.core.types import Array
@@ -200,7 +200,7 @@ def filled_folder(path: str | os.PathLike[str]) -> Iterator[Path]:
     Raises:
         FFGymError: if it cannot be made or written, or another process fills it.
     """
-    with made_folder(path) as folder, claimed(folder):
+    with made_folder(path) as folder, claimed(folder), piece_of_work():  # claims in it end before it may be removed
         yield folder
 
 
