@@ -16,7 +16,10 @@ from ffgym.paths.rapid.targets import MotionSettings
 from ffgym.robot import RobotDescription
 
 MAX_STATEMENTS = 50_000
-"""Most statements that are run; chosen: hours of motion, and a program that never ends is told within 10 s."""
+"""Most statements that are run again; chosen: hours of motion, and a program that never ends is told within 10 s."""
+
+MAX_ERRORS = 1000
+"""Errors after which a program is run no further; chosen: more than anybody reads."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -61,7 +64,10 @@ class RapidController:
     notes: list[str] = field(default_factory=list)
     tool: tuple[Value, SourceLocation] | None = None
     """The tool that all moves share, and where it was first seen."""
-    statements: int = 0
+    reached: set[SourceLocation] = field(default_factory=set)
+    """Statements that were run."""
+    repeats: int = 0
+    """Statements that were run again."""
 
     @property
     def place(self) -> RobotPlace:
@@ -70,11 +76,16 @@ class RapidController:
         return self.robot_place
 
     def count(self, place: SourceLocation) -> None:
-        """Count a statement; a program that runs too many will not end."""
-        self.statements += 1
-        if self.statements > MAX_STATEMENTS:
+        """Count a statement; a program that runs the same ones too often will not end, however long it is."""
+        if len(self.errors.errors) >= MAX_ERRORS:
+            raise place.error(f"the program is run no further after {MAX_ERRORS} errors.")
+        if place not in self.reached:
+            self.reached.add(place)
+            return
+        self.repeats += 1
+        if self.repeats > MAX_STATEMENTS:
             raise place.error(
-                f"the program runs more than {MAX_STATEMENTS} statements, {len(self.moves)} moves among them. Give "
+                f"the program repeats more than {MAX_STATEMENTS} statements, and makes {len(self.moves)} moves. Give "
                 "inputs that end its loops, cycles for the passes of endless ones, or another entry."
             )
 

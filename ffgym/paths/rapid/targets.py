@@ -3,8 +3,8 @@
 from dataclasses import dataclass, replace
 from typing import Any
 
+import mujoco
 import numpy as np
-import scipy
 
 from ffgym.core.errors import FFGymError, check_whole
 from ffgym.core.types import Array, BoolArray
@@ -52,8 +52,8 @@ def turn(orient: Value, name: str) -> Array:
     norm = float(np.linalg.norm(orient))
     if not abs(norm - 1) <= LARGEST_NORM_ERROR:
         raise FFGymError(f"{name} = {list(orient)} has norm {norm:.6g}, must be a quaternion of norm 1.")
-    q1, q2, q3, q4 = orient
-    matrix: Array = scipy.spatial.transform.Rotation.from_quat([q2, q3, q4, q1]).as_matrix()
+    matrix = np.zeros((3, 3))
+    mujoco.mju_quat2Mat(matrix.reshape(-1), np.array(orient) / norm)
     return matrix
 
 

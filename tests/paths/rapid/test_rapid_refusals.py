@@ -178,10 +178,23 @@ def test_routines_that_call_each_other_too_deep_or_too_often_come_to_an_end(irb4
         moves_of(irb4600, "a;", more=circle)
     monkeypatch.setattr("ffgym.paths.rapid.controller.MAX_STATEMENTS", 1000)
     doubling = "".join(f"PROC d{i}() d{i + 1}; d{i + 1}; ENDPROC\n" for i in range(30)) + "PROC d30() ENDPROC"
-    with pytest.raises(FFGymError, match="the program runs more than 1000 statements, 1 moves among them"):
+    with pytest.raises(FFGymError, match="the program repeats more than 1000 statements, and makes 1 moves"):
         moves_of(irb4600, "d0;", more=doubling)
-    with pytest.raises(FFGymError, match="the program runs more than 1000 statements"):
+    with pytest.raises(FFGymError, match="the program repeats more than 1000 statements"):
         moves_of(irb4600, "WHILE TRUE DO x := x + 1; IF x < 0 RETURN; ENDWHILE", "VAR num x;")
+
+
+def test_a_long_program_without_loops_is_run(irb4600, monkeypatch):
+    monkeypatch.setattr("ffgym.paths.rapid.controller.MAX_STATEMENTS", 10)
+    moves = moves_of(irb4600, "WaitTime 1; " * 100)
+    assert len(moves) == 100
+
+
+def test_a_program_is_run_no_further_after_many_errors(irb4600):
+    far = "FOR i FROM 1 TO 20000 DO MoveJ Offs(p, 9E9 * i, 0, 0), v10, fine, tRobot; ENDFOR"
+    with pytest.raises(FFGymError, match="run no further after 1000 errors") as told:
+        moves_of(irb4600, far)
+    assert len(str(told.value).splitlines()) < 40
 
 
 def test_a_recursion_that_ends_is_run(irb4600):
