@@ -1,4 +1,4 @@
-"""How long a command takes: told before it begins, and asked about where a slip of a unit makes it hours."""
+"""Time that a command takes: told before it begins, and asked about where a slip of a unit makes it hours."""
 
 import os
 import sys

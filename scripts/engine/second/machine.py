@@ -9,6 +9,7 @@ links stand at :math:`r = A (p, s)`. Tomei (1991), IEEE TAC 36(10), with the who
 Friction is LuGre's on the motors, and on the links in units of the motors (Canudas de Wit et al. 1995, IEEE TAC 40(3)).
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from types import SimpleNamespace
 from typing import Any
@@ -28,7 +29,7 @@ State = Mapping[str, Array]
 `z` of motors and `za` of links in units of motors [rad]; `integral` of servos [rad s]; torque of `loop` [N m]."""
 
 
-class Equation:
+class Equation(ABC):
     """Torques that an effect adds, here without a memory; values of the effect are attributes.
 
     `torques` gives 'motor' on rotors, motor side; 'spring' between gearbox and link, and 'link' on the link from the
@@ -47,9 +48,9 @@ class Equation:
         for name, value in given.items():
             setattr(self, name, np.asarray(value))
 
+    @abstractmethod
     def torques(self, x: SimpleNamespace, memory: Array) -> dict[str, Array]:
         """Torques at a situation."""
-        raise NotImplementedError
 
     def start(self, x: SimpleNamespace) -> Array:
         """Memory at rest, (M, N)."""

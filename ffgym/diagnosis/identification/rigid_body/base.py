@@ -67,7 +67,6 @@ class BaseParameters:
         return " ".join(parts)
 
 
-@lru_cache(maxsize=8)  # the same robot is fitted to many logs in turn
 def base_parameters(robot: RobotDescription, terms: tuple[Term, ...], seed: int = 0) -> BaseParameters:
     """Base parameters of an arm, from random states within its joint limits.
 
@@ -76,6 +75,12 @@ def base_parameters(robot: RobotDescription, terms: tuple[Term, ...], seed: int 
         terms: what is there to identify.
         seed: of the states; the result does not depend on it.
     """
+    return _find_base_parameters(robot, terms, seed)
+
+
+@lru_cache(maxsize=8)  # the same robot is fitted to many logs in turn
+def _find_base_parameters(robot: RobotDescription, terms: tuple[Term, ...], seed: int) -> BaseParameters:
+    """Base parameters, as public."""
     labels = tuple(label for term in terms for label in term.labels(robot))
     # independent states: positions within limits, speeds up to the limits, and what reaches them in a reversal
     rng, shape = np.random.default_rng(seed), (_STATES * len(labels), robot.n_joints)
