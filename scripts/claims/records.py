@@ -43,6 +43,7 @@ class Record:
 RECORDS: Mapping[str, Record] = MappingProxyType(
     {
         "adaptation_bounds": Record("scripts.adaptation_bounds"),
+        "corrected_program": Record("scripts.claims.corrected_program"),
         "networks": Record(
             "ffgym",
             (

@@ -1,5 +1,7 @@
 """Claims: passages of pages as they follow from stored results, records and the code, a module for each field."""
 
-from scripts.claims.told import constants, exams, leaderboard, networks, published_robot, session, thesis
+from importlib import import_module
+from pkgutil import iter_modules
 
-__all__ = ["constants", "exams", "leaderboard", "networks", "published_robot", "session", "thesis"]
+for _field in iter_modules(__path__):
+    import_module(f"{__name__}.{_field.name}")
