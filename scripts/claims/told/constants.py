@@ -1,6 +1,8 @@
 """What pages tell of constants of the code, as the defaults of options and the settings of methods."""
 
-from collections.abc import Iterator
+import inspect
+from collections.abc import Callable, Iterator
+from typing import Any
 
 from ffgym.agents.residual.hyperparameters import hyperparameters
 from ffgym.envs import EnvSettings
@@ -12,6 +14,11 @@ from ffgym.robot import load_robot
 from scripts.claims.claim import claim
 
 CODE = "the code itself"
+
+
+def default(function: Callable[..., Any], name: str) -> Any:
+    """Default of an argument of a function."""
+    return inspect.signature(function).parameters[name].default
 
 
 @claim(CODE)
