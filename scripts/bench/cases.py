@@ -28,7 +28,21 @@ from scripts.bench.processes import collection_ratio, command_ratios, import_tim
 from scripts.bench.turns import Amount, Rate, Ratio, rate_of, take_turns
 
 CIRCLES, JOINTS, ONE_AXIS = "ffgym/CirclePath-v0", "ffgym/JointMotion-v0", "ffgym/OneAxis-v0"
+MANY, N_ENVS, MOST = 64, 16, 1024
+"""Sub-environments of most measurements, beside other vectors and learners, and of the memory."""
+SIZES = (MANY, 1, 16, 256)
+"""Sub-environments that are measured against the engine."""
 CELLS = "ffgym/WorkcellCircles-v0"
+
+WANTED = {
+    "stepping": 0.85,
+    "workcells": 0.6,
+    "real time": 10.0,
+    "circles": 0.93,
+    "Python of a step": 100.0,
+    "memory of circles": 300.0,
+}
+"""What is wanted of ratios at least, of a time [us] and of memory [MiB] at most."""
 
 # ---- the batch simulation against the bare engine: as many simulations of the same model and lengths
 
@@ -57,7 +71,7 @@ def simulation_ratios(robot: str, repeats: int, threads: int) -> Iterator[Ratio]
     runs = [Run(reference=reference, law=law) for reference in references for law in thesis_laws(arm.robot)]
     measure(arm, runs, threads)  # warm up: caches, and memory that later runs find in place
     bare, stepping, whole = zip(*(measure(arm, runs, threads) for _ in range(repeats)), strict=True)
-    yield Ratio("simulation, stepping / bare engine", stepping, bare, "physics/s", 0.85)
+    yield Ratio("simulation, stepping / bare engine", stepping, bare, "physics/s", WANTED["stepping"])
     yield Ratio("simulation, all of it / bare engine", whole, bare, "physics/s")
 
 
@@ -113,21 +127,21 @@ def cell_ratios(repeats: int, threads: int) -> Iterator[Ratio]:
     """Measure workcells and real drives against the nominal robot, 64 and 1 of each, and one against real time."""
     nominal, real = load_robot("irb4600_60_205"), Machine(robot=load_robot(REAL_DRIVE))
     machines = {name: find_machine(name) for name in WORKCELLS} | {REAL_DRIVE: real}
-    for copies in (64, 1):
+    for copies in (MANY, 1):
         bare = holding_rate(Machine(robot=nominal), copies, threads)
         for name, machine in machines.items():
-            wanted = 0.6 if copies == 64 else None
+            wanted = WANTED["workcells"] if copies == MANY else None
             rate = holding_rate(machine, copies, threads)
             yield take_turns(f"{copies} x {name} / nominal", rate, bare, repeats, unit="physics/s", wanted=wanted)
     # environments, with all that Python does in a step
-    for n in (64, 1):
+    for n in (MANY, 1):
         cells, circles = (Stepped(name, n, n_threads=threads) for name in (CELLS, CIRCLES))
-        wanted = 0.6 if n == 64 else None
+        wanted = WANTED["workcells"] if n == MANY else None
         yield take_turns(f"{CELLS}, {n} / {CIRCLES}", cells.rate, circles.rate, repeats, unit="steps/s", wanted=wanted)
     # real time does not slow down with a busy machine, so that the time of the processor is what counts
     one, real_time = Stepped(CELLS, 1, n_threads=1, clock=time.process_time), 1 / nominal.servo.control_dt
     title = f"{CELLS}, one / real time"
-    yield take_turns(title, one.rate, lambda: real_time, repeats, unit="steps/s", wanted=10.0)
+    yield take_turns(title, one.rate, lambda: real_time, repeats, unit="steps/s", wanted=WANTED["real time"])
 
 
 # ---- vector environments against the bare engine, and against Gymnasium's vectors of single environments
@@ -176,7 +190,7 @@ class Bare:
         return self._engine.nsim * self._steps / (time.perf_counter() - began)
 
 
-def python_of_a_step(n: int = 64, steps: int = 200, threads: int = 0) -> Amount:
+def python_of_a_step(n: int = MANY, steps: int = 200, threads: int = 0) -> Amount:
     """Median time of a step of `n` sub-environments that is not the engine's."""
     env = Stepped(CIRCLES, n, n_threads=threads).env
     engine = env.unwrapped.core.plant.batch  # type: ignore[attr-defined]
@@ -198,20 +212,22 @@ def python_of_a_step(n: int = 64, steps: int = 200, threads: int = 0) -> Amount:
         env.step(still)
         times.append(clock() - began - spent[0])
     env.close()
-    return Amount(f"{CIRCLES}, {n}, Python of a step", float(np.median(times)) * 1e6, "us", wanted=100.0)
+    return Amount(
+        f"{CIRCLES}, {n}, Python of a step", float(np.median(times)) * 1e6, "us", wanted=WANTED["Python of a step"]
+    )
 
 
 def against_the_engine(repeats: int, threads: int) -> Iterator[Ratio]:
     """Each environment against the bare engine; all of its steps counted, also those that begin episodes."""
-    for name, n in [*((CIRCLES, n) for n in (64, 1, 16, 256)), (ONE_AXIS, 64), (JOINTS, 64)]:
+    for name, n in [*((CIRCLES, n) for n in SIZES), (ONE_AXIS, MANY), (JOINTS, MANY)]:
         stepped = Stepped(name, n, n_threads=threads)
-        bare, wanted = Bare(stepped.env), 0.93 if (name, n) == (CIRCLES, 64) else None
+        bare, wanted = Bare(stepped.env), WANTED["circles"] if (name, n) == (CIRCLES, MANY) else None
         title = f"{name}, {n} / bare engine"
         yield take_turns(title, stepped.rate, bare.rate, repeats, unit="steps/s", wanted=wanted)
         stepped.env.close()
 
 
-def against_vectors_of_single_ones(repeats: int, threads: int, n: int = 16) -> Iterator[Ratio]:
+def against_vectors_of_single_ones(repeats: int, threads: int, n: int = N_ENVS) -> Iterator[Ratio]:
     """The native vector environment against Gymnasium's, one after the other and in a process each."""
     modes: dict[str, dict[str, Any]] = {
         "sync": {},
@@ -225,7 +241,7 @@ def against_vectors_of_single_ones(repeats: int, threads: int, n: int = 16) -> I
         other.env.close()
 
 
-def beginnings(threads: int, n: int = 64) -> Iterator[Amount]:
+def beginnings(threads: int, n: int = MANY) -> Iterator[Amount]:
     """Time that one sub-environment needs to begin an episode: at first, and with the motion known."""
     for name in (CIRCLES, JOINTS):
         env = gym.make_vec(find_spec(name), num_envs=n, n_threads=threads)
@@ -284,7 +300,8 @@ def decision_ratios(sizes: Sequence[int], repeats: int) -> Iterator[Ratio]:
 
 # ---- PPO of stable-baselines3 on the native vector environment, against SB3's own vector of single environments
 
-N_ENVS = 16
+NETWORK = (64, 64)
+"""Layers of the policy."""
 PPO_SETTINGS: dict[str, Any] = {"n_steps": 64, "batch_size": 256, "n_epochs": 4}
 """A small network learns from 1024 steps at a time, so that one measurement takes a second."""
 
@@ -315,7 +332,7 @@ def learning_rate_of(env: Any) -> Rate:
     """Function that lets PPO learn for one batch of steps and returns steps of sub-environments per second."""
     from stable_baselines3 import PPO
 
-    model = PPO("MlpPolicy", env, seed=0, device="cpu", policy_kwargs={"net_arch": [64, 64]}, **PPO_SETTINGS)
+    model = PPO("MlpPolicy", env, seed=0, device="cpu", policy_kwargs={"net_arch": list(NETWORK)}, **PPO_SETTINGS)
     steps = PPO_SETTINGS["n_steps"] * env.num_envs
     return rate_of(steps, lambda: model.learn(steps, reset_num_timesteps=False))
 
@@ -331,11 +348,11 @@ def parts(robot: str, repeats: int, long_repeats: int, threads: int) -> dict[str
             partial(beginnings, threads),
         ],
         "vectors": [partial(against_vectors_of_single_ones, repeats, threads)],
-        "agents": [partial(decision_ratios, (1, 64), long_repeats)],
+        "agents": [partial(decision_ratios, (1, MANY), long_repeats)],
         "training": [partial(training_ratios, long_repeats)],
         "memory": [
-            lambda: [memory_of(CIRCLES, 1024, wanted=300.0)],
-            lambda: [memory_of(JOINTS, 1024)],
+            lambda: [memory_of(CIRCLES, MOST, wanted=WANTED["memory of circles"])],
+            lambda: [memory_of(JOINTS, MOST)],
             lambda: [import_time(5)],
         ],
         "commands": [partial(command_ratios, long_repeats), partial(collection_ratio, 1)],

@@ -33,22 +33,29 @@ def peak():
 before = peak()
 env = gym.make_vec(sys.argv[1], num_envs=int(sys.argv[2]))
 env.reset(seed=0)
-for _ in range(50):
+for _ in range(int(sys.argv[3])):
     env.step(np.zeros(env.action_space.shape, dtype=np.float32))
 print(peak() - before)
 """
+
+STEPS = 50
+"""Steps behind a peak of memory."""
 
 _IMPORT = "import time; began = time.perf_counter(); import ffgym; print(time.perf_counter() - began)"
 
 
 def memory_of(name: str, n: int, wanted: float | None = None) -> Amount:
-    """Peak of memory that `n` sub-environments add to the import: made, reset and stepped 50 times."""
-    return Amount(f"memory of {n} x {name}", _print(_MEMORY, name, str(n)), "MiB", wanted)
+    """Peak of memory that `n` sub-environments add to the import: made, reset and stepped some times."""
+    return Amount(f"memory of {n} x {name}", _print(_MEMORY, name, str(n), str(STEPS)), "MiB", wanted)
+
+
+IMPORT = 1.0
+"""Time that `import ffgym` may take at most [s]."""
 
 
 def import_time(repeats: int) -> Amount:
     """Median time of `import ffgym`."""
-    return Amount("import ffgym", float(np.median([_print(_IMPORT) for _ in range(repeats)])), "s", wanted=1.0)
+    return Amount("import ffgym", float(np.median([_print(_IMPORT) for _ in range(repeats)])), "s", wanted=IMPORT)
 
 
 def _print(code: str, *arguments: str) -> float:

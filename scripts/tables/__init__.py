@@ -31,6 +31,7 @@ from scripts.tables import (
     recorded_friction,
     robustness,
     setpoints,
+    speed,
     thesis,
     trial,
     validation,
@@ -80,6 +81,7 @@ STORED: Mapping[str, Callable[[], Contents]] = {
     "leaderboard/README.md": leaderboard.leaderboard,
     "leaderboard/adaptation.md": leaderboard.adaptation,
     "leaderboard/margins.md": leaderboard.margins,
+    "performance.md": speed.speed,
     "reproduction.md": thesis.reproduction,
     "validation.md": validation.validation,
 }

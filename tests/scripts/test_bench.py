@@ -1,6 +1,7 @@
 """The benchmark measures simulation and environments against the bare engine, in turns."""
 
 import json
+from dataclasses import replace
 
 import gymnasium as gym
 import numpy as np
@@ -24,9 +25,10 @@ from scripts.bench.cases import (
     python_of_a_step,
     training_ratios,
 )
-from scripts.bench.history import Entry, losses, read_history
+from scripts.bench.history import Entry, append, losses, read_history
 from scripts.bench.processes import collection_ratio, command_ratios, import_time, memory_of
 from scripts.bench.turns import Amount, Ratio, take_turns
+from scripts.tables.speed import speed
 
 
 def test_a_measurement_of_a_few_runs_has_three_rates(irb4600):
@@ -195,3 +197,16 @@ def test_a_file_that_is_no_history_is_refused(tmp_path):
 def test_what_a_user_waits_for_is_measured():
     ratios = [*command_ratios(1), *collection_ratio(1)]
     assert all(0 < ratio.quartiles()[1] < 10 for ratio in ratios)
+
+
+def test_the_page_tells_the_last_run_and_says_where_there_is_none(tmp_path):
+    history = tmp_path / "history.jsonl"
+    assert speed(history).parts["last run"].startswith("Not measured yet")
+    append(history, entry(commit="old", x=9.0))
+    append(history, replace(entry(commit="new", x=0.87654, y=(0.7, 0.8, 0.9)), amounts={"memory": (82.34, "MiB")}))
+    told = speed(history).parts["last run"]
+    assert "at commit new on a" in told
+    assert "| x | 0.877 (0.877 to 0.877) |  |" in told
+    assert "| y | 0.8 (0.7 to 0.9) | WIDE |" in told
+    assert "| memory | 82.3 MiB |" in told
+    assert "9.0" not in told
