@@ -1,0 +1,163 @@
+"""What formulas of effects may ask of numpy: the code gives its numbers, and anything else is told from code."""
+
+import ctypes
+
+import numpy as np
+import pytest
+
+from ffgym.simulation.plant.compiled.code import JointPlace, LoopCode, Slots, compile_code, declarations
+from ffgym.simulation.plant.compiled.step import evaluate
+from ffgym.simulation.plant.compiled.tracing import Graph, Untraceable
+
+X = np.array([[-2.0, -0.5, 0.0, 0.7, 1.0, 3.2]])
+"""One number per joint."""
+Y = np.array([[1.0, 0.0, -1.0, 0.7, -4.0, 2.0]])
+MEMORY = np.stack([X + 0.25, 2 * Y, X * Y], axis=-1)
+"""Three numbers per joint."""
+
+
+def into(target, values, **options):
+    """Let numpy write into a copy of an array."""
+    result = target.copy()
+    np.add(values, values, out=result, **options)
+    return result
+
+
+def assigned(array, key, values):
+    """Set a part of a copy of an array."""
+    result = array.copy()
+    result[key] = values
+    return result
+
+
+FORMULAS = {
+    "operators": lambda x, y, m: (x + y) * x - y / (x * x + 1.0) + 3.0 * -x,
+    "powers": lambda x, y, m: x**2 + np.abs(y) ** 0.5 + x**1 + np.abs(x) ** 1.5 + np.float_power(np.abs(y), 2.5),
+    "square and reciprocal": lambda x, y, m: np.square(x) + np.reciprocal(x + 5.0) + np.positive(y),
+    "numbers of joints": lambda x, y, m: x * np.arange(6.0) + np.ones(6),
+    "comparisons": lambda x, y, m: np.where((x > 0) & (y <= 0.7), x, y),
+    "truths": lambda x, y, m: ((x > 0) | (y > 0)).astype(float) - 2.0 * (~(x >= y) ^ (x == y)).astype(float),
+    "a truth of two truths": lambda x, y, m: np.where(np.where(x > 0, y > 0, x < y), x, 1.0),
+    "numbers as truths": lambda x, y, m: np.where(x.astype(bool), 2.0, y),
+    "whole numbers": lambda x, y, m: (1.7 * x).astype(int) + 0.0,
+    "where with one array": lambda x, y, m: np.where(y < 0, 1.5, x),
+    "into an array": lambda x, y, m: into(y, x),
+    "into a part of an array": lambda x, y, m: into(y, x, where=x > 0),
+    "bounds": lambda x, y, m: np.clip(x, -1.0, y) + np.clip(y, None, 0.5) + np.clip(y, 0.2, None),
+    "rounding": lambda x, y, m: np.round(3 * x) + np.around(y),
+    "likes": lambda x, y, m: np.zeros_like(x) + np.ones_like(y) * x + np.full_like(x, 0.5) * y,
+    "a memory": lambda x, y, m: m[..., 0] - m[..., 2],
+    "the last of a memory": lambda x, y, m: m[:, :, -1] * x,
+    "a part of a memory": lambda x, y, m: m[..., 1:],
+    "a number beside a memory": lambda x, y, m: x[..., None] * m,
+    "a sum": lambda x, y, m: np.sum(m, axis=-1),
+    "a stack": lambda x, y, m: np.stack([x, y], axis=-1),
+    "a memory that shifts": lambda x, y, m: np.concatenate([x[..., None], m[..., :-1]], axis=-1),
+    "a part that is set": lambda x, y, m: assigned(m, (..., 1), x),
+    "all that is set": lambda x, y, m: assigned(x, slice(None), 2.0) + assigned(y, ..., x),
+    "a number that is looked up": lambda x, y, m: np.take_along_axis(
+        m, np.clip(np.trunc(x), 0, 2).astype(int)[..., None], axis=-1
+    ),
+    "one number to look up": lambda x, y, m: np.take_along_axis(x[..., None], (0 * y)[..., None].astype(int), axis=-1),
+    "computed numbers to look up": lambda x, y, m: np.take_along_axis(
+        np.stack([y, x * y, x + y], axis=-1), np.clip(np.trunc(x), 0, 2).astype(int)[..., None], axis=-1
+    )[..., 0],
+    "the same shape": lambda x, y, m: np.broadcast_to(x, y.shape) + y,
+}
+
+REFUSED = {
+    "a branch": lambda x, y, m: x if x[0, 0] > 0 else y,
+    "a number of one joint": lambda x, y, m: x[..., :1],
+    "joints in another order": lambda x, y, m: x[:, ::-1],
+    "some joints": lambda x, y, m: m[:, 1:, 0],
+    "joints chosen by truths": lambda x, y, m: x[x > 0],
+    "memory in another order": lambda x, y, m: m[..., [2, 0, 1]],
+    "too many indices": lambda x, y, m: x[..., 0, 0],
+    "a sum over joints": lambda x, y, m: np.sum(x, axis=-1),
+    "a sum of all": lambda x, y, m: np.sum(m),
+    "a reduction": lambda x, y, m: np.add.reduce(x),
+    "two results": lambda x, y, m: np.modf(x)[0],
+    "an option": lambda x, y, m: np.add(x, y, dtype=np.float32),
+    "a function without code": lambda x, y, m: np.arctan2(x, y) + np.spacing(x),
+    "a sort": lambda x, y, m: np.sort(x),
+    "a stack before joints": lambda x, y, m: np.stack([x, y], axis=0),
+    "joints side by side": lambda x, y, m: np.concatenate([x, y], axis=-1),
+    "robots side by side": lambda x, y, m: np.concatenate([m, m], axis=0),
+    "a memory beside joints": lambda x, y, m: x * m,
+    "joints that are looked up": lambda x, y, m: np.take_along_axis(m, m.astype(int), axis=1),
+    "a memory in two axes": lambda x, y, m: np.take_along_axis(
+        m[..., None, :], np.zeros_like(m).astype(int)[..., None, :], axis=-1
+    ),
+    "indices in two axes": lambda x, y, m: np.take_along_axis(m, m.astype(int)[..., None], axis=-1),
+    "another shape": lambda x, y, m: np.broadcast_to(x, (2, 6)),
+    "decimals": lambda x, y, m: np.round(x, 2),
+    "an array of numbers": lambda x, y, m: np.asarray(x),
+    "numbers that are written over": lambda x, y, m: np.add(x, y, out=np.zeros((1, 6))),
+    "a condition without what else": lambda x, y, m: np.add(x, y, where=x > 0),
+    "bits of numbers": lambda x, y, m: np.bitwise_and(x, y),
+    "truth and a number of bits": lambda x, y, m: (x > 0) & x,
+    "a sum of truths": lambda x, y, m: (x > 0) + (y > 0),
+    "a difference of truths": lambda x, y, m: np.subtract(x > 0, y > 0),
+    "numbers of robots": lambda x, y, m: x * np.arange(12.0).reshape(2, 6),
+    "numbers of other joints": lambda x, y, m: x * np.arange(5.0),
+    "text": lambda x, y, m: x * np.array(["a"] * 6),
+    "complex numbers": lambda x, y, m: x * 1j,
+}
+
+
+def traced(formula):
+    """Ask a formula for its graph."""
+    graph = Graph(X.size)
+    return formula(graph.given("x"), graph.given("y"), graph.given_memory(["m0", "m1", "m2"])), graph
+
+
+def by_code(formula):
+    """Compute a formula by code, for one joint after another."""
+    result, graph = traced(formula)
+    slots, sources = Slots(), {"x": 0, "y": 1, "m0": 2, "m1": 3, "m2": 4}
+    code = LoopCode("probe", X.size, slots)
+    nodes = [graph.cast(node, "number") for node in result.nodes.reshape(-1)]
+    values = code.compute(nodes, lambda source: JointPlace(base="%inputs", offset=sources[source] * X.size))
+    for k, value in enumerate(values):
+        code.store(value, JointPlace(base="%out", offset=k * X.size))
+    function = code.function(["ptr %inputs", "ptr %numbers", "ptr %out"], [])
+    module = compile_code("\n".join([declarations(), function]))
+    # numbers that are the same at all steps are computed once, by numpy
+    fixed = evaluate(list(slots.places), lambda source: graph.tables[source[1]])
+    numbers = np.array([np.broadcast_to(each, X.size) for each in fixed], dtype=float)
+    inputs, found = np.concatenate([X, Y, *np.moveaxis(MEMORY, -1, 0)]), np.empty((len(nodes), X.size))
+    call = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 3)(module.get_function_address("probe"))
+    call(inputs.ctypes.data, numbers.ctypes.data, found.ctypes.data)
+    return found.T.reshape(result.shape)
+
+
+@pytest.mark.parametrize("name", FORMULAS)
+def test_the_code_of_a_formula_gives_the_numbers_of_numpy(name):
+    expected = FORMULAS[name](X, Y, MEMORY)
+    found = by_code(FORMULAS[name])
+    assert found.shape == expected.shape
+    np.testing.assert_allclose(found, expected, rtol=1e-14, atol=1e-15)
+
+
+def test_an_index_outside_gives_the_nearest_number():
+    def looked_up(x, y, m):
+        return np.take_along_axis(m, (3 * x).astype(int)[..., None], axis=-1)[..., 0]
+
+    index = np.clip((3 * X).astype(int), 0, 2)
+    np.testing.assert_array_equal(by_code(looked_up), np.take_along_axis(MEMORY, index[..., None], axis=-1)[..., 0])
+
+
+def test_equal_operations_are_made_once():
+    _, graph = traced(lambda x, y, m: (x * y + 1.0) - (x * y + 1.0) * m[..., 0])
+    assert [node.operation for node in graph.nodes.values()].count("multiply") == 2
+
+
+def test_the_numbers_of_joints_are_kept_once():
+    _, graph = traced(lambda x, y, m: x * np.arange(6.0) + y * np.arange(6.0) + x * np.arange(1.0, 7.0))
+    assert len(graph.tables) == 2
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_what_is_not_of_one_joint_after_another_has_no_code(name):
+    with pytest.raises(Untraceable):
+        traced(REFUSED[name])
