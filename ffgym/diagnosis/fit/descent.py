@@ -63,10 +63,10 @@ class Steps:
 
     most: int
     """Steps that are taken at most."""
+    least_reach: float
+    """Reach below which a fit has come to rest, > 0."""
     reach: float = np.inf
     """Longest change of an unknown in one step, in its own unit."""
-    least_reach: float = 0.0
-    """Reach below which a fit has come to rest."""
     gain: float = 0.0
     """Relative gain of a step below which another is not worth its replays."""
     rest: float = np.inf

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from ffgym.diagnosis.fit.fit import Fit
-from ffgym.diagnosis.fit.hypothesis import Hypothesis
+from ffgym.diagnosis.fit.hypothesis import Hypothesis, move_hypotheses
 from ffgym.diagnosis.search.ranking import build_hypothesis
 from ffgym.diagnosis.sensitivity import Sensitivity
+from ffgym.diagnosis.settings import settings
 from ffgym.diagnosis.variant import list_variants
 from ffgym.effects import EFFECTS
 from ffgym.robot import load_robot
@@ -139,3 +140,82 @@ def test_how_long_a_session_takes_to_change_something_is_not_fitted_anew_where_r
 def test_no_machine_has_a_spring_fifteen_times_as_stiff_as_described(name, sizes, is_unphysical):
     values = {key: np.array(value) for key, value in sizes.items()}
     assert Hypothesis(kind=EFFECTS[name], joint="j1", source=None, values=values).is_unphysical == is_unphysical
+
+
+def hypothesis_of(name, joint="j1", null=(), **values):
+    kind = EFFECTS[name]
+    return Hypothesis(
+        kind=kind, joint=joint, source=None, values={k: np.array(v) for k, v in values.items()}, null=frozenset(null)
+    )
+
+
+def test_a_size_is_scaled_about_its_null_value_and_a_shape_is_not():
+    begun = hypothesis_of("cogging", amplitude=0.02, cycles=6.0, phase=0.5)
+    scaled = begun.scale(3.0)
+    assert float(scaled.values["amplitude"]) == pytest.approx(0.06)
+    assert (float(scaled.values["cycles"]), float(scaled.values["phase"])) == (6.0, 0.5)
+    assert float(begun.values["amplitude"]) == 0.02
+    low = EFFECTS["joint_stiffness"].parameters()["change"].minimum
+    assert float(hypothesis_of("joint_stiffness", change=-0.5).scale(1e3).values["change"]) == low
+
+
+def test_a_size_that_is_held_at_its_null_value_is_not_fitted():
+    begun = hypothesis_of("cogging", amplitude=0.02, cycles=6.0, phase=0.5)
+    assert not begun.is_null
+    held = begun.fix_at_null("amplitude")
+    assert held.is_null
+    assert [free.name for free in begun.list_free()] == ["amplitude", "cycles", "phase"]
+    assert [free.name for free in held.list_free()] == ["cycles", "phase"]
+
+
+def test_numbers_of_a_vector_are_moved_one_by_one():
+    known = EFFECTS["payload"].parameters()
+    (vector,) = (name for name, p in known.items() if p.per == "vector")
+    values = {name: _usual(p) for name, p in known.items()}
+    begun = hypothesis_of("payload", joint="", **values)
+    free = begun.list_free()
+    assert [one.part for one in free if one.name == vector] == [0, 1, 2]
+    changes = [0.01 * k for k, _ in enumerate(free, start=1)]
+    moved = begun.move(changes)
+    for one, change in zip(free, changes, strict=True):
+        now = moved.values[one.name] if one.part is None else moved.values[one.name][one.part]
+        assert float(now) == pytest.approx(one.value + change)
+    with pytest.raises(ValueError, match="shorter"):
+        begun.move(changes[:-1])
+
+
+def test_a_wave_of_another_frequency_is_another_cause_and_one_nearby_is_not():
+    begun = hypothesis_of("cogging", amplitude=0.02, cycles=6.0, phase=0.5)
+    other = settings().search.other_wave
+    near, far = (
+        hypothesis_of("cogging", amplitude=0.5, cycles=6.0 / (1 + share * other), phase=0.0) for share in (0.9, 1.1)
+    )
+    elsewhere = hypothesis_of("cogging", joint="j2", amplitude=0.02, cycles=6.0, phase=0.5)
+    assert [begun.repeats(other) for other in (near, far, elsewhere)] == [True, False, False]
+    assert begun.is_among([far, near])
+    assert not begun.is_among([far, elsewhere])
+
+
+def test_a_size_far_beyond_what_is_plausible_is_told_with_its_unit():
+    p = EFFECTS["cogging"].parameters()["amplitude"]
+    widths = settings().search.implausible
+
+    def at(beyond):
+        value = p.high + beyond * widths * (p.high - p.low)
+        return hypothesis_of("cogging", amplitude=value, cycles=6.0, phase=0.0).implausible
+
+    assert at(0.99) is None
+    assert f"N m, where {p.low:g} to {p.high:g} is plausible" in at(1.01)
+    assert hypothesis_of("cogging", amplitude=0.02, cycles=1e9, phase=0.0).implausible is None  # no size
+    share = EFFECTS["load_friction"].parameters()["share"]
+    told = hypothesis_of("load_friction", share=share.high + 1.01 * widths * (share.high - share.low)).implausible
+    assert told.partition(",")[0].split(" of ")[1].replace(".", "").isdigit()  # a share has no unit
+
+
+def test_practical_steps_move_all_hypotheses_in_their_order():
+    both = [hypothesis_of("cogging", amplitude=0.02, cycles=6.0, phase=0.5), hypothesis_of("load_friction", share=0.1)]
+    free = [number for one in both for number in one.list_free()]
+    moved = move_hypotheses(both, np.array([0.1, 0.0, -0.2, 0.3]))
+    then = [number.value for one in moved for number in one.list_free()]
+    wanted = [one.value + x * one.step for one, x in zip(free, (0.1, 0.0, -0.2, 0.3), strict=True)]
+    np.testing.assert_allclose(then, wanted)

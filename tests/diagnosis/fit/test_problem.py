@@ -9,6 +9,7 @@ from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.fit.problem import HELD, FitProblem
 from ffgym.diagnosis.nuisance import NuisanceParameter, RowOffset
 from ffgym.diagnosis.sensitivity import Sensitivity
+from ffgym.diagnosis.settings import settings
 from ffgym.effects import EFFECTS
 
 
@@ -35,3 +36,25 @@ def test_a_model_with_other_numbers_may_leave_a_hundredth_of_what_they_explain(e
     setting = SimpleNamespace(described=described)
     assert FitProblem.inexact(setting, ("torque", 0)) == pytest.approx(left)
     assert FitProblem.inexact(setting, ("torque", 1)) == 0.0
+
+
+def test_certain_is_what_is_left_of_noise_without_uncertainty_of_single_rows():
+    """Rows that do not count, as of no block or no weight, do not count here either."""
+    weights = np.array([[2.0, 2.0, 0.0, 4.0, 4.0]])
+    setting = SimpleNamespace(
+        floor={"torque": np.array([[0.5, 0.4], [0.25, 0.4], [9.0, 0.4], [0.125, 0.4], [9.0, 0.4]])},
+        weights={("torque", 0): weights, ("torque", 1): np.zeros((1, 5)), ("tool", 0): weights},
+        blocks=SimpleNamespace(of_row=np.array([[0, 0, 1, 1, -1]])),
+    )
+    assert FitProblem.certain(setting, ("torque", 0)) == pytest.approx((1.0 + 0.25 + 0.25) / 3)
+    assert FitProblem.certain(setting, ("torque", 1)) == 0.0
+    assert FitProblem.certain(setting, ("tool", 0)) == 1.0  # nothing is known of single rows
+
+
+def test_columns_without_parameters_are_bounded_as_all_priors_are():
+    setting = SimpleNamespace(nuisances=(), nuisance_columns=({}, {}))
+    priors = FitProblem.nuisance_priors(setting)
+    bound = settings().prior.bound
+    np.testing.assert_array_equal(priors.low, [-bound, -bound])
+    np.testing.assert_array_equal(priors.high, [bound, bound])
+    np.testing.assert_array_equal(priors.precision, [1.0, 1.0])
