@@ -7,8 +7,19 @@ import pytest
 
 from ffgym.diagnosis.normal_equations import build_design_matrix
 from ffgym.diagnosis.resampling import cut_blocks
-from ffgym.diagnosis.search.ranking import _compute_largest, _fit_linearly, compute_overlap, find_changed_components
+from ffgym.diagnosis.search import ranking as module
+from ffgym.diagnosis.search.ranking import (
+    _compute_largest,
+    _fit_linearly,
+    build_hypothesis,
+    compute_overlap,
+    find_changed_components,
+    rank,
+)
+from ffgym.diagnosis.sensitivity import Sensitivity
 from ffgym.diagnosis.solving import Candidate, Priors
+from ffgym.effects import EFFECTS
+from ffgym.robot import load_robot
 
 FIRST, SECOND = ("torque", 0), ("tool", 1)
 ROWS = (300, 2)
@@ -75,3 +86,46 @@ def test_calibration_hides_no_more_of_an_effect_than_its_bounds_allow(bound, mos
     candidates.priors = Priors(precision=np.array([1e-9, 1e-2]), low=-ends, high=ends)
     (found,) = _compute_largest(evidence, candidates, np.array([0]))
     assert found == pytest.approx(most * shift.size, rel=1e-3, abs=1e-3)
+
+
+HALVES = np.array([[40.0, 1.0, 3.0], [90.0, 2.0, 1.0], [60.0, 0.0, 0.0]])
+"""Energy that three candidates remove from rows left out of a log, and of two surrogate logs."""
+MOTIONS = np.array([[20.0, 1.0, 1.0], [50.0, 4.0, 1.0], [80.0, 0.0, 2.0]])
+
+
+@pytest.mark.parametrize("has_motions", [True, False])
+@pytest.mark.parametrize("n_logs", [3, 2, 1])
+def test_candidates_stand_in_the_order_of_both_splits_and_chance_is_the_best_of_surrogates(
+    monkeypatch, has_motions, n_logs
+):
+    monkeypatch.setattr(module, "make_half_folds", lambda blocks: "halves")
+    monkeypatch.setattr(module, "make_motion_folds", lambda blocks: "motions" if has_motions else [])
+    gains = {"halves": HALVES[:, :n_logs], "motions": MOTIONS[:, :n_logs]}
+    monkeypatch.setattr(module, "screen", lambda equations, folds, *_: (gains[folds], None))
+    monkeypatch.setattr(module, "_estimate_extreme", lambda largest: list(largest))
+    equations = SimpleNamespace(blocks=None, rows=np.array([12.0, 28.0]), n_components=4)
+    found = rank(equations, SimpleNamespace(groups=(), priors=None), NONE, with_most=False)
+    score = 0.5 * (HALVES + (MOTIONS if has_motions else HALVES))[:, :n_logs] / 10.0
+    np.testing.assert_allclose(found.score, score[:, 0])
+    assert list(found.order) == [1, 2, 0]
+    assert found.threshold == pytest.approx(list(score[:, 1:].max(axis=0)) if n_logs > 1 else [0.0])
+    assert found.most.size == 0
+
+
+def test_a_score_is_significant_beyond_chance_alone():
+    one = module.Ranking(score=np.array([2.0, 1.0]), order=np.array([0, 1]), threshold=1.0, most=np.zeros(0))
+    assert [one.is_significant(i) for i in (0, 1)] == [True, False]
+
+
+def test_what_spans_a_shape_begins_at_its_mean_by_sizes():
+    kind, robot = EFFECTS["payload"], load_robot("irb4600_60_205")
+    known = kind.parameters()
+    (name,) = (name for name, p in known.items() if p.role == "span" and p.per == "vector")
+    places = [np.array([0.1, 0.0, 0.0]), np.array([0.0, 0.0, 0.2])]
+    columns = [Sensitivity(effect=kind, joint="", parameter="mass", shape={name: place}, parts={}) for place in places]
+    found = build_hypothesis(columns, np.array([1.0, 3.0]), robot)
+    assert float(found.values["mass"]) == pytest.approx(4.0)
+    np.testing.assert_allclose(found.values[name], [0.025, 0.0, 0.15])
+    cancelled = build_hypothesis(columns, np.array([1.0, -1.0]), robot)
+    default = known[name].neutral if known[name].default is None else known[name].default
+    np.testing.assert_array_equal(cancelled.values[name], np.full(3, default))

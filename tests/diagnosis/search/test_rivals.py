@@ -94,6 +94,13 @@ def test_what_explains_as_much_of_something_else_is_no_tie(judge):
     assert rival.reason == "explains little of what stribeck_peak on j1 does"
 
 
+def test_what_leaves_more_says_how_much_more(judge):
+    best, other = tried("stribeck_peak", "j1", 10.0, {"a": 9.0}), tried("stribeck_peak", "j2", 25.0, {"a": 8.0})
+    (rival,), _ = judged(best, [other])
+    assert not rival.tied
+    assert rival.reason == "leaves 2.5 times the energy on rows that were not used"
+
+
 def test_the_general_form_of_a_cause_that_explains_no_more_is_no_tie(judge):
     best, other = tried("stribeck_peak", "j1", 10.0, {"a": 9.0}), tried("falling_friction", "j1", 10.0, {"a": 9.0})
     (rival,), _ = judged(best, [other])

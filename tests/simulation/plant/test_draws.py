@@ -173,6 +173,9 @@ def test_what_cannot_be_drawn_or_become_is_refused(irb4600, one_axis):
     rigid = replace(irb4600, drive=replace(irb4600.drive, joint_stiffness=np.full(6, np.inf)))
     with pytest.raises(FFGymError, match="other elastic joints"):
         Plant(irb4600, 1).become([0], [rigid])
+    lighter = replace(irb4600, drive=replace(irb4600.drive, rotor_inertia=0.9 * irb4600.drive.rotor_inertia))
+    with pytest.raises(FFGymError, match="other elastic joints"):  # wherever it stands
+        Plant(irb4600, 3).become([0, 1, 2], [lighter, lighter, rigid])
 
 
 def test_a_joint_more_is_not_made_up_for_by_a_rigid_one(irb4600):

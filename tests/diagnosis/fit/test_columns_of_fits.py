@@ -1,0 +1,48 @@
+"""Columns of a fit are found again by their cause, and what is sought along a line acts on springs."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from ffgym.diagnosis.fit.fit import Fit
+from ffgym.diagnosis.fit.hypothesis import Hypothesis
+from ffgym.diagnosis.fit.refine import _on_springs
+from ffgym.effects import EFFECTS
+
+
+def cause(name, joint="j1", null=()):
+    values = {p.name: np.array(p.high) for p in EFFECTS[name].parameters().values()}
+    return Hypothesis(kind=EFFECTS[name], joint=joint, source=None, values=values, null=frozenset(null))
+
+
+def test_tangents_of_a_cause_are_found_whatever_its_place():
+    causes = cause("cogging"), cause("load_friction"), cause("cogging", "j2")
+    counts = [len(one.list_free()) for one in causes]
+    columns = tuple(range(sum(counts)))
+    found = SimpleNamespace(hypotheses=causes, columns=columns)
+    ends = np.cumsum([0, *counts])
+    for k, one in enumerate(causes):
+        assert Fit.find_tangents(found, one.scale(0.5)) == columns[ends[k] : ends[k + 1]]
+    assert Fit.find_tangents(found, cause("cogging", "j3")) == ()
+    assert Fit.find_tangents(found, causes[0].fix_at_null("amplitude")) == ()
+
+
+@pytest.mark.parametrize(
+    ("name", "acts"),
+    [
+        ("joint_stiffness", True),
+        ("backlash", True),
+        ("cogging", False),  # a torque of the motor
+        ("payload", False),  # a load, whatever the springs
+        ("coulomb_level", False),
+    ],
+)
+def test_effects_on_springs_are_sought_along_a_line(name, acts):
+    assert _on_springs(cause(name)) is acts
+
+
+def test_friction_behind_springs_is_not_sought_along_a_line():
+    behind = [kind for kind in EFFECTS.values() if kind.needs_elasticity and kind.needs_friction]
+    assert behind
+    assert not any(_on_springs(cause(kind.name)) for kind in behind)
