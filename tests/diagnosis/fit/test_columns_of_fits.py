@@ -5,9 +5,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from ffgym.diagnosis.fit import refine as module
 from ffgym.diagnosis.fit.fit import Fit
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
-from ffgym.diagnosis.fit.refine import _on_springs
+from ffgym.diagnosis.fit.refine import _on_springs, refine
+from ffgym.diagnosis.settings import settings
 from ffgym.effects import EFFECTS
 
 
@@ -46,3 +48,16 @@ def test_friction_behind_springs_is_not_sought_along_a_line():
     behind = [kind for kind in EFFECTS.values() if kind.needs_elasticity and kind.needs_friction]
     assert behind
     assert not any(_on_springs(cause(kind.name)) for kind in behind)
+
+
+@pytest.mark.parametrize(("how", "rest"), [({}, settings().estimator.rest), ({"roughly": True}, np.inf)])
+def test_a_fit_goes_on_until_its_numbers_rest_unless_only_its_energy_is_wanted(monkeypatch, how, rest):
+    begun, asked = Fit.__new__(Fit), []
+    object.__setattr__(begun, "hypotheses", (cause("cogging"),))
+    monkeypatch.setattr(module, "descend", lambda slope, start, steps: asked.append(steps) or start)
+    assert refine(None, begun, **how) is begun
+    (steps,) = asked
+    assert steps.rest == rest
+    limits = settings().estimator
+    wanted = (limits.steps, limits.reach, limits.least_reach, limits.gain)
+    assert (steps.most, steps.reach, steps.least_reach, steps.gain) == wanted
