@@ -76,12 +76,19 @@ def split(text: str) -> Iterator[Block]:
     for found in every:
         plain = plain[: found.start()] + re.sub(r"[^\n]", " ", found[0]) + plain[found.end() :]
     waiting: list[Mark] = []
+    kept, last = tuple[Mark, ...](), -1
     for start, end, kind in _spans(plain):
+        # lines of a fence are one block to a reader: a mark above it, which names no numerals, is for all of them
+        kept = (
+            tuple(mark for mark in kept if mark.kind != "claim" and " for " not in mark.text) if start == last else ()
+        )
         while marks and marks[0].start < end:
             waiting.append(marks.pop(0))
         part = next((name for begin, stop, name in made if begin <= start < stop), "" if WHOLE in text else None)
-        yield Block(kind=kind, start=start, text=plain[start:end], marks=tuple(waiting), made=part)
+        kept = (*kept, *waiting)
+        yield Block(kind=kind, start=start, text=plain[start:end], marks=kept, made=part)
         waiting.clear()
+        last = -1 if kind == "text" else end
     if marks or waiting:
         yield Block(kind="text", start=len(text), text="", marks=(*waiting, *marks))
 

@@ -53,6 +53,7 @@ RECORDS: Mapping[str, Record] = MappingProxyType(
             ),
         ),
         "session": Record("scripts.claims.session"),
+        "slow_triangle": Record("scripts.claims.slow_triangle"),
         "thesis": Record("scripts.thesis"),
     }
 )

@@ -189,3 +189,13 @@ def test_a_mark_that_is_shown_as_code_is_none():
 def test_a_mark_above_a_block_belongs_to_it():
     blocks = list(split("<!-- claim: a -->\n\nOne.\n\nTwo. <!-- cited: b -->\nMore.\n"))
     assert [[mark.text for mark in block.marks] for block in blocks] == [["a"], ["b"]]
+
+
+def test_a_mark_above_output_is_for_all_of_its_lines_but_not_what_tells_or_lists_numbers():
+    output = "```text\n1 one\n2 two\n```\n"
+    whole, listed, told = (
+        [len(block.marks) for block in split(f"<!-- {mark} -->\n{output}\nThree.\n")]
+        for mark in ("tested: a", "tested: a for 1", "claim: a")
+    )
+    assert whole == [1, 1, 0]
+    assert listed == told == [1, 0, 0]
