@@ -1,37 +1,7 @@
 """Claims: passages of pages as they follow from stored results, records and the code, a module for each field."""
 
-from scripts.claims.told import (
-    benchmark,
-    calibration,
-    constants,
-    deployment,
-    exams,
-    identification,
-    leaderboard,
-    narx,
-    networks,
-    physics,
-    published_robot,
-    rigid_body,
-    session,
-    streams,
-    thesis,
-)
+from importlib import import_module
+from pkgutil import iter_modules
 
-__all__ = [
-    "benchmark",
-    "calibration",
-    "constants",
-    "deployment",
-    "exams",
-    "identification",
-    "leaderboard",
-    "narx",
-    "networks",
-    "physics",
-    "published_robot",
-    "rigid_body",
-    "session",
-    "streams",
-    "thesis",
-]
+for _field in iter_modules(__path__):
+    import_module(f"{__name__}.{_field.name}")
