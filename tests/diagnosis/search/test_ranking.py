@@ -129,3 +129,9 @@ def test_what_spans_a_shape_begins_at_its_mean_by_sizes():
     cancelled = build_hypothesis(columns, np.array([1.0, -1.0]), robot)
     default = known[name].neutral if known[name].default is None else known[name].default
     np.testing.assert_array_equal(cancelled.values[name], np.full(3, default))
+
+
+def test_overlap_is_the_share_that_both_change():
+    assert compute_overlap({FIRST: 0.6, SECOND: 0.4}, {FIRST: 0.25}) == pytest.approx(0.25)
+    assert compute_overlap({FIRST: 0.6, SECOND: 0.4}, {FIRST: 0.9, SECOND: 0.1}) == pytest.approx(0.7)
+    assert compute_overlap({FIRST: 0.6}, {SECOND: 1.0}) == 0.0

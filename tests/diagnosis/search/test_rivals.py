@@ -8,7 +8,7 @@ import pytest
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.result import Rival
 from ffgym.diagnosis.search import rivals as module
-from ffgym.diagnosis.search.rivals import compare_rivals, select_tied, turn_into_rivals
+from ffgym.diagnosis.search.rivals import compare_rivals, find_lookalikes, select_tied, turn_into_rivals
 from ffgym.diagnosis.search.rounds import SearchRound, find_adoption
 from ffgym.effects import EFFECTS
 
@@ -211,3 +211,28 @@ def test_a_cause_is_found_in_the_round_of_its_wave_however_far_that_moved(cycles
     tries = [tried("cogging", "j1", 10.0, {}, wave) for wave in (1.0, 2.0)]
     rounds = [SearchRound(adopted=True, ranking=None, before=None, tried=(one,)) for one in tries]
     assert find_adoption(rounds, hypothesis("cogging", "j1", cycles)) == (rounds[found], tries[found])
+
+
+def lookalikes(monkeypatch, scores):
+    """Rivals by the list of confusable effects, of candidates with scores, for Stribeck friction of j1."""
+    monkeypatch.setattr(module, "compute_explained_by_newest", lambda *found: SimpleNamespace(of_excess=0.6))
+    columns = [SimpleNamespace(effect=EFFECTS[name], joint=joint) for name, joint in scores]
+    candidates = SimpleNamespace(groups=range(len(columns)), first=lambda group: columns[group])
+    score = np.array(list(scores.values()))
+    ranking = SimpleNamespace(order=np.argsort(-score), score=score)
+    adopted = SimpleNamespace(hypothesis=hypothesis("stribeck_peak", "j1"))
+    return find_lookalikes(None, candidates, ranking, None, adopted)
+
+
+def test_what_is_known_to_look_alike_on_the_same_joint_is_told_with_its_share(monkeypatch):
+    kind = EFFECTS["stribeck_peak"]
+    like = next(name for name, one in EFFECTS.items() if one.code in kind.confusable_with)
+    unlike = next(name for name, one in EFFECTS.items() if one.code not in (kind.code, *kind.confusable_with))
+    scores = {("stribeck_peak", "j1"): 8.0, (like, "j1"): 6.0, (like, "j2"): 7.0, (unlike, "j1"): 7.5}
+    (rival,) = lookalikes(monkeypatch, scores)
+    assert (rival.effect, rival.joint, rival.tied) == (like, "j1", False)
+    assert rival.held_out_gain == pytest.approx(0.45)
+    assert rival.reason == "explains 75% of what stribeck_peak on j1 does, on rows that were not used"
+    assert lookalikes(monkeypatch, {("stribeck_peak", "j1"): 0.0, (like, "j1"): -1.0}) == ()
+    (silent,) = lookalikes(monkeypatch, {("stribeck_peak", "j1"): 1e-3, (like, "j1"): -1.0})
+    assert silent.held_out_gain == 0.0

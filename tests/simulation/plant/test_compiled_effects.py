@@ -245,6 +245,13 @@ def test_an_effect_without_code_is_computed_by_numpy_and_leaves_others_their_bit
         np.testing.assert_array_equal(together[0][1], odd_alone[0][0])
 
 
+def test_code_of_others_does_not_depend_on_where_an_effect_without_code_stands(robot):
+    cell, odd = draw(12).machine, Branching.on(robot, drag=0.1)
+    before = Machine(robot=cell.robot, effects=(odd,), climate=cell.climate)
+    together, alone = swing(plant_of([before, cell]), steps=64), swing(plant_of([cell]), steps=64)
+    np.testing.assert_array_equal(together[0][1], alone[0][0])
+
+
 def test_without_a_compiler_numpy_computes(robot, monkeypatch):
     monkeypatch.setattr("ffgym.simulation.plant.forces.can_compile", lambda: False)
     plant = plant_of([draw(12).machine])
