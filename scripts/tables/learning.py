@@ -1,12 +1,20 @@
 """Largest stable learning rates of B-spline networks: docs/agents/learning_stability.md, predicted in seconds."""
 
+import numpy as np
+
 from ffgym.agents import ExtendedBSN, StaticBSN
+from ffgym.agents.changing_motions import ChangingMotions
 from ffgym.agents.stability import LearningStability
 from ffgym.agents.trials import every_speed
 from ffgym.robot import RigidArm, load_robot
+from ffgym.studies import sine_references
 from scripts.tables.page import Contents, markdown
 
 ROBOT, AXIS = "irb4600_60_205", "one_axis"
+CHANGING = {True: 0.8, False: 0.0003}
+"""Rates of the table of changing motions: of the normalised update that of the thesis, of the plain gradient a slow one."""
+FREQUENCIES = (0.5, 1.0, 2.0, 3.0)
+"""Frequencies of its sines [Hz]."""
 
 
 def stability() -> Contents:
@@ -32,5 +40,32 @@ def stability() -> Contents:
         parts={
             "largest rates": markdown(("learned from", "rows", *arm.robot.joints), rows),
             "one axis": markdown(("network", *(motion.name for motion in every_speed(axis))), alone),
+            "changing motions": changing(axis),
         }
     )
+
+
+def changing(axis: RigidArm) -> str:
+    """Make the table of motions that change from trial to trial, on one axis."""
+    sines = list(sine_references(axis.robot, FREQUENCIES).values())
+    rows = []
+    for kind in (StaticBSN, ExtendedBSN):
+        for normalised, rate in CHANGING.items():
+            network = kind.zero(1, normalised=normalised)
+            alone = [LearningStability.of(network, axis, [sine], record_dt=0.004).largest_rate[0] for sine in sines]
+            study = ChangingMotions.of(network, axis, sines, record_dt=0.004)
+            worst, (order,) = study.worst(rate)
+            drawn = study.drawn(rate, np.random.default_rng(0))
+            name = kind.__name__.removesuffix("BSN").lower()
+            rows.append(
+                (
+                    f"{name}{'' if normalised else ', plain gradient'}",
+                    f"{rate:g}",
+                    ", ".join(f"{limit:.2g}" if limit < 0.1 else f"{limit:.2f}" for limit in alone),
+                    f"{study.bound(rate)[0]:.2f}",
+                    f"{worst[0]:.3f}: {', '.join(f'{FREQUENCIES[motion]:g}' for motion in order)} Hz",
+                    f"{drawn[0]:.3f}",
+                    f"{study.safe_rate[0]:.2g}",
+                )
+            )
+    return markdown(("network", "gamma", "stable alone up to", "at most", "worst order", "drawn order", "safe"), rows)

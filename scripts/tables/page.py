@@ -58,6 +58,14 @@ def renew(text: str, parts: Mapping[str, str]) -> str:
     return text
 
 
+def rows_of(page: Path, part: str) -> list[list[str]]:
+    """Read the cells of the rows of a made table from a page, without its head."""
+    _, _, rest = read_text(page).partition(f"<!-- {part} -->\n")
+    table, _, _ = rest.partition("<!-- end -->")
+    lines = [line for line in table.splitlines() if line.startswith("|")]
+    return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines[2:]]
+
+
 def markdown(head: Sequence[str], rows: Iterable[Sequence[str]], *, aligned: bool = False) -> str:
     """Format a Markdown table of texts; `aligned` for terminals."""
     return Table.of_rows(head, list(rows)).markdown(aligned=aligned)

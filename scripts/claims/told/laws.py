@@ -1,0 +1,1 @@
+"""What pages of docs/agents tell of the settings of laws."""
