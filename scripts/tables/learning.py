@@ -4,7 +4,7 @@ import numpy as np
 
 from ffgym.agents import ExtendedBSN, StaticBSN
 from ffgym.agents.changing_motions import ChangingMotions
-from ffgym.agents.stability import LearningStability
+from ffgym.agents.stability import STABLE_GROWTH, LearningStability
 from ffgym.agents.trials import every_speed
 from ffgym.robot import RigidArm, load_robot
 from ffgym.studies import sine_references
@@ -12,7 +12,7 @@ from scripts.tables.page import Contents, markdown
 
 ROBOT, AXIS = "irb4600_60_205", "one_axis"
 CHANGING = {True: 0.8, False: 0.0003}
-"""Rates of the table of changing motions: of the normalised update that of the thesis, of the plain gradient a slow one."""
+"""Rates of the table of changing motions: that of the thesis for the normalised update, a slow one for the other."""
 FREQUENCIES = (0.5, 1.0, 2.0, 3.0)
 """Frequencies of its sines [Hz]."""
 
