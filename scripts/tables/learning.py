@@ -4,7 +4,7 @@ import numpy as np
 
 from ffgym.agents import ExtendedBSN, StaticBSN
 from ffgym.agents.changing_motions import ChangingMotions
-from ffgym.agents.stability import STABLE_GROWTH, LearningStability
+from ffgym.agents.stability import LearningStability
 from ffgym.agents.trials import every_speed
 from ffgym.robot import RigidArm, load_robot
 from ffgym.studies import sine_references

@@ -34,9 +34,10 @@ def networks_on_circles() -> Iterator[str]:
     left = {(row["agent"], row["frequency_hz"]): 100 * row["reduction"] for row in numbers_of("networks")["one_axis"]}
     told = [f"{left[name, 1.0]:.1f} and {left[name, 3.0]:.1f} %" for name in ("bsn_static", "bsn_extended")]
     prior = f"{left['bsn_extended_prior', 1.0]:.1f} and {left['bsn_extended_prior', 3.0]:.1f} %"
+    slow, fast = FREQUENCIES
     yield (
-        f"(RMS error removed at {FREQUENCIES[0]:g} Hz and {FREQUENCIES[1]:g} Hz): static {told[0]}, extended {told[1]}, "
-        f"extended with prior {prior}. At {FREQUENCIES[1]:g} Hz the motor runs"
+        f"(RMS error removed at {slow:g} Hz and {fast:g} Hz): static {told[0]}, extended {told[1]}, extended with prior "
+        f"{prior}. At {fast:g} Hz the motor runs"
     )
 
 
