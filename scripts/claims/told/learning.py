@@ -6,8 +6,10 @@ from dataclasses import replace
 import numpy as np
 
 from ffgym.agents import ExtendedBSN, LearningStability, StaticBSN
+from ffgym.agents.bspline import BSplineNetwork
 from ffgym.agents.lffc import thesis_training
 from ffgym.agents.stability import STABLE_GROWTH
+from ffgym.agents.trials import Signal
 from ffgym.robot import RigidArm, RobotDescription, load_robot
 from ffgym.simulation import RECORD_DT
 from ffgym.studies import sine_references
@@ -68,13 +70,12 @@ def learning_from_e_p() -> Iterator[str]:
     yield f"With the static network a pattern grows by {100 * (static.growth(rate)[0] - 1):.0f} %."
 
 
-def study(kind: type, robot: RobotDescription, frequency: float, record_dt: float, signal: str) -> LearningStability:
+def study(
+    kind: type[BSplineNetwork], robot: RobotDescription, frequency: float, record_dt: float, signal: Signal
+) -> LearningStability:
     """Predict the learning of a network on a sine of one axis."""
     sine = sine_references(robot)[frequency]
-    found: LearningStability = LearningStability.of(
-        kind.zero(1), RigidArm(robot), [sine], signal=signal, record_dt=record_dt
-    )
-    return found
+    return LearningStability.of(kind.zero(1), RigidArm(robot), [sine], signal=signal, record_dt=record_dt)
 
 
 @claim("ffgym train stability --robot one_axis --record-dt-ms 4, which takes other gains from a robot file")

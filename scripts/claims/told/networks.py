@@ -36,8 +36,8 @@ def networks_on_circles() -> Iterator[str]:
     prior = f"{left['bsn_extended_prior', 1.0]:.1f} and {left['bsn_extended_prior', 3.0]:.1f} %"
     slow, fast = FREQUENCIES
     yield (
-        f"(RMS error removed at {slow:g} Hz and {fast:g} Hz): static {told[0]}, extended {told[1]}, extended with prior "
-        f"{prior}. At {fast:g} Hz the motor runs"
+        f"(RMS error removed at {slow:g} Hz and {fast:g} Hz): static {told[0]}, extended {told[1]}, extended with "
+        f"prior {prior}. At {fast:g} Hz the motor runs"
     )
 
 
