@@ -8,6 +8,7 @@ import numpy as np
 
 from ffgym.agents.amortised.estimator import SILENT
 from ffgym.agents.amortised.numbers import GROUPS
+from ffgym.agents.artefacts import TRAINED
 from ffgym.agents.feedback_error import N_STEPS
 from ffgym.agents.iterative import TOLERANCES, TRIALS
 from ffgym.agents.iterative_basis import N_BASIS, PRIOR_SPREAD
@@ -31,7 +32,7 @@ from scripts.claims.page import ROOT
 from scripts.claims.records import numbers_of
 from scripts.forgetting import SEEN_FROM, TOP_SPEED
 from scripts.tables import laws
-from scripts.tables.leaderboard import TRAINED, header_of, row_of
+from scripts.tables.leaderboard import header_of, row_of
 from scripts.tables.networks import select
 from scripts.tables.page import rows_of
 from scripts.tables.thesis import items
