@@ -55,6 +55,8 @@ RECORDS: Mapping[str, Record] = MappingProxyType(
         "session": Record("scripts.claims.session"),
         "slow_triangle": Record("scripts.claims.slow_triangle"),
         "thesis": Record("scripts.thesis"),
+        "workcell": Record("scripts.calibrate_workcell", ("--table", "--fitted")),
+        "workcell_arm": Record("scripts.calibrate_workcell", ("--table", "--fitted", "--workcell", "thesis_arm")),
     }
 )
 """Stored results by the name of their file."""

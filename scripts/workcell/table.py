@@ -21,15 +21,15 @@ FITTED = METHODS[:3]
 Say = Callable[[str], None]
 
 
-def measure_cells(cell: Workcell, n_threads: int, say: Say) -> list[StudyCell]:
-    """Circles with all laws of the thesis on a workcell, as its tracker measures them.
+def measure_cells(cell: Workcell, n_threads: int, say: Say, *, trained: bool = True) -> list[StudyCell]:
+    """Circles with all laws of the thesis on a workcell, or with those that are not trained, as its tracker measures.
 
     Networks are trained on the workcell as in thesis 5.4: at p1, at the speed at which they are judged.
     """
     say("circles with no, static LuGre and dynamic LuGre compensation")
     cells = circle_study(cell, laws=thesis_laws(cell.robot), speeds=SPEEDS, n_threads=n_threads).cells
     trial, n = RigTrial(rig=cell, n_threads=n_threads), cell.robot.n_joints
-    for speed in SPEEDS:
+    for speed in SPEEDS if trained else ():
         say(f"training both networks at p1, {speed * 1e3:g} mm/s")
         motions = training_motions(cell.arm, speeds=[speed])
         laws = [thesis_training(n).learn(kind.zero(n), motions, trial).best for kind in (StaticBSN, ExtendedBSN)]
@@ -49,7 +49,8 @@ def table(cells: Sequence[StudyCell]) -> str:
     """Markdown table of simulated / published [mm], one line per law, speed, statistic and radius."""
     positions = list(dict.fromkeys(cell.position for cell in cells))
     rows = []
-    for law, speed, statistic, radius in product(METHODS, SPEEDS, ("rms", "max"), RADII):
+    laws = [law for law in METHODS if any(cell.agent == law for cell in cells)]
+    for law, speed, statistic, radius in product(laws, SPEEDS, ("rms", "max"), RADII):
         pairs = []
         for position in positions:
             key = (law, round(speed * 1e3, 6), round(radius * 1e3, 6), position)

@@ -4,6 +4,7 @@ import json
 import tomllib
 from dataclasses import replace
 from itertools import product
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -201,3 +202,21 @@ def test_the_table_has_all_published_numbers_and_the_networks_are_the_check():
     assert sum("bsn" in line for line in lines) == 24
     assert summary(cells) == pytest.approx(dict.fromkeys(summary(cells), np.log(1.2)))
     assert list(summary(cells)) == ["rms, fitted", "rms, kept out", "max, fitted", "max, kept out"]
+
+
+def test_the_table_of_fitted_laws_has_no_network_and_needs_no_training(tmp_path, monkeypatch, capsys):
+    seen = [cell for cell in cells_off_by(1.2) if not cell.agent.startswith("bsn")]
+    laws = list(dict.fromkeys(cell.agent for cell in seen))
+
+    def study(cell, laws, speeds, n_threads):
+        return SimpleNamespace(cells=[cell for cell in seen if cell.agent in {law.name for law in laws}])
+
+    monkeypatch.setattr("scripts.workcell.table.circle_study", study)
+    place = tmp_path / "table.json"
+    reached = main(Config(table=True, fitted=True, threads=1, json=place))
+    assert list(reached) == ["rms, fitted", "max, fitted"]
+    assert [cell["agent"] for cell in json.loads(place.read_text(encoding="utf-8"))["cells"]] == [
+        cell.agent for cell in seen
+    ]
+    assert laws == ["none", "lugre_static", "lugre_dynamic"]
+    assert "bsn" not in capsys.readouterr().out

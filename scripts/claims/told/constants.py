@@ -5,6 +5,8 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from ffgym.agents.residual.hyperparameters import hyperparameters
+from ffgym.diagnosis.settings import settings
+from ffgym.diagnosis.tuning import CUTOFFS
 from ffgym.envs import EnvSettings
 from ffgym.envs.rewards import STOP_STEPS
 from ffgym.envs.settings import ACTION_SCALE, ERROR_LIMIT
@@ -82,3 +84,15 @@ def residual_training() -> Iterator[str]:
     ppo = hyperparameters("ppo", [])
     yield f"γ = {ppo['gamma']:g}:"
     yield f"The exploration's standard deviation is {ppo['first_std']:g} of the bound"
+
+
+@claim(CODE)
+def how_numbers_are_fitted() -> Iterator[str]:
+    """Band that the fit of all numbers begins with."""
+    yield f"**Slow first**: below {CUTOFFS[0]:g} Hz, then to the cut-off of a diagnosis."
+
+
+@claim(CODE)
+def how_fitted_numbers_are_known() -> Iterator[str]:
+    """How far a diagnosis takes fitted numbers to be known."""
+    yield f"takes them as known to {100 * settings().prior.fitted_share:g} %."
