@@ -64,11 +64,12 @@ def span(values: Array) -> str:
 @claim(CODE)
 def sensors_of_the_workcell() -> Iterator[str]:
     """Resolution and noise of what is measured."""
-    sensors = {type(each): each for each in workcell("thesis").sensors}
-    resolver, tracker = sensors[Resolver], sensors[LaserTracker]
+    sensors = workcell("thesis").sensors
+    (resolver,) = (each for each in sensors if isinstance(each, Resolver))
+    (tracker,) = (each for each in sensors if isinstance(each, LaserTracker))
     assert resolver.noise < 2 * np.pi / 2**resolver.bits
     yield f"motor angles ({resolver.bits} bit, noise below a step)"
-    yield (f"a laser tracker ({1e6 * float(tracker.noise):g} um in each coordinate, every {1e3 * tracker.period:g} ms)")
+    yield f"a laser tracker ({1e6 * tracker.noise:g} um in each coordinate, every {1e3 * tracker.period:g} ms)"
 
 
 @claim(CODE)
