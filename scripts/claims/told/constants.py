@@ -11,7 +11,7 @@ from ffgym.envs import EnvSettings
 from ffgym.envs.rewards import STOP_STEPS
 from ffgym.envs.settings import ACTION_SCALE, ERROR_LIMIT
 from ffgym.leaderboard.comparison.statistics import CONFIDENCE, RESAMPLES
-from ffgym.leaderboard.evaluation.margins import DELAYS, FACTORS, FINE, PULSE, WINDOW
+from ffgym.leaderboard.evaluation.margins import CIRCLES, DELAYS, FACTORS, FINE, PULSE, WINDOW
 from ffgym.robot import load_robot
 from scripts.claims.claim import claim
 
@@ -40,6 +40,14 @@ def how_margins_are_measured() -> Iterator[str]:
         f"factors 1/{least}, 1/{round(1 / FACTORS[1])}, ..., {FACTORS[-1]:g}, then three steps of 2^(1/4) behind the "
         f"last that is borne, and so to {100 * (FINE[0] - 1):.0f} %; delays of {', '.join(map(str, DELAYS))} samples"
     )
+
+
+@claim(CODE)
+def circles_of_margins() -> Iterator[str]:
+    """Radii of the circles that margins are measured on."""
+    slow, *others = (1e3 * radius for circle in CIRCLES for radius in circle.radii)
+    (fast,) = set(others)
+    yield f"of {slow:g} mm at the lowest and of {fast:g} mm at the others."
 
 
 @claim(CODE)

@@ -170,6 +170,8 @@ def servo_gains_found() -> Iterator[str]:
     search = header_of("servo_gains_stable")["meta"]["search"]
     a, b, c = min(search, key=lambda tried: tried[1])[0]
     yield f"What was found is a = {a:g}, b = {b:g}, c = {c:g}"
+    (margins,) = stored_rows()["servo_gains_stable"].margins
+    yield f"It bears {margins.gain:.1f} times its torque and {margins.delay_ms:g} ms on the nominal robot, somewhat"
     refused = [value for _, value in search if value >= 1]
     yield f"{len(refused)} of {len(search)} candidates were refused"
 
