@@ -5,8 +5,11 @@ from collections.abc import Iterator
 from functools import cache
 
 from ffgym.core.files import read_text
+from ffgym.robot import load_robot
 from scripts.claims.claim import claim
 from scripts.claims.page import ROOT
+from scripts.exam.bench import RECORD_DT, RESOLVER_NOISE, TORQUE_NOISE
+from scripts.exam.draw import LOUDEST, QUIETEST, ROBOT, SPREAD, TOOL_OFFSET, TORQUE_OFFSET
 from scripts.exam.exams import EXAMS
 
 AGAIN = "make exam"
@@ -27,11 +30,29 @@ def count(part: str, figure: str) -> str:
     return f"{float(got.rstrip('%')) * int(of) / 100:.0f} of {of}" if got.endswith("%") else f"{got} of {of}"
 
 
+@claim("the code itself")
+def machines_of_the_exam() -> Iterator[str]:
+    """Errors of calibration, noise of sensors, and loudness of what is hidden."""
+    yield (
+        f"clean ones too: {100 * SPREAD:g} % (one standard deviation) on every rotor inertia, link mass, link inertia, "
+        f"friction parameter, joint stiffness and damping; torque offsets of {100 * TORQUE_OFFSET:g} % of Coulomb "
+        f"friction; a reflector {1e6 * TOOL_OFFSET:g} micrometres off along each axis."
+    )
+    yield (
+        f"{load_robot(ROBOT).sensors.encoder_bits} bit resolvers with {1e6 * RESOLVER_NOISE:g} microrad of noise, "
+        f"torque noise of {100 * TORQUE_NOISE:g} % of Coulomb friction at every row of {1e3 * RECORD_DT:g} ms"
+    )
+    yield f"is log-uniform from {QUIETEST:g} to {LOUDEST:g}, as far as its"
+
+
 @claim(AGAIN)
 def questions_of_the_exam() -> Iterator[str]:
     """How many questions of each kind a whole exam asks."""
     counts = EXAMS["own"].counts
     yield f"| `clean` | nothing | {counts['clean']} |"
+    yield f"each equally often | {counts['single']} |"
+    yield f"two waves for one, ... | {counts['foreign']} |"
+    yield f"friction at one tooth, ... | {counts['outside']} |"
     yield f"half of it in two waves | {counts['periodic']} |"
     yield f"each loud | {counts['pair']} |"
     yield f"| one for each, and {counts['poor_clean']} |"
@@ -51,7 +72,7 @@ def questions_of_the_other_exam() -> Iterator[str]:
 @claim(AGAIN)
 def what_falls_short() -> Iterator[str]:
     """Figures of the first exam that its text tells again."""
-    yield f"(46 of 48, now {count('exam', 'one effect, 2 to 10: right effect and joint first')};"
+    yield f"Loudness 2 to 10: {count('exam', 'one effect, 2 to 10: right effect and joint first')} are right."
     quiet = count("exam", "one effect, 1.3 to 2: right or in the tie")
     yield f"**Quiet effects** (row 4). {quiet} are named or in the tie"
     got, of = figures("exam")["poor logs: wrong named"]
@@ -64,7 +85,7 @@ def what_falls_short() -> Iterator[str]:
     yield f"The largest, {float(largest):.0f}, is a drag"
     median, longest = re.findall(r"[\d.]+", figures("exam")["time of a diagnosis"][0])
     yield f"Half of the diagnoses take less than {median} s"
-    yield f"took {longest} s, all others"
+    yield f"took {longest} s. `--most-causes`"
 
 
 @claim(AGAIN)
