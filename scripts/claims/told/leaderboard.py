@@ -5,8 +5,11 @@ from typing import Any
 
 import numpy as np
 
+from ffgym.agents.residual.validation import RADIUS
+from ffgym.agents.setpoint_rows import UNKNOWN_DELAY
 from ffgym.envs.machines import make_rig
 from ffgym.leaderboard.adaptation.curve import CurvePoint, curve
+from ffgym.leaderboard.adaptation.protocol import LAP, SCORED, SQUARE
 from ffgym.leaderboard.comparison.samples import DRAWS, GROUPS, WORKCELLS, collect_sample
 from ffgym.leaderboard.evaluation.jobs import lost_cells
 from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL, find_plant
@@ -14,6 +17,7 @@ from ffgym.leaderboard.tasks import SPLITS
 from ffgym.simulation import LaserTracker
 from scripts.adaptation import NOMINAL as NOMINAL_ADAPTED
 from scripts.claims.claim import claim
+from scripts.claims.records import numbers_of
 from scripts.tables.leaderboard import (
     GAINS,
     RESIDUALS,
@@ -104,6 +108,37 @@ def where_circles_are() -> Iterator[str]:
 
 def _list(values: Iterable[Any]) -> str:
     return ", ".join(f"{value:g}" for value in values)
+
+
+@claim("the code itself")
+def late_set_points() -> Iterator[str]:
+    """Delay that a sender does not know of."""
+    yield f"behind a delay of {1e3 * UNKNOWN_DELAY:g} ms that their sender does not know of"
+
+
+@claim("the code itself")
+def circles_of_tuning() -> Iterator[str]:
+    """Radius of the circles of tuning."""
+    yield f"other points of the work area, {1e3 * RADIUS:g} mm,"
+
+
+@claim("the code itself")
+def protocol_of_adaptation() -> Iterator[str]:
+    """Circle that is practised, and motions that are scored."""
+    (radius, speed), (_, half_side, _) = LAP, SQUARE
+    radii, speeds = zip(*(circle[1:] for circle in SCORED), strict=True)
+    yield f"laps of one circle at p1, {1e3 * radius:g} mm at {1e3 * speed:g} mm/s;"
+    yield (
+        f"({1e3 * min(radii):g} to {1e3 * max(radii):g} mm, {1e3 * min(speeds):g} to {1e3 * max(speeds):g} mm/s), and "
+        f"a square of {2e3 * half_side:g} mm with rounded corners at p4"
+    )
+
+
+@claim("python -m scripts.claims --record adaptation_bounds")
+def left_with_true_numbers() -> Iterator[str]:
+    """What elastic feed-forward leaves with the true numbers of the LuGre model."""
+    left = numbers_of("adaptation_bounds")["workcells"]["all true numbers"]
+    yield f"elastic feed-forward leaves {100 * np.exp(np.log(left).mean()):.0f} % on workcells"
 
 
 @claim("python -m scripts.adaptation")
