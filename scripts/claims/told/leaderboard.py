@@ -111,7 +111,7 @@ def _list(values: Iterable[Any]) -> str:
 
 
 @claim("the code itself")
-def late_set_points() -> Iterator[str]:
+def delay_of_late_set_points() -> Iterator[str]:
     """Delay that a sender does not know of."""
     yield f"behind a delay of {1e3 * UNKNOWN_DELAY:g} ms that their sender does not know of"
 
