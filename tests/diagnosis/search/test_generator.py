@@ -7,7 +7,7 @@ import pytest
 
 from ffgym.diagnosis.patterns.periodic import Spectrum
 from ffgym.diagnosis.search import generator as module
-from ffgym.diagnosis.search.generator import CandidateGenerator, _exclude_tried
+from ffgym.diagnosis.search.generator import CandidateGenerator, _exclude_tried, _find_peaks
 
 
 def test_a_frequency_is_tried_once_however_often_it_was_found():
@@ -67,3 +67,11 @@ def test_other_springs_are_tried_once_on_elastic_joints_whose_torque_is_far_off(
     assert tried == [[1], [2]]
     assert CandidateGenerator(SimpleNamespace(problem=None, run=run), (), None)(None) is made
     assert len(tried) == 2
+
+
+def test_peaks_are_the_highest_and_what_lies_beside_one_is_part_of_it():
+    frequency = np.array([1.0, 1.1, 4.0, 6.0, 6.05])
+    spectrum = Spectrum(frequency=frequency, share=np.array([0.5, 0.45, 0.1, 0.3, 0.29]))
+    assert _find_peaks(spectrum, 3) == [(0.5, 1.0), (0.3, 6.0), (0.1, 4.0)]
+    assert _find_peaks(spectrum, 1) == [(0.5, 1.0)]
+    assert _find_peaks(None, 2) == []

@@ -8,6 +8,7 @@ import pytest
 from ffgym.diagnosis.normal_equations import build_design_matrix
 from ffgym.diagnosis.resampling import cut_blocks
 from ffgym.diagnosis.search import ranking as module
+from ffgym.diagnosis.search.candidates import Candidates
 from ffgym.diagnosis.search.ranking import (
     _compute_largest,
     _fit_linearly,
@@ -135,3 +136,34 @@ def test_overlap_is_the_share_that_both_change():
     assert compute_overlap({FIRST: 0.6, SECOND: 0.4}, {FIRST: 0.25}) == pytest.approx(0.25)
     assert compute_overlap({FIRST: 0.6, SECOND: 0.4}, {FIRST: 0.9, SECOND: 0.1}) == pytest.approx(0.7)
     assert compute_overlap({FIRST: 0.6}, {SECOND: 1.0}) == 0.0
+
+
+def test_a_share_begins_within_what_is_plausible_and_a_torque_within_what_is_possible():
+    robot = load_robot("irb4600_60_205")
+    for name, size in (("load_friction", "share"), ("asymmetry", None), ("torque_offset", "offset")):
+        kind = EFFECTS[name]
+        p = kind.parameters()[size or next(iter(kind.parameters()))]
+        column = Sensitivity(effect=kind, joint="j1", parameter=p.name, shape={}, parts={})
+        found = build_hypothesis([column], np.array([1e3 * p.high]), robot)
+        assert float(found.values[p.name]) == (p.high if p.unit == "1" else min(p.maximum, 1e3 * p.high))
+        lowest = build_hypothesis([column], np.array([-1e3 * p.high]), robot)
+        assert float(lowest.values[p.name]) == (p.low if p.unit == "1" else max(p.minimum, -1e3 * p.high))
+
+
+@pytest.mark.parametrize(("name", "one_sided"), [("backlash", True), ("coulomb_level", False)])
+def test_what_cannot_be_negative_is_a_candidate_of_one_side(name, one_sided):
+    kind = EFFECTS[name]
+    p = next(p for p in kind.parameters().values() if p.role == "size")
+    assert (p.minimum == p.null) == one_sided
+    empty = np.zeros(0)
+    none = Candidates(
+        nuisances=(),
+        columns=(),
+        groups=(),
+        scale=empty,
+        priors=Priors(precision=empty, low=empty, high=empty),
+        design=SimpleNamespace(beside=lambda rows, scale: None),
+    )
+    column = Sensitivity(effect=kind, joint="j1", parameter=p.name, shape={}, parts={})
+    (group,) = none.beside([column]).groups
+    assert (group.one_sided, list(group.columns)) == (one_sided, [0])

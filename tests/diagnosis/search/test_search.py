@@ -1,5 +1,6 @@
 """What a round of the search tries."""
 
+from dataclasses import dataclass
 from types import SimpleNamespace
 
 import numpy as np
@@ -7,6 +8,8 @@ import pytest
 
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.search import search as module
+from ffgym.diagnosis.search.rounds import SearchRound
+from ffgym.diagnosis.settings import settings
 from ffgym.effects import EFFECTS
 
 
@@ -80,3 +83,76 @@ def test_a_cause_of_which_nothing_is_left_once_all_is_fitted_together_is_none(mo
     for all_of, left in (((here, gone), (here,)), ((gone,), ())):
         found = module._conclude(None, nominal, model(None, all_of), all_of, lambda what, share: None)
         assert found.fit.hypotheses == left
+
+
+@pytest.mark.parametrize(("most", "found"), [(1, 1), (2, 2), (5, 3), (None, 3)])
+def test_no_more_causes_are_looked_for_than_asked(monkeypatch, most, found):
+    causes = [cogging("j1", 3.0), cogging("j2", 1.0), cogging("j3", 3.0)]
+    model = lambda kept: SimpleNamespace(  # noqa: E731
+        fit=SimpleNamespace(hypotheses=tuple(kept), equations=SimpleNamespace(rows=np.array([7.0])))
+    )
+    ranked = []
+
+    def run_round(problem, candidates, null_residuals, nominal, now, *_):
+        n = len(now.fit.hypotheses)
+        ranked.append(n)
+        adopted = n < len(causes)
+        return SearchRound(before=now, ranking=None, tried=(model(causes[: n + 1]),) * adopted, adopted=adopted)
+
+    for name, function in {
+        "_run_round": run_round,
+        "fit_and_score": lambda problem, kept: model(kept),
+        "refit": lambda problem, tried: tried,
+        "drop_needless": lambda problem, grown: grown,
+        "compare_rivals": lambda *_: SimpleNamespace(rivals=(), better=None),
+        "select_tied": lambda *_: [],
+        "list_uncompared": lambda *_: (),
+        "_conclude": lambda problem, nominal, now, kept, report: model(kept),
+    }.items():
+        monkeypatch.setattr(module, name, function)
+    result = module.search(None, lambda fit: None, {}, None, most=most)
+    assert list(result.final.fit.hypotheses) == causes[:found]
+    assert ranked == list(range(found if most == found else found + 1))
+    assert result.whole is result.final
+    assert result.rows == 7.0
+
+
+@dataclass(frozen=True, eq=False)
+class Tried:
+    """A candidate that was fitted."""
+
+    hypothesis: Hypothesis
+
+
+@pytest.mark.parametrize("where", [0, 1, settings().search.elsewhere, settings().search.elsewhere + 1])
+def test_where_no_joint_that_was_tried_has_a_cause_others_are_tried(monkeypatch, where):
+    """`where` is the number of joints that are tried before the one with a cause."""
+    beaten_then = []
+
+    def fit_best(problem, candidates, ranking, equations, now, needless, beaten, report):
+        beaten_then.append(set(beaten))
+        return [Tried(cogging(f"j{len(beaten)}", 3.0))]
+
+    rows = {("torque", 0): np.zeros((4, 1, 1))}
+    equations = SimpleNamespace(rows=np.array([6.0]), n_components=2)
+    given = []
+    monkeypatch.setattr(module, "split_components", lambda residual: residual)
+    monkeypatch.setattr(module, "rank", lambda *_, **how: SimpleNamespace(threshold=5.0))
+    monkeypatch.setattr(module, "_fit_best", fit_best)
+    monkeypatch.setattr(module, "find_lookalikes", lambda *_: ())
+    monkeypatch.setattr(
+        module,
+        "is_significant",
+        lambda problem, nominal, now, tried, chance: given.append(chance) or tried.hypothesis.joint == f"j{where}",
+    )
+    candidates = SimpleNamespace(
+        design=SimpleNamespace(form_equations=lambda together: equations), nuisance_places=np.arange(0)
+    )
+    now = SimpleNamespace(fit=SimpleNamespace(residual=rows))
+    one = module._run_round(None, candidates, rows, now, now, (), None)
+    most = settings().search.elsewhere
+    assert one.adopted == (where <= most)
+    assert len(beaten_then) == min(where, most) + 1
+    assert beaten_then[-1] == {f"j{k}" for k in range(min(where, most))}
+    assert one.tried[0].hypothesis.joint == (f"j{where}" if one.adopted else "j0")
+    assert set(given) == {15.0}  # the threshold, in energy of noise in one component
