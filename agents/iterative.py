@@ -65,7 +65,7 @@ below 4 micrometres, a fifth of the noise of its laser tracker."""
 TOLERANCES: Mapping[Target, float] = MappingProxyType({"motor": 4e-3, "tcp": 2e-5})
 """Default epsilon by target [rad, motor side] and [m]. Chosen: `tcp` is the noise of the laser tracker (thesis 2.2.4);
 with `motor` every circle of the thesis improves in every trial, while less asks for more torque than the drives have on
-the smallest circle at 100 mm/s. docs/agents/iterative.md shows the effect of others."""
+the smallest circle at 100 mm/s. docs/agents/iterative.md tells the effect of others."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

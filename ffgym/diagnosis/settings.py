@@ -40,8 +40,8 @@ class SamplingSettings:
     """Blocks below which quiet ones are not told from others."""
     motion_cutoff: float = 100.0
     """Low-pass of the motor angle before it is differentiated [Hz], and of all that friction is identified from. A
-    reversal takes 7 to 30 ms in the records of table 6.1, which the thesis' 40 Hz smear: sigma_1 is then up to 3 %
-    wrong on the built-in robot, 0.4 % at 100 Hz (docs/identification.md)."""
+    reversal takes 7 to 30 ms in the records of table 6.1, which the thesis' 40 Hz smear: sigma_1 was then up to 3 %
+    wrong on the built-in robot, 0.4 % at 100 Hz, in a study that is not stored."""
     cutoff: float = 40.0
     """Low-pass of what is compared [Hz]: above the resonances of industrial robots, 5 to 30 Hz, and thesis
     6.1.2."""

@@ -252,6 +252,15 @@ def test_code_of_others_does_not_depend_on_where_an_effect_without_code_stands(r
     np.testing.assert_array_equal(together[0][1], alone[0][0])
 
 
+def test_the_code_counts_the_steps_of_each_simulation(robot):
+    plant = plant_of([Machine(robot=robot, effects=(Picking.on(robot, size=0.1),))] * 9)  # more than it has joints
+    swing(plant, steps=8, ids=[1, 8])
+    compiled, _ = plant._forces._compiled
+    steps = compiled._steps
+    assert steps.shape == (9,)
+    assert steps[[1, 8]].min() > 0
+
+
 def test_without_a_compiler_numpy_computes(robot, monkeypatch):
     monkeypatch.setattr("ffgym.simulation.plant.forces.can_compile", lambda: False)
     plant = plant_of([draw(12).machine])
