@@ -1,6 +1,5 @@
 """`python -m scripts.claims`: every number of the documentation, and whether it still holds."""
 
-import json
 import subprocess
 import sys
 import time
@@ -9,11 +8,11 @@ from pathlib import Path
 
 from ffgym.cli.main import run_command
 from ffgym.core.errors import FFGymError
-from ffgym.core.files import check_writable, made_folder, read_text, write_json
+from ffgym.core.files import check_writable, made_folder, write_json
 from ffgym.core.provenance import versions
 from scripts.claims.page import ROOT, pages
 from scripts.claims.records import FOLDER, make_record, records_in
-from scripts.claims.report import ALLOWED, count, describe, more_untraced
+from scripts.claims.report import count, describe, list_untraced
 from scripts.claims.steps import Made, every_step, run_steps
 from scripts.claims.trace import Fault, Trace, check_pages
 
@@ -28,8 +27,6 @@ class CheckClaims:
     """Folder of what was made; an interrupted call goes on there."""
     json: Path | None = None
     """Also write every number with its trace, and what does not hold, to this file."""
-    accept: bool = False
-    """Store how many numbers of each page are traced by nothing; may only make these fewer."""
     record: tuple[str, ...] = ()
     """Records of docs/records to make and store; nothing else is done."""
 
@@ -53,19 +50,12 @@ class CheckClaims:
                     made.append(one)
         with records_in(self.out if not self.short else FOLDER):
             traces, faults = check_pages(pages())
-        allowed = json.loads(read_text(ALLOWED))
-        every = [*faults, *(fault for one in made for fault in one.faults), *more_untraced(traces, allowed)]
+        every = [*faults, *(fault for one in made for fault in one.faults), *list_untraced(traces)]
         print(describe(traces))
         print("\n".join(map(str, every)) or "All numbers that are traced hold.")
-        fewer = [page for page, found in count(traces).items() if found["untraced"] < allowed.get(page, 0)]
-        if fewer and not self.accept:
-            print(f"Fewer numbers than stored are untraced on {', '.join(fewer)}: store that with --accept.")
         print(
             f"{time.monotonic() - began:.0f} s; all that was made again took {sum(one.seconds for one in made):.0f} s"
         )
-        if self.accept:
-            left = {page: found["untraced"] for page, found in count(traces).items() if found["untraced"]}
-            write_json(ALLOWED, {page: min(n, allowed.get(page, n)) for page, n in left.items()})
         if self.json is not None:
             write_json(self.json, _document(traces, every, made))
         if every:

@@ -2,7 +2,6 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from types import MappingProxyType
 
 from ffgym.report import Table
@@ -41,23 +40,17 @@ def _share(page: Mapping[str, int]) -> str:
     return f"{1 - page['untraced'] / every:.1%}" if every else ""
 
 
-def more_untraced(traces: Sequence[Trace], allowed: Mapping[str, int]) -> list[Fault]:
-    """List pages with more untraced numbers than are stored, with the lines where they stand."""
-    faults = []
-    for trace in traces:
-        limit = allowed.get(trace.page, 0)
-        if len(trace.untraced) > limit:
-            where = ", ".join(f"{each.text} in line {each.line}" for each in trace.untraced[:8])
-            faults.append(
-                Fault(
-                    trace.page,
-                    trace.untraced[0].line,
-                    f"{len(trace.untraced)} numbers are traced by nothing, {limit} were: {where}, ...; name what makes "
-                    "them (docs/claims.md)",
-                )
-            )
-    return faults
+def list_untraced(traces: Sequence[Trace]) -> list[Fault]:
+    """List numbers that nothing traces, a line of a page each."""
+    return [
+        Fault(trace.page, line, f"{', '.join(numbers)}: traced by nothing; name what makes it (docs/claims.md)")
+        for trace in traces
+        for line, numbers in _by_line(trace).items()
+    ]
 
 
-ALLOWED = Path(__file__).with_name("untraced.json")
-"""Stored numbers of untraced numerals of each page, which may only fall."""
+def _by_line(trace: Trace) -> dict[int, list[str]]:
+    found: dict[int, list[str]] = {}
+    for each in trace.untraced:
+        found.setdefault(each.line, []).append(each.text)
+    return found

@@ -1,7 +1,6 @@
 """Numbers of the pages are traced, and those that no longer hold are named with place, value and command."""
 
 import json
-from contextlib import suppress
 
 import pytest
 
@@ -10,7 +9,7 @@ from scripts.claims import trace
 from scripts.claims.__main__ import CheckClaims
 from scripts.claims.claim import CLAIMS, Claim, find_passage
 from scripts.claims.page import pages, split
-from scripts.claims.report import ALLOWED, count, describe, more_untraced
+from scripts.claims.report import count, describe, list_untraced
 from scripts.claims.steps import Step, compare_text, run_steps
 from scripts.claims.trace import Fault, check_pages, trace_page
 
@@ -40,25 +39,18 @@ def checked():
     return check_pages(pages())
 
 
-def test_the_numbers_of_all_pages_hold_and_no_more_of_them_are_untraced(checked):
+def test_the_numbers_of_all_pages_hold_and_each_is_traced(checked):
     traces, faults = checked
     assert [*map(str, faults)] == []
-    assert [*map(str, more_untraced(traces, json.loads(ALLOWED.read_text())))] == []
+    assert [*map(str, list_untraced(traces))] == []
 
 
-def test_untraced_numbers_are_stored_for_pages_that_exist(checked):
-    assert set(json.loads(ALLOWED.read_text())) <= set(count(checked[0])), "python -m scripts.claims --short --accept"
-
-
-def test_what_is_stored_falls_and_does_not_rise(write_page, monkeypatch, tmp_path):
-    stored = tmp_path / "untraced.json"
-    monkeypatch.setattr("scripts.claims.__main__.ALLOWED", stored)
-    for allowed, text, kept in ((3, "Two: 5, 6.", 2), (1, "Two: 5, 6.", 1), (1, "None.", None)):
-        stored.write_text(json.dumps({"page.md": allowed}))
-        monkeypatch.setattr("scripts.claims.__main__.pages", lambda text=text: [write_page(text)])
-        with suppress(FFGymError):  # the claim of the page stands nowhere
-            CheckClaims(short=True, accept=True).run()
-        assert json.loads(stored.read_text()).get("page.md") == kept
+def test_the_command_fails_where_a_number_is_traced_by_nothing(write_page, monkeypatch, capsys):
+    monkeypatch.setattr("scripts.claims.__main__.pages", lambda: [write_page("Two: 5, 6.")])
+    monkeypatch.setattr("scripts.claims.__main__.check_pages", lambda pages: ([trace_page(page) for page in pages], []))
+    with pytest.raises(FFGymError, match="do not hold"):
+        CheckClaims(short=True).run()
+    assert "page.md:1: 5, 6: traced by nothing" in capsys.readouterr().out
 
 
 def test_a_number_is_traced_by_its_claim_and_its_neighbour_by_nothing(write_page):
@@ -119,12 +111,13 @@ def test_tests_that_pages_name_exist():
     assert not trace.test_exists("tests/scripts/claims/test_trace.py::test_of_something_else")
 
 
-def test_a_page_with_more_untraced_numbers_than_stored_is_a_fault(write_page):
-    found = [trace_page(write_page("It is 5 or 6.\n"))]
-    assert more_untraced(found, {"page.md": 2}) == []
-    (fault,) = more_untraced(found, {"page.md": 1})
-    assert "2 numbers are traced by nothing, 1 were: 5 in line 1, 6 in line 1" in fault.message
-    assert count(found)["page.md"]["untraced"] == 2
+def test_numbers_that_nothing_traces_are_faults_a_line_each(write_page):
+    found = [trace_page(write_page("It is 5 or 6.\n\nNot 7.\n"))]
+    assert [str(fault) for fault in list_untraced(found)] == [
+        "page.md:1: 5, 6: traced by nothing; name what makes it (docs/claims.md)",
+        "page.md:3: 7: traced by nothing; name what makes it (docs/claims.md)",
+    ]
+    assert count(found)["page.md"]["untraced"] == 3
     assert "| page.md" in describe(found)
 
 
