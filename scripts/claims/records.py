@@ -44,6 +44,7 @@ RECORDS: Mapping[str, Record] = MappingProxyType(
     {
         "adaptation_bounds": Record("scripts.adaptation_bounds"),
         "corrected_program": Record("scripts.claims.corrected_program"),
+        "example_diagnosis": Record("scripts.claims.example_diagnosis"),
         "networks": Record(
             "ffgym",
             (

@@ -1,10 +1,13 @@
-"""What docs/diagnosis.md tells of the settings of a diagnosis."""
+"""What docs/diagnosis.md tells of the settings of a diagnosis, and of the example logs."""
 
+import re
 from collections.abc import Iterator
+from itertools import takewhile
 
 from ffgym.diagnosis.result import SMALL
 from ffgym.diagnosis.settings import settings
 from scripts.claims.claim import claim
+from scripts.claims.records import numbers_of
 from scripts.claims.told.constants import CODE
 
 AXES = 6
@@ -99,3 +102,15 @@ def how_long_logs_may_be() -> Iterator[str]:
 def what_counts_as_small() -> Iterator[str]:
     """Share of what was measured that is small."""
     yield f"or {100 * SMALL:g} % of what was measured)"
+
+
+@claim("python -m scripts.claims --record example_diagnosis")
+def answer_of_the_example_logs() -> Iterator[str]:
+    """What is printed of the example logs."""
+    record = numbers_of("example_diagnosis")
+    yield f"logs of {record['duration_s']:.0f} s of a machine"
+    yield record["printed"][0]
+    heading = next(k for k, line in enumerate(record["printed"]) if line.startswith("joint "))
+    for line in takewhile(lambda line: not line.startswith("held out:"), record["printed"][heading + 1 :]):
+        cells = re.split(r"\s+\|\s+|\s{2,}", line)
+        yield f"| {' | '.join(cell for cell in cells if cell)} |"
