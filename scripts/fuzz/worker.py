@@ -58,6 +58,7 @@ class Table:
             found = judge(reader.use, one.write(folder), reader.errors)
             if found.kind != VALID:
                 raise RuntimeError(f"{reader.name}: {found}")
+        sys.stdout.flush()
         os.truncate(printed, 0)
         self._peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 
@@ -79,6 +80,7 @@ class Table:
 
     def _with_remains(self, found: Outcome) -> Outcome:
         """Look for what was printed, or left where the process works."""
+        sys.stdout.flush()
         size = os.fstat(self._printed).st_size
         if size:
             text = os.pread(self._printed, 500, 0).decode(errors="replace")
