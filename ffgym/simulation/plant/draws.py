@@ -51,8 +51,13 @@ class LogUniform(Distribution):
         check_number("high", self.high, low=self.low)
 
     def draw(self, rng: np.random.Generator, n: int) -> Array:
-        """Draw uniformly in the logarithm between low and high."""
-        return np.exp(rng.uniform(np.log(self.low), np.log(self.high), size=n))
+        """Draw uniformly in the logarithm between low and high; the same numbers on all processors.
+
+        In double precision numpy takes functions of the processor, whose last bits differ with AVX-512 and without.
+        """
+        low, high = (float(np.log(np.longdouble(end))) for end in (self.low, self.high))
+        drawn: Array = np.exp(rng.uniform(low, high, size=n).astype(np.longdouble)).astype(np.float64)
+        return drawn
 
 
 _TORQUE_PATH = ("torque_lag", "torque_delay", "torque_rate")
