@@ -40,9 +40,9 @@ def test_a_model_with_other_numbers_may_leave_a_hundredth_of_what_they_explain(e
 
 def test_certain_is_what_is_left_of_noise_without_uncertainty_of_single_rows():
     """Rows that do not count, as of no block or no weight, do not count here either."""
-    weights = np.array([[2.0, 2.0, 0.0, 4.0, 4.0]])
+    weights = np.array([[0.5, 2.0, 0.0, 4.0, 4.0]])
     setting = SimpleNamespace(
-        floor={"torque": np.array([[0.5, 0.4], [0.25, 0.4], [9.0, 0.4], [0.125, 0.4], [9.0, 0.4]])},
+        floor={"torque": np.array([[2.0, 0.4], [0.25, 0.4], [9.0, 0.4], [0.125, 0.4], [9.0, 0.4]])},
         weights={("torque", 0): weights, ("torque", 1): np.zeros((1, 5)), ("tool", 0): weights},
         blocks=SimpleNamespace(of_row=np.array([[0, 0, 1, 1, -1]])),
     )
