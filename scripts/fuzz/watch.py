@@ -85,6 +85,7 @@ class Watched:
             "OMP_NUM_THREADS": "1",
             "ARROW_DEFAULT_MEMORY_POOL": "system",
             "MALLOC_ARENA_MAX": "2",
+            "PYTHONUNBUFFERED": "",  # as readers run elsewhere
         }
         self._known = set()
         self._process = subprocess.Popen(
