@@ -91,12 +91,23 @@ def test_an_emulator_does_not_pause_to_collect_garbage(controller: EmulatedContr
 
 
 def test_packets_of_another_sender_are_refused_while_a_program_runs(
-    controller: EmulatedController, brief: SetpointPlan, envelope: Envelope, irb4600: RobotDescription
+    controller: EmulatedController,
+    brief: SetpointPlan,
+    envelope: Envelope,
+    irb4600: RobotDescription,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     session = StreamSession(brief, controller.wire, envelope, irb4600.drive)
-    stranger = UdpPort(("127.0.0.1", 0))
+    stranger, receive, sent = UdpPort(("127.0.0.1", 0)), session.receive, []
     with UdpPort(("127.0.0.1", 0)) as port, Served(controller, port.address):
-        threading.Timer(0.4, stranger.send, (controller.feedback(), port.address)).start()
+
+        def send_once_it_runs(data: bytes, now: float) -> bytes | None:
+            if session.state == "running" and not sent:
+                sent.append(now)
+                stranger.send(controller.feedback(), port.address)
+            return receive(data, now)
+
+        monkeypatch.setattr(session, "receive", send_once_it_runs)
         run_live(session, port)
     stranger.close()
     assert session.refused["another sender"] == 1
