@@ -6,6 +6,7 @@ from itertools import takewhile
 
 from ffgym.diagnosis.result import SMALL
 from ffgym.diagnosis.settings import settings
+from ffgym.logs.quality.wiring.search import LEAST_DELAY, LEAST_ROWS
 from scripts.claims.claim import claim
 from scripts.claims.records import numbers_of
 from scripts.claims.told.constants import CODE
@@ -25,7 +26,15 @@ def band_of_a_diagnosis() -> Iterator[str]:
     """Low-passes, and the steps of springs."""
     sampling = settings().sampling
     yield f"without delay ({sampling.motion_cutoff:g} Hz at most)"
+    shortest = sampling.rows_of_short_log / (sampling.rows_per_period * sampling.cutoff)
     yield f"symmetric low-pass ({sampling.cutoff:g} Hz at most,"
+    yield f"up to {sampling.motion_cutoff:g} Hz if all motions together last less than {shortest:g} s)"
+
+
+@claim(CODE)
+def least_delay_of_wiring() -> Iterator[str]:
+    """From what delay on a torque is of another time."""
+    yield f"late by less than {1e3 * LEAST_DELAY:g} ms, or {LEAST_ROWS:g} rows if those are longer"
 
 
 @claim(CODE)

@@ -39,7 +39,7 @@ _TELLING = 8.0
 """Factor by which the given reading leaves more than the mended one where that is below `_SHARE`: of paths of the tool,
 in which joints show that turn little."""
 
-_LEAST_DELAY, _LEAST_ROWS = 0.04, 1.6
+LEAST_DELAY, LEAST_ROWS = 0.04, 1.6
 """Delay [s], or in rows if those are longer, from which on a torque is of another time: no servo is stable with it, and
 recorders put a column off by a row and a half at most; less is a cause of a diagnosis."""
 
@@ -88,7 +88,7 @@ def _best(scorer: Scorer, wiring: Rewiring, fixed: list[WiringHypothesis]) -> Fo
     before = scorer.all(wiring)
     if sum(np.log(left / _floor(key)) for key, left in before.items()) < _GAIN:
         return None
-    least = max(_LEAST_DELAY, _LEAST_ROWS * scorer.samples.period * wiring.clock) / wiring.clock
+    least = max(LEAST_DELAY, LEAST_ROWS * scorer.samples.period * wiring.clock) / wiring.clock
     considered: list[Found] = []
     for candidates in (fixed, delays(scorer.samples, scorer.n, least), zeros(scorer.samples, scorer.robot)):
         considered += _improve(scorer, wiring, before, candidates, considered)
