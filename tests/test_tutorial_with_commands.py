@@ -74,6 +74,7 @@ def test_the_page_leads_from_an_arm_file_to_a_feed_forward_run(tmp_path, monkeyp
     }
 
 
+@pytest.mark.slow
 def test_the_page_leads_from_a_machine_to_feed_forward_with_its_friction(tmp_path, monkeypatch, capsys):
     pytest.importorskip("matplotlib")
     monkeypatch.chdir(tmp_path)
@@ -94,6 +95,7 @@ def test_the_page_leads_from_a_faulty_machine_to_its_extended_model(tmp_path, mo
     }
 
 
+@pytest.mark.slow
 def test_the_page_leads_from_the_files_of_a_controller_to_a_verdict(tmp_path, monkeypatch, capsys):
     pytest.importorskip("matplotlib")
     monkeypatch.chdir(tmp_path)

@@ -134,6 +134,7 @@ def test_two_waves_of_a_gear_error_are_one_error_of_that_shape(arm, circle):
     np.testing.assert_allclose(laws[0].torque(circle), laws[1].torque(circle), rtol=0, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_samples_and_batches_with_effects_are_the_same_law(arm, circle, swing):
     law = model_law(machine_with(arm.robot, *WITH_MEMORY, *WITHOUT), arm)
     check_samples(law, swing)

@@ -32,7 +32,7 @@ def episode(agent, env, state):
     return np.sqrt(np.mean(np.square(errors))), state
 
 
-@pytest.mark.parametrize("kind", [StaticBSN, ExtendedBSN])
+@pytest.mark.parametrize("kind", [pytest.param(StaticBSN, marks=pytest.mark.slow), ExtendedBSN])
 def test_errors_fall_from_episode_to_episode(kind, env, one_axis):
     idle = OnlineLFFC.for_env(kind.zero(1), env, one_axis.servo, rate=1e-12)
     without, _ = episode(idle, env, None)

@@ -126,7 +126,8 @@ def test_a_submission_decides_on_the_robot_of_the_environment(needs_gl, tmp_path
     assert mine["rms_path_error_mm"] == pytest.approx(law["rms_path_error_mm"], rel=1e-5)
 
 
-@pytest.mark.parametrize("name", ["amortised", pytest.param("amortised_recurrent", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["amortised", "amortised_recurrent"])
 def test_an_estimator_practises_a_lap_on_the_machine_first(name, needs_gl, tmp_path):
     machine = ("--env", "ffgym/CirclePath-v1", "--robot", "workcell:drives-1")
     _, numbers = play_still(tmp_path, "elastic", name, *machine, "--position", "p3", *CIRCLE[:4])

@@ -70,7 +70,9 @@ def error_of(capsys: pytest.CaptureFixture[str]) -> str:
     return capsys.readouterr().err.splitlines()[-1]
 
 
-@pytest.mark.parametrize("protocol", ["egm", "rsi", "rtde"])
+@pytest.mark.parametrize(
+    "protocol", ["egm", pytest.param("rsi", marks=pytest.mark.slow), pytest.param("rtde", marks=pytest.mark.slow)]
+)
 def test_a_plan_goes_to_an_emulated_controller_in_another_process(
     protocol: str, plan: SetpointPlan, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

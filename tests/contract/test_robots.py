@@ -32,6 +32,8 @@ PROGRAMS = ("cut_bracket", "thesis_circles", "laser_plate")
 """Built-in RAPID programs."""
 LEARNED = [name for name in CATALOGUE if name not in ("none", *IDEAL)]
 
+LIKE_ANOTHER = {"kuka_kr300_r2500", "two_link"}
+"""Robots whose commands only the slow tests run: six axes and rigid joints, as others that the usual tests run."""
 every_robot = pytest.mark.parametrize("name", ROBOTS)
 
 
@@ -184,7 +186,9 @@ def test_others_of_its_kind_are_drawn_and_simulated(name):
     assert plant.fingerprint(0) != plant.fingerprint(1)
 
 
-@every_robot
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name in LIKE_ANOTHER)) for name in ROBOTS]
+)
 def test_commands_run_it(name, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     robot = arm_of(name).robot

@@ -36,7 +36,7 @@ def test_no_motion_has_much_less_noise_than_all_though_an_encoder_shows_none_whi
     assert floor[1, 0] == pytest.approx(least * overall)
 
 
-@pytest.mark.parametrize("row_dt", [0.002, 0.01])
+@pytest.mark.parametrize("row_dt", [pytest.param(0.002, marks=pytest.mark.slow), 0.01])
 def test_what_a_model_foretells_above_the_band_of_motions_is_no_noise(row_dt):
     """Quiet sensors of a rigid arm that reverses: its torque has more above 38 Hz than their noise."""
     plain = Columns(tracker=False, set_points=False, feedback=False, speed=False, temperature=False)

@@ -41,6 +41,7 @@ def worst_means(log, draws):
     return np.abs(blocks.mean(axis=(1, 3))).max(axis=0) / rms
 
 
+@pytest.mark.slow
 def test_what_noise_does_to_standing_friction_on_average_is_taken_off(log, nominal):
     run, like, exact = nominal.run, nominal.problem.like, nominal.run.log.recordings
     rng = np.random.default_rng(5)

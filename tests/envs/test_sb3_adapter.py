@@ -95,7 +95,7 @@ def demo(irb4600):
     return circle_study(irb4600, positions=["p1", "p4"])
 
 
-@pytest.mark.parametrize("law", [StaticLuGre, DynamicLuGreExact])
+@pytest.mark.parametrize("law", [pytest.param(StaticLuGre, marks=pytest.mark.slow), DynamicLuGreExact])
 def test_lugre_as_an_agent_gives_the_numbers_of_the_demo(irb4600, demo, law):
     """36 cells through evaluate_policy: here 18 of them, at p1 and p4, every speed and radius."""
     recorder = EpisodeRecorder()

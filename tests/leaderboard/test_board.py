@@ -124,6 +124,7 @@ def test_what_is_of_another_physics_or_artefact_is_told_and_not_compared(tmp_pat
     ]
 
 
+@pytest.mark.slow
 def test_the_order_of_runs_is_not_seen_in_the_file(tmp_path):
     for folder, order in (("one", ["radii", "speeds"]), ("other", ["speeds", "radii"])):
         for split in order:

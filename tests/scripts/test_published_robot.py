@@ -107,7 +107,7 @@ def test_the_slow_triangle_shows_a_loop_with_friction_behind_the_elasticity_alon
     [
         ("irb4600_60_205_arm_losses", 0.5, 0.6),
         pytest.param("irb4600_60_205", 0.0, 0.02, marks=pytest.mark.slow),
-        (str(DOCS / "backlash.toml"), 0.0, 0.12),
+        pytest.param(str(DOCS / "backlash.toml"), 0.0, 0.12, marks=pytest.mark.slow),
     ],
 )
 def test_the_slow_triangle_tells_the_share(machine, low, high, tmp_path):

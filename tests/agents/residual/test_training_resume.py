@@ -65,7 +65,7 @@ def events(folder):
     return sorted(path.name for path in folder.iterdir())
 
 
-@pytest.mark.parametrize("algorithm", ["ppo", "sac"])
+@pytest.mark.parametrize("algorithm", ["ppo", pytest.param("sac", marks=pytest.mark.slow)])
 def test_a_training_that_was_killed_ends_as_if_it_had_not_been(algorithm, done, tmp_path):
     """The process kills itself in the middle of the second segment."""
     code = (

@@ -19,6 +19,8 @@ from ffgym.simulation.protocols.one_by_one import SlowTriangles, SpeedLadder
 from ffgym.simulation.sensors import measure, sensors_of
 
 SHARES = (0.0, 0.4, 0.73)
+IN_EVERY_RUN = ((0.0, "encoder"), (0.4, "tracker"))
+"""Shares and sensors of the usual tests."""
 SPEEDS = (0.2, 1.0, 4.0)
 """Motor speeds of a short ladder [rad/s]."""
 ENCODER_NOISE = 1e-5
@@ -69,8 +71,14 @@ def ladders(arm):
     return {share: run(arm, LADDER, share) for share in SHARES}
 
 
-@pytest.mark.parametrize("sensor", ["tracker", "encoder"])
-@pytest.mark.parametrize("share", SHARES)
+@pytest.mark.parametrize(
+    ("share", "sensor"),
+    [
+        pytest.param(share, sensor, marks=[pytest.mark.slow] * ((share, sensor) not in IN_EVERY_RUN))
+        for share in SHARES
+        for sensor in ("tracker", "encoder")
+    ],
+)
 def test_intervals_hold_the_share(arm, ladders, share, sensor):
     draws, errors, inside = 10, [], 0
     for seed in range(draws):

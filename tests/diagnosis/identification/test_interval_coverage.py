@@ -93,6 +93,7 @@ def fitted(n_fits, **wrong):
         yield fit_bristles(sliding(rng, **wrong), TRUE[:4], static, rng, start=np.array([100.0, 0.3]))
 
 
+@pytest.mark.slow
 def test_those_of_dynamic_parameters_with_an_error_of_inertia_and_an_offset():
     spreads = []
     for fit in fitted(40):

@@ -37,7 +37,7 @@ def cost_of_others(problem, place, x):
     return float(np.sum(rows[~problem.rows_at(place)] ** 2) + np.sum(priors**2))
 
 
-@pytest.mark.parametrize("place", [SLOW, FAST])
+@pytest.mark.parametrize("place", [SLOW, pytest.param(FAST, marks=pytest.mark.slow)])
 def test_a_fit_of_its_own_leaves_less_in_the_other_rows_than_one_step(problem, optimum, place):
     stepped = problem.step_without(place, optimum, problem.descent.jacobian(optimum))
     found = problem.search_without(place, optimum.x, STEPS, lambda point: None, {})
@@ -72,6 +72,7 @@ def test_the_document_tells_which_fit_predicts_what_was_left_out(table, kind):
     assert None not in structure["left_out_mm"]
 
 
+@pytest.mark.slow
 def test_the_prediction_of_a_place_comes_from_the_fit_without_it(table, problem, optimum, tmp_path):
     fit = fit_structure(FitTask(table=table, name="numbers", folder=tmp_path, steps=STEPS, judge_dt=DT))
     for place in (SLOW, FAST):

@@ -39,6 +39,7 @@ def command():
     return arguments
 
 
+@pytest.mark.slow
 def test_the_command_of_the_page_says_from_what_size_on_an_effect_is_found(place, capsys):
     arguments = [one for one in command() if one != "load_friction"]
     assert main(arguments) == 0

@@ -110,6 +110,7 @@ def test_a_question_without_an_answer_ends_the_exam_and_says_why(ask):
     assert one.right == 0
 
 
+@pytest.mark.slow
 def test_the_command_goes_on_where_it_was_interrupted(tmp_path, capsys):
     """What is in the file is not asked again."""
     assert main(["--settings", "blocks.spread_share", "--out", str(tmp_path)]) == 0

@@ -112,7 +112,8 @@ def test_a_diagnosis_that_ends_in_an_error_is_an_answer(monkeypatch):
     assert mark.conditions == small.setup.label
 
 
-@pytest.mark.parametrize("n", [1, pytest.param(2, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("n", [1, 2])
 def test_friction_behind_a_spring_is_named_alone_where_a_tracker_sees_the_arm(n, gears_that_keep_the_sign, hiding):
     hiding("behind")
     task = draw_task("arm", 0, seed=4, n=n, **TIDY, **SHORT)
