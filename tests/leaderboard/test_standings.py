@@ -98,6 +98,16 @@ def test_interquartile_means_have_an_interval_where_something_is_random_and_only
     assert some.iqm_interval_um.low < some.iqm_um < some.iqm_interval_um.high
 
 
+def test_two_seeds_are_enough_for_an_interval_and_two_exact_rows_have_none():
+    few = row("few", lambda seed, plant, key: (0.5 + 0.1 * seed) * zero_error(key))
+    few = replace(few, outcomes=few.outcomes[:2])
+    found = standings([NONE, few, fixed("half", 0.5, base="none")], NOMINAL, "held_out")
+    score = found.line("few").score
+    assert score.seeds == (0, 1)
+    assert score.iqm_interval_um.low < score.iqm_um < score.iqm_interval_um.high
+    assert found.line("half").against_base.difference.interval is None
+
+
 def test_cells_made_worse_are_counted():
     mixed = row("mixed", lambda _, plant, key: zero_error(key) * (1.5 if key[3] == 100 else 0.5))
     found = standings([NONE, mixed], NOMINAL, "held_out")
@@ -116,6 +126,30 @@ def test_the_score_is_0_for_zero_action_and_1_for_the_oracle_and_unknown_without
 def test_circles_on_which_the_oracle_does_not_help_tell_no_score():
     useless = fixed("oracle", 1.1, track="oracle")
     assert standings([NONE, useless, fixed("some", 0.6)], NOMINAL, "held_out").line("some").score.normalised is None
+
+
+def test_circles_on_which_the_oracle_changes_nothing_are_left_out_of_the_score():
+    partly = row("oracle", lambda _, plant, key: zero_error(key) * (1.0 if key[3] == 10 else 0.2), track="oracle")
+    found = standings([NONE, partly, fixed("some", 0.6)], NOMINAL, "held_out")
+    assert found.line("some").score.normalised == pytest.approx(0.5)
+
+
+def test_the_oracle_of_each_plant_is_that_beside_which_a_row_is_scored():
+    plants = tuple(f"draw:{k}" for k in range(4))
+    hard = {plant: 1.0 + k for k, plant in enumerate(plants)}
+
+    def times(factor):
+        return lambda _, plant, key: factor * hard[plant] * zero_error(key)
+
+    rows = [
+        row(name, times(factor), plants=plants, **options)
+        for name, factor, options in (
+            ("none", 1.0, {"ranked": False}),
+            ("oracle", 0.2, {"track": "oracle"}),
+            ("some", 0.6, {}),
+        )
+    ]
+    assert standings(rows, DRAWS, "held_out").line("some").score.normalised == pytest.approx(0.5)
 
 
 def test_oracle_zero_and_rows_that_are_shown_only_have_no_rank_and_come_last():
