@@ -5,8 +5,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from ffgym.core.errors import FFGymError
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.search import rounds as module
+from ffgym.diagnosis.settings import settings
 from ffgym.diagnosis.solving import Priors
 from ffgym.effects import EFFECTS
 
@@ -120,3 +122,57 @@ def test_a_size_that_rows_left_out_do_not_ask_for_is_null(needed, monkeypatch):
     assert slim.null == SIZES - needed
     assert all(slim.values[name] == 0.0 for name in slim.null)
     assert slim.move([0.1] * len(slim.list_free())).null == slim.null
+
+
+@pytest.fixture
+def finer(monkeypatch):
+    """Refit of so many causes that leave so much of 100 by noise; polishing gives what it is told to."""
+
+    def refitted(n_causes, left, polished=None, fails=False):
+        def model(name, left):
+            equations = SimpleNamespace(rows=np.array([60.0, 40.0]))
+            return SimpleNamespace(name=name, hypotheses=("cause",) * n_causes, left=left, equations=equations)
+
+        def refine(setting, begun):
+            if fails:
+                raise FFGymError("no such machine")
+            return begun
+
+        monkeypatch.setattr(module, "renew_tangents", lambda setting, fit: model(f"renewed {fit.name}", fit.left))
+        monkeypatch.setattr(module, "refine", refine)
+        monkeypatch.setattr(module, "polish", lambda setting, fit: model(f"finer {fit.name}", 0.0) if polished else fit)
+        monkeypatch.setattr(module, "score", lambda setting, fit: SimpleNamespace(fit=fit))
+        adopted = SimpleNamespace(fit=model("fit", left))
+        found = module.refit(SETTING, adopted)
+        return found.fit.name, found is adopted
+
+    return refitted
+
+
+def test_all_causes_are_fitted_with_tangents_of_their_own_and_more_finely_if_anything_is_left(finer):
+    noise = 100.0 * settings().search.finer_from
+    assert finer(1, noise - 1, polished=True) == ("fit", True)
+    assert finer(1, noise, polished=True) == ("finer fit", False)
+    assert finer(1, noise + 1, polished=False) == ("fit", True)
+    assert finer(2, noise - 1, polished=True) == ("renewed fit", False)
+    assert finer(2, noise + 1, polished=True) == ("finer renewed fit", False)
+    assert finer(2, noise + 1, polished=True, fails=True) == ("fit", True)
+
+
+def test_a_fit_is_scored_by_both_splits_alike_or_by_halves_alone_of_a_single_motion(monkeypatch):
+    left = {"halves": np.array([1.0, 2.0]), "motions": np.array([3.0, 6.0])}
+    monkeypatch.setattr(module, "compute_block_rss", lambda equations, folds, columns, priors: left[folds[0]])
+    monkeypatch.setattr(module, "make_half_folds", lambda blocks: ["halves"])
+    fit = SimpleNamespace(equations=None, fold_columns=None, priors=None)
+    for folds, expected in ((["motions"], [2.0, 4.0]), ([], [1.0, 2.0])):
+        monkeypatch.setattr(module, "make_motion_folds", lambda blocks, folds=folds: folds)
+        scored = module.score(SimpleNamespace(blocks=None), fit)
+        np.testing.assert_array_equal(scored.rss_by_block, expected)
+        assert scored.rss == sum(expected)
+
+
+def test_a_round_tells_the_first_fit_of_a_cause_whatever_its_values():
+    first, other = tried(warm(), 1.0), tried(warm().scale(0.5), 2.0)
+    one = module.SearchRound(before=None, ranking=None, tried=(first, other), adopted=True)
+    assert one.of([warm().scale(0.1)]) is first
+    assert one.of([]) is None

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from ffgym.core.errors import FFGymError
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.search import search as module
 from ffgym.diagnosis.search.rounds import SearchRound
@@ -18,34 +19,95 @@ def cogging(joint, cycles):
     return Hypothesis(kind=EFFECTS["cogging"], joint=joint, source=None, values=values)
 
 
-@pytest.fixture
-def candidates(monkeypatch):
-    """Candidates of a ranking, which may be tried beside causes that are there and such that were not needed."""
+def sized(name, joint):
+    """A cause with a single size."""
+    kind = EFFECTS[name]
+    return Hypothesis(
+        kind=kind, joint=joint, source=None, values={n: np.array(p.high) for n, p in kind.parameters().items()}
+    )
 
-    def tried(found, there=(), needless=()):
-        ranking = SimpleNamespace(order=range(len(found)), score=np.ones(len(found)), is_significant=lambda i: True)
+
+@pytest.fixture
+def fit_best(monkeypatch):
+    """Fits of candidates with scores and energies left, beside causes that are there; 2 are left without them."""
+
+    def fitted(found, *, scores=None, left=None, changed=None, there=(), needless=(), beaten=(), report=None):
+        scores = np.ones(len(found)) if scores is None else np.array(scores)
+        left = dict(zip((one.label for one in found), left or [1.0] * len(found), strict=True))
+        ranking = SimpleNamespace(order=range(len(found)), score=scores, is_significant=lambda i: scores[i] > 0)
         known = SimpleNamespace(groups=range(len(found)), first=lambda i: found[i], nuisance_places=None)
-        monkeypatch.setattr(module, "find_changed_components", lambda *_: {})
+
+        def fit_and_score(setting, all_of, like):
+            *others, newest = all_of
+            assert others == list(there)
+            if left[newest.label] is None:
+                raise FFGymError("no such machine")
+            return SimpleNamespace(hypothesis=newest, rss=left[newest.label])
+
+        monkeypatch.setattr(module, "find_changed_components", lambda *given: changed[given[2]] if changed else {})
         monkeypatch.setattr(module, "propose_start", lambda evidence, candidates, i, *_: found[i])
         monkeypatch.setattr(module, "_shrink_to_possible", lambda setting, others, start: start)
-        monkeypatch.setattr(
-            module, "fit_and_score", lambda setting, all_of, like: SimpleNamespace(hypothesis=all_of[-1], rss=1.0)
-        )
+        monkeypatch.setattr(module, "fit_and_score", fit_and_score)
         now = SimpleNamespace(fit=SimpleNamespace(hypotheses=tuple(there)), rss=2.0)
         setting = SimpleNamespace(log=SimpleNamespace(robot=None))
-        report = lambda what, share: None  # noqa: E731
-        return [one.hypothesis for one in module._fit_best(setting, known, ranking, None, now, needless, (), report)]
+        report = report or (lambda what, share: None)
+        tried = module._fit_best(setting, known, ranking, None, now, needless, beaten, report)
+        return [one.hypothesis for one in tried]
 
-    return tried
+    return fitted
 
 
-def test_a_cause_that_is_there_or_that_others_made_up_for_is_not_tried_again(candidates):
+def test_a_cause_that_is_there_or_that_others_made_up_for_is_not_tried_again(fit_best):
     """Else it would come, be dropped beside the next, and come again."""
     one, other, third = cogging("j1", 3.0), cogging("j2", 1.0), cogging("j3", 3.0)
-    assert candidates([one, other, third]) == [one, other, third]
-    assert candidates([one, other, third], there=[third]) == [one, other]
-    assert candidates([one, other, third], needless=[cogging("j1", 3.05)]) == [other, third]
-    assert candidates([one, other, third], needless=[cogging("j1", 6.0)]) == [one, other, third]
+    assert fit_best([one, other, third]) == [one, other, third]
+    assert fit_best([one, other, third], there=[third]) == [one, other]
+    assert fit_best([one, other, third], needless=[cogging("j1", 3.05)]) == [other, third]
+    assert fit_best([one, other, third], needless=[cogging("j1", 6.0)]) == [one, other, third]
+
+
+def test_a_few_of_the_best_are_fitted_on_joints_where_none_was_beaten(fit_best):
+    most = settings().search.tried
+    many, told = [cogging(f"j{k}", 3.0) for k in range(1, most + 3)], []
+    assert fit_best(many, report=lambda what, share: told.append((what, share))) == many[:most]
+    assert told == [(f"fitting {one.label}", pytest.approx(k / most)) for k, one in enumerate(many[:most])]
+    assert fit_best(many, beaten={"j1"}) == many[1 : most + 1]
+    assert fit_best(many, left=[1.0, None, *[1.0] * most]) == [many[0], *many[2 : most + 1]]
+
+
+def test_what_scores_far_less_than_the_best_or_no_more_than_chance_is_not_fitted(fit_best):
+    one, other, third = cogging("j1", 3.0), cogging("j2", 1.0), cogging("j3", 3.0)
+    near = settings().search.near_best
+    assert fit_best([one, other, third], scores=[8.0, 8.0 * near, 7.9 * near]) == [one, other]
+    assert fit_best([one, other, third], scores=[8.0, 0.0, 8.0]) == [one]
+
+
+def test_the_same_effect_on_a_joint_is_fitted_once(fit_best):
+    first, again = cogging("j1", 3.0), cogging("j1", 7.0)
+    assert fit_best([first, again]) == [first]
+
+
+def test_rivals_of_the_best_change_what_it_changes(fit_best):
+    one, other, third = cogging("j1", 3.0), cogging("j2", 1.0), cogging("j3", 3.0)
+    shared = settings().search.same_target
+    changed = [{"a": 1.0}, {"a": 0.5 * shared, "b": 1 - 0.5 * shared}, {"a": shared, "b": 1 - shared}]
+    assert fit_best([one, other, third], changed=changed) == [one, third]
+
+
+def test_the_fit_that_leaves_least_is_first_with_a_price_of_each_number(fit_best):
+    """Three numbers of a wave against one: they must remove more than their price, a share of what is explained."""
+    wave, level = cogging("j1", 3.0), sized("viscous_level", "j2")
+    slack = settings().search.slack
+    numbers = len(wave.list_free()) - len(level.list_free())
+    assert numbers >= 1
+    assert fit_best([wave, level], left=[1.0, 1.0]) == [level, wave]
+    assert fit_best([level, wave], left=[1.0, 1.0 - 1.2 * numbers * slack]) == [wave, level]
+    assert fit_best([level, wave], left=[1.0, 1.0 - 0.8 * numbers * slack]) == [level, wave]
+    # of 2 that were left, a tenth is explained: the price of a number is smaller than where half is
+    assert fit_best([level, wave], left=[1.9, 1.9 - 0.2 * numbers * slack]) == [wave, level]
+    assert fit_best([level, wave], left=[0.1, 0.1 - 0.2 * numbers * slack]) == [wave, level]
+    # nothing is paid for what explains nothing
+    assert fit_best([wave, level], left=[2.5, 2.5]) == [wave, level]
 
 
 def test_what_ties_with_a_rival_is_explained_all_the_same(monkeypatch):
