@@ -1,6 +1,5 @@
 """Columns of candidates beside nuisance parameters: their scale, bounds and groups."""
 
-
 import numpy as np
 import pytest
 

@@ -8,8 +8,15 @@ import pytest
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.result import Rival
 from ffgym.diagnosis.search import rivals as module
-from ffgym.diagnosis.search.rivals import compare_rivals, find_lookalikes, select_tied, turn_into_rivals
+from ffgym.diagnosis.search.rivals import (
+    compare_rivals,
+    find_lookalikes,
+    list_uncompared,
+    select_tied,
+    turn_into_rivals,
+)
 from ffgym.diagnosis.search.rounds import SearchRound, find_adoption
+from ffgym.diagnosis.settings import settings
 from ffgym.effects import EFFECTS
 
 BLOCKS = 100
@@ -92,6 +99,50 @@ def test_what_explains_as_much_of_something_else_is_no_tie(judge):
     (rival,), _ = judged(best, [other])
     assert not rival.tied
     assert rival.reason == "explains little of what stribeck_peak on j1 does"
+
+
+@pytest.mark.parametrize(("removes", "ties"), [(4.5, True), (4.4, False)])
+def test_a_rival_removes_half_of_what_the_cause_does_where_it_acts(judge, removes, ties):
+    best, other = tried("stribeck_peak", "j1", 10.0, {"a": 9.0}), tried("dwell_stiction", "j1", 10.0, {"a": removes})
+    (rival,), _ = judged(best, [other])
+    assert settings().rivals.instead == 0.5
+    assert rival.tied == ties
+
+
+@pytest.mark.parametrize(("removes", "ties"), [(8.2, True), (8.0, False)])
+def test_a_rival_that_lost_is_compared_again_if_it_removes_nearly_as_much_where_the_cause_acts(judge, removes, ties):
+    best, other = tried("coulomb_drift", "j1", 10.0, {"a": 9.0}), tried("viscous_drift", "j1", 30.0, {"a": removes})
+    judge["viscous_drift"] = tried("viscous_drift", "j1", 10.0, {"a": 9.0})
+    fitted = tried("coulomb_drift", "j1", 10.0, {"a": 9.0})
+    fitted.fit.hypotheses = (best.hypothesis, hypothesis("torque_clock", ""))
+    (rival,), _ = judged(best, [other], fitted)
+    assert settings().rivals.near == 0.9
+    assert rival.tied == ties
+
+
+def test_a_rival_of_more_numbers_takes_no_place_however_little_it_leaves(judge):
+    best, other = tried("coulomb_level", "j1", 10.0, {"a": 9.0}), tried("cogging", "j1", 9.9, {"a": 9.0})
+    assert len(other.hypothesis.list_free()) > len(best.hypothesis.list_free())
+    assert comparison(best, [other])[0].better is None
+    assert comparison(other, [best])[0].rivals[0].tied
+
+
+def test_a_rival_that_leaves_as_much_takes_no_place(judge):
+    best, other = tried("stribeck_peak", "j1", 10.0, {"a": 9.0}), tried("dwell_stiction", "j1", 10.0, {"a": 9.0})
+    best.fit.hypotheses = other.fit.hypotheses = (best.hypothesis,)
+    assert comparison(best, [other])[0].better is None
+
+
+def test_lookalikes_are_listed_of_causes_that_were_compared_with_nothing():
+    def alike(effect, against):
+        return Rival(effect=effect, joint="j1", held_out_gain=0.1, tied=False, against=against, reason="less")
+
+    one, other = hypothesis("viscous_level", "j1"), hypothesis("coulomb_level", "j1")
+    final = SimpleNamespace(fit=SimpleNamespace(hypotheses=(one, other)))
+    listed = [alike("stribeck_peak", one.label), alike("coulomb_level", one.label), alike("cogging", "payload")]
+    compared = [alike("dwell_stiction", other.label), alike("load_friction", other.label)]
+    rounds = tuple(SimpleNamespace(alike=(each,)) for each in (*listed, compared[1]))
+    assert list_uncompared(rounds, final, (compared[0],)) == (listed[0],)
 
 
 def test_what_leaves_more_says_how_much_more(judge):

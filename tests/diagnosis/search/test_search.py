@@ -80,6 +80,7 @@ def test_what_scores_far_less_than_the_best_or_no_more_than_chance_is_not_fitted
     near = settings().search.near_best
     assert fit_best([one, other, third], scores=[8.0, 8.0 * near, 7.9 * near]) == [one, other]
     assert fit_best([one, other, third], scores=[8.0, 0.0, 8.0]) == [one]
+    assert fit_best([one, other, third], scores=[0.4, 0.3, 0.3]) == [one, other, third]
 
 
 def test_the_same_effect_on_a_joint_is_fitted_once(fit_best):
