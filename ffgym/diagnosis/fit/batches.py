@@ -70,8 +70,8 @@ class Descent:
         if not len(point.x):
             return np.zeros((len(point.residuals), 0))
         shifted = self.points(point.x + np.diag(self.steps), point.damping)
-        columns = [(p.residuals - point.residuals) / h for p, h in zip(shifted, self.steps, strict=True)]
-        return np.stack(columns, axis=1)
+        there = np.stack([each.residuals for each in shifted], axis=1)
+        return (there - point.residuals[:, None]) / self.steps
 
     def step(self, point: Point, jacobian: Array, damping: float) -> Array:
         """Compute the free numbers that a damped step leads to, within their bounds."""
