@@ -262,7 +262,7 @@ class ExplainedVariance:
     excess: float
     """Share of all energy that was above the noise that the floor allows for."""
     n_loud: int
-    """Components with much above the noise: a tenth of their mean or more."""
+    """Components with much above the noise: more than a tenth of their mean."""
     best: float
     """Share that is gone of the component of which most is, among those that have a tenth of all above the noise."""
 
@@ -286,7 +286,7 @@ def compute_explained(
     # there may be less noise than the floor allows for: what is left is then all of it
     above = {key: max(before[key] - min(1.0, after[key]), 0.0) for key in judged}
     most = sum(above.values())
-    loud = [key for key in judged if above[key] > limits.loudest_share * most / max(len(judged), 1)]
+    loud = [key for key in judged if above[key] > limits.loudest_share * most / len(judged)]
     return ExplainedVariance(
         of_excess=sum(gone.values()) / max(most, 1e-9),
         of_all=sum(gone.values()) / max(total, 1e-9),
