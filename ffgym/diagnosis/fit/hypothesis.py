@@ -36,7 +36,7 @@ class FreeParameter:
     high: float
     nudge: float
     """A change by which slopes are found, > 0."""
-    of_session: bool = False
+    of_session: bool
     """True for the time in which a session changes something."""
 
 

@@ -7,8 +7,11 @@ from ffgym.diagnosis.fit import refine as module
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.effects import EFFECTS
 
+ALONG = [(float(best), 1.3) for best in np.geomspace(0.5, 25.0, 18)]
+"""Sizes up to 25 times that of a linear fit: fits of springs come from a third more or less."""
 
-@pytest.mark.parametrize(("best", "within"), [(0.7, 1.3), (2.0, 1.3), (9.0, 1.3), (200.0, 9.0)])
+
+@pytest.mark.parametrize(("best", "within"), [*ALONG, (200.0, 9.0)])
 def test_a_spring_begins_near_its_size_however_much_larger_that_is_than_a_linear_fit_says(best, within, monkeypatch):
     """What it leaves is least at `best` times the linear fit."""
     one = Hypothesis(kind=EFFECTS["hardening"], joint="j3", source=None, values={"growth": np.array(1e4)})

@@ -81,6 +81,7 @@ def test_it_rests_where_steps_become_shorter_than_the_least():
     assert descend(valley, 0.0, steps(most=3, least_reach=30.0)) == 0.0
     assert valley.renewed == []
     assert descend(Valley(flat=True), 0.0, steps(most=3, least_reach=1e-3)) == 0.0
+    assert descend(Valley(), 0.0, steps(most=1, reach=1.0, least_reach=1.0)) == 1.0  # the least one is tried
 
 
 def test_a_short_step_of_little_gain_is_the_last():
@@ -88,9 +89,16 @@ def test_a_short_step_of_little_gain_is_the_last():
     wanting = Valley(bend=0.5)
     descend(wanting, 0.0, steps(most=9, gain=0.8, rest=3.0))
     assert wanting.renewed == [(5.0, False), (7.5, True)]
-    patient = Valley(bend=0.5)
-    descend(patient, 0.0, steps(most=3, gain=0.7, rest=3.0))
-    assert [last for _, last in patient.renewed] == [False, False, True]
+    for gain in (0.7, 0.75):
+        patient = Valley(bend=0.5)
+        descend(patient, 0.0, steps(most=3, gain=gain, rest=3.0))
+        assert [last for _, last in patient.renewed] == [False, False, True]
+
+
+def test_a_step_of_little_gain_that_is_not_shorter_than_where_it_rests_is_not_the_last():
+    valley = Valley(bend=0.5)
+    descend(valley, 0.0, steps(most=9, gain=0.8, rest=2.5))
+    assert valley.renewed == [(5.0, False), (7.5, False), (8.75, True)]
 
 
 def test_a_step_that_its_reach_held_back_is_not_the_last_however_little_it_gains():
@@ -108,6 +116,13 @@ def test_where_there_are_no_slopes_the_point_before_is_the_last():
 def test_what_is_hopeless_is_given_up():
     assert descend(Valley(bend=0.5, hopeless_beyond=7.0), 0.0, steps(most=5)) is None
     assert descend(Valley(bend=0.5, hopeless_beyond=9.0), 0.0, steps(most=3)) == pytest.approx(8.75)
+
+
+def test_a_slope_that_does_not_say_so_is_not_hopeless():
+    class Hopeful(Valley):
+        is_hopeless = Slope.is_hopeless
+
+    assert descend(Hopeful(hopeless_beyond=0.0), 0.0, steps(most=5)) == 10.0
 
 
 def test_the_length_of_a_step_is_its_largest_change():

@@ -205,6 +205,7 @@ def test_a_size_far_beyond_what_is_plausible_is_told_with_its_unit():
         return hypothesis_of("cogging", amplitude=value, cycles=6.0, phase=0.0).implausible
 
     assert at(0.99) is None
+    assert at(1.0) is None
     assert f"N m, where {p.low:g} to {p.high:g} is plausible" in at(1.01)
     assert hypothesis_of("cogging", amplitude=0.02, cycles=1e9, phase=0.0).implausible is None  # no size
     share = EFFECTS["load_friction"].parameters()["share"]
@@ -219,3 +220,82 @@ def test_practical_steps_move_all_hypotheses_in_their_order():
     then = [number.value for one in moved for number in one.list_free()]
     wanted = [one.value + x * one.step for one, x in zip(free, (0.1, 0.0, -0.2, 0.3), strict=True)]
     np.testing.assert_allclose(then, wanted)
+
+
+def find_free(one, name):
+    """The free number of a hypothesis by its name."""
+    (found,) = (free for free in one.list_free() if free.name == name)
+    return found
+
+
+def test_a_practical_step_is_a_tenth_of_the_plausible_range_of_a_shape():
+    known = EFFECTS["viscous_drift"].parameters()["exponent"]
+    drift = hypothesis_of("viscous_drift", share=0.2, duration=600.0, exponent=known.low)
+    free = find_free(drift, "exponent")
+    assert free.step == pytest.approx(0.1 * (known.high - known.low))
+    assert (free.low, free.high) == (known.low, known.high)
+    assert not free.of_session
+    assert find_free(drift, "duration").of_session
+
+
+def test_a_shape_beyond_its_plausible_range_may_stay_there():
+    known = EFFECTS["viscous_drift"].parameters()["exponent"]
+    for value in (known.low - 0.1, known.high + 0.1):
+        free = find_free(hypothesis_of("viscous_drift", share=0.2, duration=600.0, exponent=value), "exponent")
+        assert (free.low, free.high) == (min(value, known.low), max(value, known.high))
+
+
+def test_a_frequency_that_residuals_show_is_sought_near_it():
+    """By a share of itself, or of one period per turn if it is less; and above 0."""
+    share = settings().search.frequency_step
+    for value, step in ((6.0, 6.0 * share), (1.5, 1.5 * share), (0.5, share), (0.5 * share, share)):
+        free = find_free(hypothesis_of("cogging", amplitude=0.02, cycles=value, phase=0.5), "cycles")
+        assert free.step == pytest.approx(step)
+        assert free.low == pytest.approx(max(0.0, value - step))
+        assert free.high == pytest.approx(value + step)
+
+
+def test_a_frequency_between_those_that_were_tried_is_sought_half_the_way_to_the_next():
+    known = EFFECTS["position_friction"].parameters()["cycles"]
+    assert known.tries[:3] == (1.0, 5.0, 10.0)
+    for value, low, high in ((20.0, 18.0, 22.0), (2.0, known.low, 4.0), (39.5, 37.5, known.high)):
+        free = find_free(hypothesis_of("position_friction", share=0.1, cycles=value, phase=0.5), "cycles")
+        assert (free.step, free.low, free.high) == (2.0, low, high)
+
+
+def test_a_phase_is_free_and_its_practical_step_is_less_than_a_radian():
+    free = find_free(hypothesis_of("cogging", amplitude=0.02, cycles=6.0, phase=0.5), "phase")
+    assert 0.0 < free.step < 1.0
+    assert (free.low, free.high) == (-np.inf, np.inf)
+
+
+def test_slopes_are_found_by_changes_that_are_small_and_not_lost_in_rounding():
+    for one in (
+        hypothesis_of("cogging", amplitude=0.02, cycles=60.0, phase=0.5),
+        hypothesis_of("cogging", amplitude=0.02, cycles=0.2, phase=0.5),
+        hypothesis_of("viscous_drift", share=0.2, duration=600.0, exponent=1.0),
+    ):
+        for free in one.list_free():
+            assert 1e-7 * max(abs(free.value), 1.0) < free.nudge < 0.2 * free.step
+
+
+def test_a_share_just_as_far_off_as_a_machine_may_be_is_physical():
+    share = EFFECTS["load_friction"].parameters()["share"]
+    assert share.low == 0.0
+    ten = share.high * settings().search.unphysical
+    assert not hypothesis_of("load_friction", share=share.high + ten).is_unphysical
+    assert hypothesis_of("load_friction", share=1.01 * (share.high + ten)).is_unphysical
+    assert hypothesis_of("load_friction", share=-1.01 * ten).is_unphysical
+
+
+def test_an_effect_of_one_joint_on_another_is_at_their_place(robot):
+    pairs = [kind for kind in EFFECTS.values() if any(p.per == "pair" for p in kind.parameters().values())]
+    assert pairs
+    for kind in pairs:
+        values = {name: np.array(_usual(p)) for name, p in kind.parameters().items()}
+        size = next(name for name, p in kind.parameters().items() if p.per == "pair")
+        one = Hypothesis(kind=kind, joint=robot.joints[1], source=0, values=values)
+        found = getattr(one.effect(robot), size)
+        assert found[1, 0] == values[size]
+        np.testing.assert_array_equal(found[[0, 0, 1], [0, 1, 1]], kind.parameters()[size].neutral)
+        assert one.key == (kind.name, robot.joints[1], 0)
