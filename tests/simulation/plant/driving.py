@@ -10,3 +10,15 @@ def controls(plant, position=0.0, velocity=0.0, torque=0.0, *, shape=None):
     for column, values in zip(plant.split_controls(rows), (position, velocity, torque), strict=True):
         column[...] = values
     return rows
+
+
+class EngineTables:
+    """Arrays by name in place of those of an engine, of random numbers."""
+
+    def __init__(self, **shapes):
+        rng = np.random.default_rng(4)
+        self.arrays = {name: rng.uniform(0.5, 2.0, shape) for name, shape in shapes.items()}
+
+    def bind(self, name):
+        """Return the array itself, as the engine does."""
+        return self.arrays[name]
