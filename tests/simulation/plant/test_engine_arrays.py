@@ -227,6 +227,15 @@ def test_servos_know_the_motors_of_their_own_simulation(gain, coupling):
         assert known[2, row].tolist() == integral
 
 
+def test_what_stands_first_in_the_model_is_there(two_link):
+    """An address may be 0: bristles, where servos have neither integrals nor torque loops."""
+    at = Plant(replace(two_link, servo=replace(two_link.servo, integral_gain=np.zeros(2))), 1, n_threads=1).addresses
+    assert at.bristle.tolist() == [0, 1]
+    assert at.has_bristle.all()
+    assert not at.has_integral.any()
+    assert not at.has_torque.any()
+
+
 @pytest.mark.parametrize("friction", [True, False])
 def test_without_friction_motors_have_no_bristles(two_link, friction):
     plant = Plant(two_link, 1, options=ModelOptions(friction=friction), n_threads=1)
