@@ -120,6 +120,6 @@ def test_a_period_off_the_grid_is_named_with_its_machine(robots, one_axis):
         FFGymError, match=r"resolver_period = 0\.0025 s must be a whole multiple of physics_dt = 0\.001 s"
     ):
         Resolvers([one_axis, robots[0], off], DT)
-    short = replace(robots[0], drive=replace(robots[0].drive, resolver_period=0.4 * DT))
-    with pytest.raises(FFGymError, match=r"resolver_period = 0\.0004 s"):
+    short = replace(robots[0], drive=replace(robots[0].drive, resolver_period=0.25 * DT))
+    with pytest.raises(FFGymError, match=r"resolver_period = 0\.00025 s"):
         Resolvers([short], DT)
