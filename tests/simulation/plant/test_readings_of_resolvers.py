@@ -38,6 +38,8 @@ def test_only_machines_with_a_period_are_touched(robots, resolvers):
     numbers = resolvers.numbers
     assert [numbers[name][0, 0] for name in ("every", "period", "step")] == [3.0, 3 * DT, STEP]
     assert numbers["present"] is resolvers.present
+    every_step = replace(robots[0], drive=replace(robots[0].drive, resolver_period=DT))
+    assert Resolvers([every_step], DT).numbers["every"].tolist() == [[1.0]]
 
 
 def test_a_reading_holds_for_its_period_and_gives_the_mean_speed_since_the_last_one(resolvers):
