@@ -51,9 +51,10 @@ class Branching(TorqueEffect):
         return Torques(motor=-self.size * np.tanh(state.motor_speed)) if np.all(state.time >= 0) else Torques(), memory
 
 
-def arm(*, rigid=(False, False), lag=(0.0, 0.0), period=0.0):
-    """A rigid or elastic arm whose drives have a torque loop or read resolvers."""
+def arm(*, rigid=(False, False), lag=(0.0, 0.0), period=0.0, share=None):
+    """A rigid or elastic arm whose drives have a torque loop or read resolvers, with friction in its bearings."""
     robot = load_robot("two_link")
+    robot = replace(robot, friction=replace(robot.friction, arm_share=share))
     stiffness = np.where(rigid, np.inf, robot.drive.joint_stiffness)
     drive = replace(robot.drive, joint_stiffness=stiffness, torque_lag=np.array(lag), resolver_period=period)
     return replace(robot, drive=drive, sensors=replace(robot.sensors, encoder_bits=12))
@@ -125,6 +126,7 @@ SORTS = {
     "one rigid": lambda: [loaded(arm(rigid=(True, False)), size=size) for size in (0.5, 0.1)],
     "reading": reading_arms,
     "rippling": lambda: [loaded(arm(), ripple(arm())), loaded(arm())],
+    "in the bearings": lambda: [loaded(arm(lag=(2e-3, 1e-3), share=np.array([0.3, 0.6])))],
     "resolvers alone": lambda: [Machine(robot=arm(period=2 * DT)), Machine(robot=arm(period=3 * DT))],
 }
 
@@ -219,6 +221,14 @@ def test_a_layout_knows_what_is_remembered_and_what_servos_know():
     assert replace(bare, reads=True).looks
     assert replace(layout, reads=False).looks
     assert replace(layout, reads=False).memories == [*enumerate(sizes), ("motor", 1)]
+
+
+def test_layouts_of_one_structure_are_equal_whatever_their_numbers():
+    one, other = (plant_of([loaded(arm(), size=size)])._forces._layout() for size in (0.5, 0.1))
+    assert one == other
+    assert hash(one) == hash(other)
+    for another in (arm(rigid=(True, False)), arm(lag=(1e-3, 0.0)), arm(period=DT)):
+        assert plant_of([loaded(another)])._forces._layout() != one
 
 
 def test_without_readings_nothing_is_written_after_a_step():

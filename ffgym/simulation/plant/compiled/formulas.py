@@ -169,8 +169,6 @@ def _trace_apply(graph: Graph, layout: Layout, engine: _SymbolicEngine) -> Store
         ]
         stores += [(place, _one(values)) for place, values in written if values is not None]
         for k, (before, memory) in enumerate(zip(memories, later, strict=True)):
-            if not isinstance(memory, Traced) or memory.shape != before.shape:
-                raise Untraceable("a memory of another shape")
             stores += [
                 (("memory", k, m), graph.cast(node, "number"))
                 for m, (node, old) in enumerate(zip(memory.nodes, before.nodes, strict=True))

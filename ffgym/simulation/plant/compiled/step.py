@@ -66,7 +66,7 @@ class CompiledStep:
             return code.graph.tables[source[1]] if source[0] == "table" else numbers[source]
 
         found = evaluate(code.slots, given)
-        self._numbers = np.empty((shape[0], max(len(found), 1), shape[1]))
+        self._numbers = np.empty((shape[0], len(found), shape[1]))
         for k, values in enumerate(found):
             self._numbers[:, k] = values
         self._steps = np.zeros(shape[0], dtype=np.int64)
