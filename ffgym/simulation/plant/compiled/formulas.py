@@ -160,7 +160,8 @@ def _trace_apply(graph: Graph, layout: Layout, engine: _SymbolicEngine) -> Store
             graph.given_memory([("memory", k, m) for m in range(size)]) for k, (_, size) in enumerate(layout.kinds)
         ]
         present = [graph.given(("present", k), fixed=True).astype(bool) for k in range(len(effects))]
-        total, later = step(effects, state, memories, layout.dt, present)
+        total, remembered = step(effects, state, memories, layout.dt, present)
+        later: list[Any] = remembered  # symbols, or whatever else an effect makes of them
         motor, turning, behind = hinge_torques(layout.drive, total)
         written: list[tuple[Any, Any]] = [
             (("memory", "motor", 0), motor),
