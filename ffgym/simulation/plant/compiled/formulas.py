@@ -137,7 +137,8 @@ def _trace_look(graph: Graph, layout: Layout, engine: _SymbolicEngine) -> tuple[
 
 def _trace_apply(graph: Graph, layout: Layout, engine: _SymbolicEngine) -> Stores:
     """Trace torques of effects before a physics step, and errors of what servos know; returns what is written."""
-    n, at, stores = layout.n_joints, layout.at, []
+    n, at = layout.n_joints, layout.at
+    stores: Stores = []
     controls = engine.joints[3]
     if layout.looks:
         effects = [_symbolic(graph, kind, ("resolver effect", k)) for k, kind in enumerate(layout.resolver_kinds)]
