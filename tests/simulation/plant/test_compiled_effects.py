@@ -13,9 +13,6 @@ from ffgym.effects import EFFECTS, ResolverEffect, TorqueEffect, Torques, parame
 from ffgym.robot import load_robot
 from ffgym.simulation.plant import Climate, Machine, Plant
 from ffgym.simulation.plant.compiled import engine_hook, functions
-from ffgym.simulation.plant.compiled.code import JointPlace, LoopCode, Slots, compile_code, declarations
-from ffgym.simulation.plant.compiled.operations import LIBRARY, OPERATIONS
-from ffgym.simulation.plant.compiled.tracing import Graph
 from ffgym.workcell import draw, workcell
 from ffgym.workcell.equations import EQUATIONS
 from tests.simulation.plant.driving import controls
@@ -326,29 +323,6 @@ def test_addresses_of_the_engine_hold_for_any_model(robot):
             assert ctypes.c_double.from_buffer(word).value == 3.25
         else:
             assert word.value == getattr(data, name).ctypes.data
-
-
-@pytest.mark.parametrize("name", OPERATIONS)
-def test_each_operation_is_that_of_numpy(name):
-    known, numbers = OPERATIONS[name], np.array([0.0, -0.0, 1.0, -2.5, 0.3, 5e-324, 1e300, np.inf, -np.inf, np.nan])
-    one, other = (values.ravel() for values in np.meshgrid(numbers, numbers))
-    operands = [one, other] if "{1}" in known.code else [one]
-    with np.errstate(all="ignore"):
-        expected = known.function(*(a.astype(bool) if known.of == "truth" else a for a in operands)).astype(float)
-    # a loop over "joints" that applies it
-    graph = Graph(len(one))
-    given = [graph.given(k).nodes[()] for k in range(len(operands))]
-    node = graph.cast(graph.apply(name, given), "number")
-    code = LoopCode("probe", len(one), Slots())
-    (value,) = code.compute([node], lambda k: JointPlace(base=f"%in{k}"))
-    code.store(value, JointPlace(base="%out"))
-    module = compile_code("\n".join([declarations(), code.function(["ptr %in0", "ptr %in1", "ptr %out"], [])]))
-    found = np.empty(len(one))
-    call = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 3)(module.get_function_address("probe"))
-    call(one.ctypes.data, other.ctypes.data, found.ctypes.data)
-    np.testing.assert_allclose(found, expected, rtol=1e-14)
-    if name not in LIBRARY and known.gives == "number":
-        np.testing.assert_array_equal(np.signbit(found[~np.isnan(found)]), np.signbit(expected[~np.isnan(found)]))
 
 
 def test_machines_of_one_structure_share_their_code():

@@ -35,9 +35,14 @@ FORMULAS = {
     "powers": lambda x, y, m: x**2 + np.abs(y) ** 0.5 + x**1 + np.abs(x) ** 1.5 + np.float_power(np.abs(y), 2.5),
     "square and reciprocal": lambda x, y, m: np.square(x) + np.reciprocal(x + 5.0) + np.positive(y),
     "numbers of joints": lambda x, y, m: x * np.arange(6.0) + np.ones(6),
+    "powers of numbers": lambda x, y, m: (x * x + 0.5) ** y + 2.0**x,
+    "numbers of a memory": lambda x, y, m: m * np.array([1.0, 2.0, 3.0]),
+    "numbers of joints and memory": lambda x, y, m: m * np.arange(18.0).reshape(6, 3),
+    "numbers of one robot": lambda x, y, m: x * np.arange(6.0).reshape(1, 6) + m[..., 0] * np.full((1, 6), 2.0),
     "comparisons": lambda x, y, m: np.where((x > 0) & (y <= 0.7), x, y),
     "truths": lambda x, y, m: ((x > 0) | (y > 0)).astype(float) - 2.0 * (~(x >= y) ^ (x == y)).astype(float),
     "a truth of two truths": lambda x, y, m: np.where(np.where(x > 0, y > 0, x < y), x, 1.0),
+    "a truth or a number": lambda x, y, m: np.where(x > 0, y, x < y) + np.where(x > 0, x < y, y),
     "numbers as truths": lambda x, y, m: np.where(x.astype(bool), 2.0, y),
     "whole numbers": lambda x, y, m: (1.7 * x).astype(int) + 0.0,
     "where with one array": lambda x, y, m: np.where(y < 0, 1.5, x),
@@ -46,6 +51,8 @@ FORMULAS = {
     "bounds": lambda x, y, m: np.clip(x, -1.0, y) + np.clip(y, None, 0.5) + np.clip(y, 0.2, None),
     "rounding": lambda x, y, m: np.round(3 * x) + np.around(y),
     "likes": lambda x, y, m: np.zeros_like(x) + np.ones_like(y) * x + np.full_like(x, 0.5) * y,
+    "all joints": lambda x, y, m: x[:, :] + x[...] + y[:] + m[:, :, 1],
+    "a memory of one number": lambda x, y, m: np.sum(x[..., None], axis=-1) + x[:, :, None][..., 0],
     "a memory": lambda x, y, m: m[..., 0] - m[..., 2],
     "the last of a memory": lambda x, y, m: m[:, :, -1] * x,
     "a part of a memory": lambda x, y, m: m[..., 1:],
@@ -99,6 +106,16 @@ REFUSED = {
     "a sum of truths": lambda x, y, m: (x > 0) + (y > 0),
     "a difference of truths": lambda x, y, m: np.subtract(x > 0, y > 0),
     "numbers of robots": lambda x, y, m: x * np.arange(12.0).reshape(2, 6),
+    "numbers of more joints than one robot has": lambda x, y, m: x * np.arange(12.0),
+    "a sum over robots": lambda x, y, m: np.sum(m, axis=0),
+    "one axis too many": lambda x, y, m: m[..., 0, 0],
+    "joints from the first on": lambda x, y, m: x[:, 0:],
+    "robots from the first on": lambda x, y, m: x[0:, :],
+    "one key of robots": lambda x, y, m: x[0],
+    "joints of another axis": lambda x, y, m: np.concatenate([x, x], axis=0),
+    "a memory of joints beside one": lambda x, y, m: np.concatenate([m, x], axis=-1),
+    "two graphs": lambda x, y, m: x + Graph(X.size).given("x"),
+    "memories of other sizes that are looked up": lambda x, y, m: np.take_along_axis(m, x.astype(int), axis=-1),
     "numbers of other joints": lambda x, y, m: x * np.arange(5.0),
     "text": lambda x, y, m: x * np.array(["a"] * 6),
     "complex numbers": lambda x, y, m: x * 1j,
@@ -155,6 +172,73 @@ def test_equal_operations_are_made_once():
 def test_the_numbers_of_joints_are_kept_once():
     _, graph = traced(lambda x, y, m: x * np.arange(6.0) + y * np.arange(6.0) + x * np.arange(1.0, 7.0))
     assert len(graph.tables) == 2
+
+
+def test_arrays_say_what_numpy_says_of_their_numbers():
+    graph = Graph(X.size)
+    x, m = graph.given("x"), graph.given_memory(["m0", "m1", "m2"])
+    for array, numbers in ((x, X), (m, MEMORY), (x[..., None], X[..., None]), (x > 0, X > 0)):
+        assert array.shape == numbers.shape
+        assert array.ndim == numbers.ndim
+        assert array.dtype == numbers.dtype
+    both = np.stack([x.astype(bool), x], axis=-1)
+    assert both.dtype == np.float64
+    assert x.astype(bool).dtype == np.bool_
+    assert x.astype(int).dtype == x.astype(float).dtype == np.float64
+
+
+def test_a_copy_stays_as_it_was():
+    m = Graph(X.size).given_memory(["m0", "m1"])
+    copy = m.copy()
+    m[..., 0] = 1.0
+    assert [node.value for node in copy.nodes] == ["m0", "m1"]
+    assert m.nodes[0].operation == "number"
+
+
+def test_what_is_fixed_is_made_of_fixed_numbers_alone():
+    graph = Graph(X.size)
+    fixed, given = graph.given("a", fixed=True), graph.given("b")
+    for array, expected in (
+        (fixed, True),
+        (given, False),
+        (2.0 * fixed + 1.0, True),
+        (fixed + given, False),
+        (np.where(fixed > 0, fixed, 1.0), True),
+        (np.where(fixed > 0, given, 1.0), False),
+        (np.where(given > 0, fixed, 1.0), False),
+        (np.take_along_axis(fixed[..., None] * np.arange(2.0), fixed[..., None], axis=-1)[..., 0], False),
+    ):
+        assert array.nodes[()].is_fixed is expected
+
+
+def test_graphs_are_the_same_if_their_operations_and_numbers_are():
+    described = [
+        traced(formula)[1].describe()
+        for formula in (
+            lambda x, y, m: x + 2.0 * y,
+            lambda x, y, m: x + 2.0 * y,
+            lambda x, y, m: y + 2.0 * x,
+            lambda x, y, m: x + 3.0 * y,
+            lambda x, y, m: x - 2.0 * y,
+            lambda x, y, m: x * np.arange(6.0),
+            lambda x, y, m: x * np.arange(1.0, 7.0),
+        )
+    ]
+    assert described[0] == described[1]
+    for k, one in enumerate(described[1:]):
+        assert all(one != other for other in described[k + 2 :])
+
+
+def test_zeros_of_other_signs_are_other_numbers():
+    graph = Graph(X.size)
+    assert graph.number(0.0) is graph.number(0.0)
+    assert graph.number(0.0) is not graph.number(-0.0)
+    (node,) = graph.constant(np.zeros((6, 1)), 1)
+    assert node is graph.number(0.0)
+    assert graph.tables == []
+    mixed = graph.constant(np.array([0.0, -0.0, 0.0, 0.0, 0.0, 0.0]), 0)[()]
+    assert mixed.value == ("table", 0)
+    assert mixed.is_fixed
 
 
 @pytest.mark.parametrize("name", REFUSED)
