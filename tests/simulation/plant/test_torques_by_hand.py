@@ -62,6 +62,16 @@ class Leading(ResolverEffect):
         return ResolverError(angle=self.share * motor_angle, speed=self.share * motor_speed)
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Branching(Leading):
+    """One of which no code can be made."""
+
+    name = "branching_resolver"
+
+    def error(self, motor_angle, motor_speed):
+        return super().error(motor_angle, motor_speed if np.any(motor_speed) else motor_speed)
+
+
 PUSH = {"motor": [0.5, -0.3], "spring": [20.0, 30.0], "link": [-50.0, 70.0]}
 SHARE = np.array([0.01, 0.02])
 
@@ -166,6 +176,19 @@ def test_neighbours_keep_what_they_remember_when_one_becomes_another(two_link):
         assert now.any()
 
 
+def test_a_neighbour_may_begin_and_cease_to_read_a_resolver(two_link):
+    plant = by_numpy([pushed(two_link)] * 2)
+    plant.rest(np.zeros((2, 2)))
+    for robot, reads in ((reading(two_link), True), (two_link, False)):
+        plant.drive(controls(plant, np.zeros((2, 3, 2))))
+        plant.become([1], [pushed(robot)])
+        plant.rest(np.zeros((1, 2)), ids=np.array([1]))
+        assert (plant.reading() is not None) is reads
+        memory = plant._forces.copy_memories()[0]
+        assert memory[0, 0, 0] > 0.0
+        assert memory[1, 0, 0] == 0.0
+
+
 def test_servos_rest_where_their_resolvers_read_what_was_asked(two_link):
     plant = by_numpy([leading(two_link), Machine(robot=two_link)], WEIGHTLESS)
     asked = np.array([[0.3, -0.2], [0.3, -0.2]])
@@ -224,6 +247,15 @@ def test_what_is_recorded_is_the_state_after_each_step(ids, two_link):
         now = [*(stepped.batch.bind(name) for name in ("qpos", "qvel", "act")), stepped.reading()]
         for recorded, value in zip(found, now, strict=True):
             np.testing.assert_array_equal(recorded[:, k], value[list(rows)])
+
+
+def test_machines_whose_resolvers_have_no_code_are_told_from_the_others(two_link):
+    odd = Machine(robot=two_link, effects=(Branching.on(two_link, share=SHARE),))
+    plant = Plant(two_link, 3, n_threads=1)
+    plant.become(range(3), [leading(two_link), odd, Machine(robot=two_link)])
+    compiled, without_code = plant._forces._compiled
+    assert compiled is not None
+    assert without_code.tolist() == [False, True, False]
 
 
 def test_forces_are_needed_by_torques_errors_and_readings_of_any_machine(two_link):
