@@ -69,7 +69,8 @@ class Branching(Leading):
     name = "branching_resolver"
 
     def error(self, motor_angle, motor_speed):
-        return super().error(motor_angle, motor_speed if np.any(motor_speed) else motor_speed)
+        moving = bool(np.any(motor_speed != 0))
+        return super().error(motor_angle, motor_speed if moving else 0.0 * motor_speed)
 
 
 PUSH = {"motor": [0.5, -0.3], "spring": [20.0, 30.0], "link": [-50.0, 70.0]}
@@ -110,6 +111,24 @@ def test_springs_and_servos_hold_constant_torques_at_rest(two_link):
         np.testing.assert_allclose(servo, -(motor + link / RATIO), rtol=1e-9, atol=1e-15)
     plant.drive(controls(plant, np.zeros((3, 40, 2))))
     np.testing.assert_allclose(plant.state().link_position, state.link_position, atol=1e-12)
+
+
+@pytest.mark.parametrize("q", [[0.0, 0.0], [0.6, -1.1]])
+def test_arms_with_and_without_effects_hang_in_balance_under_gravity(q, two_link):
+    """Nothing moves when the engine goes on, and each joint's spring carries what hangs on it."""
+    soft = replace(two_link, drive=replace(two_link.drive, joint_stiffness=np.array([3e4, 1e4])))
+    plant = by_numpy([pushed(soft), Machine(robot=soft), pushed(soft, 2.0)])
+    plant.rest(np.tile(q, (3, 1)))
+    before = plant.state()
+    bent = before.link_position - q
+    assert np.abs(bent[1]).max() > 1e-3
+    plant.drive(controls(plant, np.tile(RATIO * np.array(q), (3, 60, 1))))
+    np.testing.assert_allclose(plant.state().link_position, before.link_position, rtol=0, atol=1e-11)
+    # springs, effects between them and on links against gravity
+    gravity = plant.batch.bind("qfrc_bias")[:, plant.addresses.deflection_qpos]
+    for row, size in enumerate((1.0, 0.0, 2.0)):
+        pushes = size * np.add(PUSH["spring"], PUSH["link"])
+        np.testing.assert_allclose(soft.drive.joint_stiffness * bent[row], pushes - gravity[row], rtol=1e-6)
 
 
 def test_rigid_joints_do_not_bend_and_their_servos_hold_all(two_link):
@@ -374,6 +393,15 @@ def test_the_tool_of_a_machine_whose_base_gives_way_is_where_the_engine_has_it(i
         mujoco.mj_forward(plant.model, data)
         np.testing.assert_allclose(points[k], data.site("tcp").xpos, atol=1e-12)
     assert Plant(irb4600, 1, n_threads=1).tcp_position(0, qpos) is None
+
+
+def test_each_simulation_has_the_fingerprint_of_its_own_machine(two_link):
+    lighter = replace(two_link, drive=replace(two_link.drive, rotor_inertia=0.9 * two_link.drive.rotor_inertia))
+    plant = Plant(two_link, 3, n_threads=1)
+    plant.become([1, 2], [lighter, pushed(two_link)])
+    alone = [Plant(machine, 1, n_threads=1).fingerprint() for machine in (two_link, lighter, pushed(two_link))]
+    assert [plant.fingerprint(k) for k in range(3)] == alone
+    assert len(set(alone)) == 3
 
 
 def test_going_back_restores_machines_and_forces(two_link):
