@@ -121,13 +121,17 @@ def test_what_ties_with_a_rival_is_explained_all_the_same(monkeypatch):
     monkeypatch.setattr(module, "score", lambda setting, fit: SimpleNamespace(fit=fit))
     nominal = model(None, ())
 
+    told = []
+
     def kept_of(all_of, kept):
-        return module._conclude(None, nominal, model(None, all_of), kept, lambda what, share: None).fit.hypotheses
+        report = lambda what, share: told.append((what, share))  # noqa: E731
+        return module._conclude(None, nominal, model(None, all_of), kept, report).fit.hypotheses
 
     assert kept_of([loud, quiet], [quiet]) == (quiet,)
     assert kept_of([loud, quiet], [loud, quiet]) == (loud, quiet)
     assert kept_of([quiet], [quiet]) == ()
     assert kept_of([], []) == ()
+    assert told == [("fitting all of it once more", 1.0)] * 2
 
 
 def test_a_cause_of_which_nothing_is_left_once_all_is_fitted_together_is_none(monkeypatch):
