@@ -88,6 +88,8 @@ def test_a_cause_below_the_noise_floor_must_explain_most_of_what_is_there_or_hav
         ("servo_gains", {"position": -0.001, "velocity": 0.0, "integral": 0.0001}, False),
         ("servo_gains", {"position": -0.001, "velocity": 0.1, "integral": 0.0}, True),
         ("load_friction", {"share": 0.016}, True),
+        ("stribeck_exponent", {"exponent": 2.02}, False),
+        ("stribeck_exponent", {"exponent": 1.8}, True),
     ],
 )
 def test_a_thousandth_of_what_is_plausible_is_no_cause_below_the_floor(effect, values, sizeable):
