@@ -47,6 +47,7 @@ def test_what_turns_with_the_shaft_is_tried_where_the_torque_of_its_joint_is_lou
     cycles = CandidateGenerator(ready, (), None)._cycles(SimpleNamespace(run=None), {}, {loud: energy})
     assert (1.0 in cycles["j1"] and 2.0 in cycles["j1"]) == tried
     assert (30.0 in cycles["j1"]) == (tried or loud == ("tool", 2))
+    assert not cycles["j1"] or cycles["j1"][0] == 30.0  # the strongest first
 
 
 def test_other_springs_are_tried_once_on_elastic_joints_whose_torque_is_far_off(monkeypatch):

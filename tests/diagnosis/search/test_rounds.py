@@ -25,6 +25,7 @@ def search(monkeypatch):
             return SimpleNamespace(rss=left["".join(causes)], fit=SimpleNamespace(hypotheses=tuple(causes)))
 
         def refined(setting, begun, like, *, roughly):
+            assert roughly  # its energy alone decides
             replayed.append("".join(begun.fit.hypotheses))
             return tried(begun.fit.hypotheses, by_replaying)
 

@@ -152,36 +152,63 @@ def test_a_cause_of_which_nothing_is_left_once_all_is_fitted_together_is_none(mo
         assert found.fit.hypotheses == left
 
 
+def model(kept):
+    """A fitted model of some causes."""
+    equations = SimpleNamespace(rows=np.array([4.0, 3.0]))
+    return SimpleNamespace(fit=SimpleNamespace(hypotheses=tuple(kept), equations=equations))
+
+
+CAUSES = [cogging("j1", 3.0), cogging("j2", 1.0), cogging("j3", 3.0)]
+
+
+@pytest.fixture
+def searched(monkeypatch):
+    """A search that finds three causes one by one, some of which tie; and how many each round had."""
+
+    def run(most=None, tied=()):
+        ranked = []
+
+        def run_round(problem, candidates, null_residuals, nominal, now, *_):
+            n = len(now.fit.hypotheses)
+            ranked.append(n)
+            adopted = n < len(CAUSES)
+            return SearchRound(before=now, ranking=None, tried=(model(CAUSES[: n + 1]),) * adopted, adopted=adopted)
+
+        for name, function in {
+            "_run_round": run_round,
+            "fit_and_score": lambda problem, kept: model(kept),
+            "refit": lambda problem, tried: tried,
+            "drop_needless": lambda problem, grown: grown,
+            "compare_rivals": lambda *_: SimpleNamespace(rivals=("rival",), better=None),
+            "select_tied": lambda hypotheses, rivals: [h for h in hypotheses if h in tied],
+            "turn_into_rivals": lambda unsure, rivals, rounds: tuple(h.label for h in unsure),
+            "list_uncompared": lambda rounds, now, rivals: ("uncompared",),
+            "_conclude": lambda problem, nominal, now, kept, report: model(kept),
+        }.items():
+            monkeypatch.setattr(module, name, function)
+        return module.search(None, lambda fit: None, {}, None, most=most), ranked
+
+    return run
+
+
 @pytest.mark.parametrize(("most", "found"), [(1, 1), (2, 2), (5, 3), (None, 3)])
-def test_no_more_causes_are_looked_for_than_asked(monkeypatch, most, found):
-    causes = [cogging("j1", 3.0), cogging("j2", 1.0), cogging("j3", 3.0)]
-    model = lambda kept: SimpleNamespace(  # noqa: E731
-        fit=SimpleNamespace(hypotheses=tuple(kept), equations=SimpleNamespace(rows=np.array([7.0])))
-    )
-    ranked = []
-
-    def run_round(problem, candidates, null_residuals, nominal, now, *_):
-        n = len(now.fit.hypotheses)
-        ranked.append(n)
-        adopted = n < len(causes)
-        return SearchRound(before=now, ranking=None, tried=(model(causes[: n + 1]),) * adopted, adopted=adopted)
-
-    for name, function in {
-        "_run_round": run_round,
-        "fit_and_score": lambda problem, kept: model(kept),
-        "refit": lambda problem, tried: tried,
-        "drop_needless": lambda problem, grown: grown,
-        "compare_rivals": lambda *_: SimpleNamespace(rivals=(), better=None),
-        "select_tied": lambda *_: [],
-        "list_uncompared": lambda *_: (),
-        "_conclude": lambda problem, nominal, now, kept, report: model(kept),
-    }.items():
-        monkeypatch.setattr(module, name, function)
-    result = module.search(None, lambda fit: None, {}, None, most=most)
-    assert list(result.final.fit.hypotheses) == causes[:found]
+def test_no_more_causes_are_looked_for_than_asked(searched, most, found):
+    result, ranked = searched(most)
+    assert list(result.final.fit.hypotheses) == CAUSES[:found]
     assert ranked == list(range(found if most == found else found + 1))
     assert result.whole is result.final
     assert result.rows == 7.0
+
+
+@pytest.mark.parametrize(
+    ("tied", "final", "unsure"), [([], CAUSES, []), (CAUSES[:1], CAUSES[1:], CAUSES[:1]), (CAUSES, CAUSES, [])]
+)
+def test_causes_that_tie_are_left_out_beside_sure_ones_and_are_their_rivals(searched, tied, final, unsure):
+    result, _ = searched(tied=tied)
+    assert list(result.final.fit.hypotheses) == final
+    assert list(result.unsure) == unsure
+    assert list(result.whole.fit.hypotheses) == CAUSES
+    assert result.rivals == ("rival", *(h.label for h in unsure), "uncompared")
 
 
 @dataclass(frozen=True, eq=False)
