@@ -110,12 +110,16 @@ def test_a_search_that_is_not_thorough_ends_where_slopes_promise_no_less(put, mo
 @pytest.mark.parametrize("at", [(0.0, 0.0, 0.0), (0.3, -0.2, 0.4)])
 def test_errors_that_are_no_numbers_are_fitted_in_each_place_within_their_prior(put, at):
     setting = put([0.0, 0.0, 3.0], at=at)
-    _, now = begin(setting)
+    numbers, now = begin(setting)
     rows = now.trial.residual["torque"][0, :, 0]
     # of one error: an offset of one unit in each row, with the prior about what is described
     size = (rows.sum() - at[2]) / (ROWS + 1)
     wanted = ((rows - size) ** 2).sum() + at[0] ** 2 + at[1] ** 2 + (at[2] + size) ** 2
     assert now.cost == pytest.approx(wanted)
+    # the same residual with other numbers
+    moved = numbers.place(np.array([0.5, -1.0, 0.0]), now.trial, setting.design)
+    numbers_cost = [(at[0] + 0.5) ** 2 - at[0] ** 2, (at[1] - 1.0) ** 2 - at[1] ** 2]
+    assert moved.cost == pytest.approx(wanted + sum(numbers_cost))
 
 
 @pytest.mark.parametrize("at", [(0.0, 0.0, 0.0), (0.3, -0.2, 0.4)])
@@ -242,10 +246,10 @@ def place_beside_a_cause(setting, sizes, moment, monkeypatch, bound=BOUND):
         precision=np.array([1.0, 1.0, 1.0, 0.5]), low=np.full(4, -bound), high=np.array([bound, bound, bound, 1.0])
     )
     monkeypatch.setattr(module, "build_priors", lambda setting, causes: priors)
-    gram = np.diag([4.0, 1.0, 9.0, 16.0])
+    gram, moment = np.diag([4.0, 1.0, 9.0, 16.0]), np.stack([moment, [1e3] * 4], axis=1)  # of the log, and of noise
     equations = SimpleNamespace(
         gram=np.stack([gram / 4, 3 * gram / 4]),
-        moment=np.stack([np.array(moment) / 4, 3 * np.array(moment) / 4])[..., None],
+        moment=np.stack([moment / 4, 3 * moment / 4]),
         energy=np.array([[100.0], [300.0]]),
         design="slopes",
     )

@@ -39,6 +39,10 @@ def test_what_an_inexact_cause_would_leave_is_not_credited_to_another():
 
 def test_what_a_cause_adds_counts_against_it_whatever_is_allowed_for():
     assert compute_explained({ONE: 3.0}, {ONE: 5.0}, {ONE}, {ONE: 2.5}).of_excess == pytest.approx(-1.0)
+    assert compute_explained({ONE: 3.0}, {ONE: 3.5}, {ONE}, {ONE: 1.0}).of_excess == pytest.approx(-0.25)
+    assert compute_explained({ONE: 3.0}, {ONE: 2.5}, {ONE}, {ONE: 1.0}).of_excess == 0.0  # all of it is allowed for
+    more = compute_explained({ONE: 3.0, OTHER: 0.5}, {ONE: 1.0, OTHER: 0.8}, {ONE, OTHER})
+    assert more.of_excess == pytest.approx((2.0 - 0.3) / 2.0)  # within its noise, there is nothing to explain
 
 
 def test_a_component_with_no_more_left_than_an_inexact_cause_leaves_does_not_judge_another():
@@ -79,6 +83,8 @@ def test_calibration_explains_what_it_can_beside_hypotheses_as_they_are():
     rest = subtract_nuisances(SimpleNamespace(nuisance_columns=[column]), found)
     assert np.abs(rest["torque"]).max() < 1e-4
     np.testing.assert_array_equal(residual["torque"][..., 0], rows)
+    with pytest.raises(ValueError, match="shorter"):
+        subtract_nuisances(SimpleNamespace(nuisance_columns=[column, column]), found)
 
 
 def test_no_cause_explains_more_than_all_where_the_floor_of_noise_is_too_high():
@@ -160,5 +166,8 @@ def test_columns_touch_components_with_a_notable_share_of_their_energy():
     assert find_touched(problem, columns) == {ONE, OTHER}
     assert find_touched(problem, columns[:2]) == {ONE, OTHER}  # with the energy of both
     assert find_touched(problem, columns, by_channel=True) == {ONE, OTHER, tool}
+    few = [{key: 1e-3 * values for key, values in column.items()} for column in columns]
+    assert find_touched(problem, few) == {ONE, OTHER}
+    assert find_touched(problem, few, by_channel=True) == {ONE, OTHER, tool}
     assert find_touched(problem, [{ONE: rows(0.0)}]) == set()
     assert find_touched(problem, []) == set()

@@ -105,7 +105,21 @@ def test_a_size_near_the_best_is_found_along_a_line(monkeypatch, best):
     assert begun is True
     assert hypotheses[0] is FRICTION
     assert float(hypotheses[1].values["change"]) == pytest.approx(-0.2 * best, rel=0.01)
-    assert 0.5 < min(tried) < max(tried) < 2.0  # it is sought nearby
+    assert len(tried) < 30  # each takes a replay
+
+
+@pytest.mark.parametrize("best", [0.4, 2.5])
+def test_a_size_is_sought_nearby_only(monkeypatch, best):
+    """One that is far off is another minimum, of an arm that swings with another phase."""
+    tried = []
+
+    def left(problem, hypotheses):
+        tried.append(float(hypotheses[-1].values["change"]) / -0.2)
+        return np.log(tried[-1] / best) ** 2
+
+    monkeypatch.setattr(module, "compute_rss", left)
+    polish(None, fit_of(SPRING, left=0.0))
+    assert 0.7 < min(tried) < max(tried) < 1.4
 
 
 def test_a_fit_stays_where_a_line_leads_no_further_down_or_to_no_fit(monkeypatch):

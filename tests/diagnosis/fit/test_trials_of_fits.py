@@ -256,6 +256,11 @@ def test_a_number_beyond_a_bound_stays_or_comes_back(setting):
     priors = build_priors(setting, [cause("joint_stiffness", change=known.minimum - 0.01)])
     assert priors.low[2] == 0.0
     assert priors.high[2] > 0.0
+    known = EFFECTS["load_friction"].parameters()["share"]
+    for share in (known.maximum, known.maximum + 0.01):
+        priors = build_priors(setting, [cause(share=share)])
+        assert priors.low[2] < 0.0
+        assert priors.high[2] == 0.0
 
 
 def test_trials_are_of_the_machine_that_was_replayed():
