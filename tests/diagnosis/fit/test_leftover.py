@@ -41,8 +41,11 @@ def test_what_a_cause_adds_counts_against_it_whatever_is_allowed_for():
     assert compute_explained({ONE: 3.0}, {ONE: 5.0}, {ONE}, {ONE: 2.5}).of_excess == pytest.approx(-1.0)
     assert compute_explained({ONE: 3.0}, {ONE: 3.5}, {ONE}, {ONE: 1.0}).of_excess == pytest.approx(-0.25)
     assert compute_explained({ONE: 3.0}, {ONE: 2.5}, {ONE}, {ONE: 1.0}).of_excess == 0.0  # all of it is allowed for
-    more = compute_explained({ONE: 3.0, OTHER: 0.5}, {ONE: 1.0, OTHER: 0.8}, {ONE, OTHER})
-    assert more.of_excess == pytest.approx((2.0 - 0.3) / 2.0)  # within its noise, there is nothing to explain
+
+
+def test_what_comes_within_the_noise_is_nothing_that_was_to_be_explained():
+    gone = compute_explained({ONE: 0.9, OTHER: 0.5}, {ONE: 0.2, OTHER: 0.8}, {ONE, OTHER})
+    assert gone.of_excess == pytest.approx((0.7 - 0.3) / 0.7)
 
 
 def test_a_component_with_no_more_left_than_an_inexact_cause_leaves_does_not_judge_another():
