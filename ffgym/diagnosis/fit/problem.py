@@ -155,10 +155,10 @@ def compute_exchange_changes(run: Replay, machines: Sequence[Machine]) -> list[P
             every = run.log.sampling.stride
             seen = predict_tracker(run, machine, every) - predict_tracker(run, run.machine, every)
             for k in range(3):
-                parts["tool", k] = parts.get(("tool", k), 0.0) + seen[..., k]
+                parts["tool", k] = parts["tool", k] + seen[..., k]
         if any(isinstance(effect, ClockEffect) for effect in both):
             for key, rows in shift_clocks(run, gone, come).items():
-                parts[key] = parts.get(key, 0.0) + rows
+                parts[key] = parts[key] + rows
         if any(effect.side == "controller" for effect in both) and run.log.shows_servo:
             servo = run.log.sampling(
                 predict_feedback(run.read, machine.physical) - predict_feedback(run.read, run.robot)

@@ -65,6 +65,16 @@ def test_effects_that_go_and_that_come_change_a_replay_together(log):
     assert shown == {"torque", "tool", "link", "servo"}
 
 
+def test_only_channels_that_a_log_has_are_changed(log):
+    """A servo that stays as it is changes nothing."""
+    poor = log.torque_alone
+    machines = [with_effect(effect(name)) for name in (*BESIDE, "load_friction")]
+    for parts in compute_exchange_changes(replay(poor, nominal()), machines):
+        assert {channel for channel, _ in parts} == {"torque"}
+    (parts,) = compute_exchange_changes(replay(log, nominal()), machines[-1:])
+    assert {channel for channel, _ in parts} == {"torque", "link", "tool"}
+
+
 def test_a_machine_in_place_of_itself_changes_nothing(log):
     run = replay(log, with_effect(effect("load_friction")))
     (parts,) = compute_exchange_changes(run, [run.machine])
