@@ -338,7 +338,7 @@ def test_only_rows_of_blocks_tell_whether_a_replay_is_bent(put):
     """Energy per such row, in units of noise, of what slopes do not say."""
     setting, limit = put([0.0, 0.0, 0.0]), settings().estimator.bent
     numbers, now = begin(setting)
-    of_row = setting.blocks.of_row.copy()
+    of_row = np.zeros((1, ROWS), dtype=int)  # the first block is one of them
     of_row[0, : ROWS // 2] = -1
     setting.blocks = SimpleNamespace(of_row=of_row)
     step = np.array([0.5, -1.0, 2.0])
@@ -354,5 +354,7 @@ def test_only_rows_of_blocks_tell_whether_a_replay_is_bent(put):
     assert not is_bent(9.0, 0.99 * limit**0.5)
     assert is_bent(0.0, 1.01 * limit**0.5)
     assert is_bent(0.0, -1.01 * limit**0.5)
+    with pytest.raises(ValueError, match="shorter"):
+        numbers.is_bent(now, now, step[:2])
     # channels that were not replayed say nothing
     assert not numbers.is_bent(now, SimpleNamespace(trial=SimpleNamespace(residual={})), step)

@@ -222,6 +222,21 @@ def test_practical_steps_move_all_hypotheses_in_their_order():
     np.testing.assert_allclose(then, wanted)
 
 
+def test_a_size_whose_null_value_is_not_zero_is_scaled_about_it():
+    sizes = [
+        (kind.name, name, p)
+        for kind in EFFECTS.values()
+        for name, p in kind.parameters().items()
+        if p.role == "size" and p.neutral != 0
+    ]
+    assert sizes
+    for effect, name, p in sizes:
+        value = p.neutral + 0.1 * (p.high - p.neutral)
+        scaled = hypothesis_of(effect, **{name: value}).scale(2.0)
+        assert float(scaled.values[name]) == pytest.approx(p.neutral + 0.2 * (p.high - p.neutral))
+        assert hypothesis_of(effect, **{name: value}).scale(0.0).is_null
+
+
 def find_free(one, name):
     """The free number of a hypothesis by its name."""
     (found,) = (free for free in one.list_free() if free.name == name)
@@ -277,6 +292,16 @@ def test_slopes_are_found_by_changes_that_are_small_and_not_lost_in_rounding():
     ):
         for free in one.list_free():
             assert 1e-7 * max(abs(free.value), 1.0) < free.nudge < 0.2 * free.step
+            assert free.name == "cycles" or free.nudge > 1e-3 * free.step
+
+
+def test_slopes_of_a_frequency_are_found_by_a_share_of_it_or_of_one_if_it_is_less():
+    one, many, few = (
+        find_free(hypothesis_of("cogging", amplitude=0.02, cycles=cycles, phase=0.5), "cycles").nudge
+        for cycles in (1.0, 60.0, 0.2)
+    )
+    assert many == pytest.approx(60 * one)
+    assert few == one
 
 
 def test_a_share_just_as_far_off_as_a_machine_may_be_is_physical():
