@@ -8,13 +8,9 @@ import pytest
 from ffgym.core.errors import FFGymError
 from ffgym.diagnosis.fit import fit as module
 from ffgym.diagnosis.fit.fit import Fit
-from ffgym.diagnosis.normal_equations import build_design_matrix
-from ffgym.diagnosis.resampling import cut_blocks
 from ffgym.diagnosis.settings import settings
-from ffgym.diagnosis.solving import Priors
 
 ONE, OTHER, TOOL = ("torque", 0), ("torque", 1), ("tool", 0)
-WEIGHT = 2.0
 
 
 def test_the_energy_of_rows_is_that_of_each_row_that_counts():
@@ -79,21 +75,6 @@ def numbers(*values, of_session=False):
     return SimpleNamespace(list_free=lambda: free)
 
 
-def test_numbers_are_free_within_what_is_plausible_and_within_reach():
-    reach = settings().estimator.reach
-    known = Priors(precision=np.array([1.0]), low=np.array([-3.0]), high=np.array([2.0]))
-    problem = SimpleNamespace(nuisance_priors=lambda hypotheses: known)
-    wide = (-1e3, 1e3, 0.0, 1.0)
-    near = (0.0, 0.4, 0.1, 0.2)
-    outside = (0.0, 1.0, 1.5, 0.5)  # it may come back, and go no further
-    priors = module.build_priors(problem, [numbers(wide, near), numbers(outside)])
-    np.testing.assert_allclose(priors.low, [-3.0, -reach, -0.5, -3.0])
-    np.testing.assert_allclose(priors.high, [2.0, reach, 1.5, 0.0])
-    np.testing.assert_allclose(priors.precision, [1.0, *[1 / settings().screening.width ** 2] * 3])
-    below = module.build_priors(problem, [numbers((0.0, 1.0, -0.5, 0.5))])
-    assert (below.low[1], below.high[1]) == (0.0, 3.0)
-
-
 def test_durations_of_a_session_are_not_fitted_anew_in_each_fold():
     free = numbers((0, 1, 0, 1), (0, 1, 0, 1)), numbers((0, 1, 0, 1), of_session=True), numbers((0, 1, 0, 1))
     priors = SimpleNamespace(low=np.zeros(6))
@@ -101,60 +82,3 @@ def test_durations_of_a_session_are_not_fitted_anew_in_each_fold():
     found.n_nuisances = Fit.n_nuisances.fget(found)
     assert found.n_nuisances == 2
     assert Fit.fold_columns.fget(found).tolist() == [0, 1, 2, 3, 5]
-
-
-def test_the_last_replays_are_kept_and_one_that_is_asked_for_again_stays_longest():
-    problem = SimpleNamespace(last_replays={})
-    for k in range(module._KEPT + 1):
-        module._keep(problem, (k,), f"run {k}")
-    assert list(problem.last_replays) == [(k,) for k in range(1, module._KEPT + 1)]
-    module._keep(problem, (1,), "run 1 again")
-    module._keep(problem, (9,), "run 9")
-    assert list(problem.last_replays) == [(1,), (9,)]
-    assert problem.last_replays[1,] == "run 1 again"
-
-
-@pytest.fixture
-def trial(monkeypatch):
-    """A replay that leaves rows of a torque; one number of the calibration is solved for beside it."""
-    column = np.linspace(0.5, 1.5, 200)[:, None]
-    blocks = cut_blocks(np.ones((200, 1), dtype=bool), 0.01)
-    design = build_design_matrix(blocks, [{ONE: column}], {ONE: np.array([WEIGHT])})
-
-    def replayed(rows, precision, bound, bias=0.0):
-        monkeypatch.setattr(module, "build_machine", lambda numbers, hypotheses: numbers)
-        monkeypatch.setattr(module, "_replay_or_recall", lambda *given: "run")
-        monkeypatch.setattr(module, "predict", lambda run: run)
-        monkeypatch.setattr(module, "compute_residuals", lambda log, predicted: {"torque": rows[..., None]})
-        priors = Priors(precision=np.array([precision]), low=np.array([-bound]), high=np.array([bound]))
-        problem = SimpleNamespace(
-            nominal="machine", log=None, bias={"torque": bias}, design=design, nuisance_priors=lambda hypotheses: priors
-        )
-        return module.replay_hypotheses(problem, ["cause"])
-
-    return replayed, column
-
-
-@pytest.mark.parametrize(("precision", "bound"), [(1.0, 9.0), (40.0, 9.0), (1.0, 0.3)])
-def test_the_energy_left_is_that_beside_the_best_calibration_with_its_prior(trial, precision, bound):
-    replayed, column = trial
-    rows = 0.7 * column + np.sin(np.arange(200.0))[:, None]
-    tries = np.linspace(-bound, bound, 200_001)
-    energies = WEIGHT**2 * np.sum(rows**2) - 2 * WEIGHT**2 * tries * np.sum(rows * column)
-    energies += (WEIGHT**2 * np.sum(column**2) + precision) * tries**2
-    found = replayed(rows, precision, bound)
-    assert found.left == pytest.approx(energies.min(), rel=1e-6)
-    assert (found.numbers, found.hypotheses, found.run) == ("machine", ("cause",), "run")
-
-
-def test_what_replaying_itself_misses_is_taken_off(trial):
-    replayed, column = trial
-    assert replayed(column + 0.25, 1.0, 9.0, bias=column[..., None] + 0.25).left == pytest.approx(0.0, abs=1e-12)
-
-
-@pytest.mark.parametrize("bad", [np.nan, np.inf, 1e200])
-def test_motions_beyond_all_numbers_are_no_trial(trial, bad):
-    replayed, column = trial
-    rows = column.copy()
-    rows[3] = bad
-    assert replayed(rows, 1.0, 9.0) is None
