@@ -69,14 +69,11 @@ def test_weights_decide_what_a_cause_touches(weight):
     assert module.find_touched(problem, [column]) == ({ONE, OTHER} if weight[1] == 1.0 else {ONE})
 
 
-def numbers(*values, of_session=False):
-    """Free numbers of a hypothesis: lowest, highest and present value, and practical step."""
-    free = [SimpleNamespace(low=a, high=b, value=v, step=s, of_session=of_session) for a, b, v, s in values]
-    return SimpleNamespace(list_free=lambda: free)
-
-
 def test_durations_of_a_session_are_not_fitted_anew_in_each_fold():
-    free = numbers((0, 1, 0, 1), (0, 1, 0, 1)), numbers((0, 1, 0, 1), of_session=True), numbers((0, 1, 0, 1))
+    flags = [(False, False), (True,), (False,)]  # of the free numbers of three hypotheses
+    free = [
+        SimpleNamespace(list_free=lambda own=own: [SimpleNamespace(of_session=one) for one in own]) for own in flags
+    ]
     priors = SimpleNamespace(low=np.zeros(6))
     found = SimpleNamespace(hypotheses=free, columns=(None,) * 4, priors=priors)
     found.n_nuisances = Fit.n_nuisances.fget(found)
