@@ -69,6 +69,7 @@ def test_fingerprints_differ_by_what_acts_beside_the_engine_and_not_by_its_order
     assert turned.fingerprint("0" * 16) == prints[1]
     # bits matter to those that read, and a climate where there is an effect
     assert Machine(robot=reading(0.0, 12)).fingerprint("0" * 16) == prints[0]
+    assert Machine(robot=reading(0.0, 12), effects=effects).fingerprint("0" * 16) == prints[1]
     assert Machine(robot=two_link, climate=warm).fingerprint("0" * 16) == prints[0]
 
 
