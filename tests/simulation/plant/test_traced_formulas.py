@@ -164,6 +164,11 @@ def test_an_index_outside_gives_the_nearest_number():
     np.testing.assert_array_equal(by_code(looked_up), np.take_along_axis(MEMORY, index[..., None], axis=-1)[..., 0])
 
 
+def test_of_one_number_any_index_gives_it():
+    found = by_code(lambda x, y, m: np.take_along_axis(y[..., None], (3 * x).astype(int)[..., None], axis=-1)[..., 0])
+    np.testing.assert_array_equal(found, Y)
+
+
 def test_equal_operations_are_made_once():
     _, graph = traced(lambda x, y, m: (x * y + 1.0) - (x * y + 1.0) * m[..., 0])
     assert [node.operation for node in graph.nodes.values()].count("multiply") == 2
