@@ -131,6 +131,20 @@ def test_arms_with_and_without_effects_hang_in_balance_under_gravity(q, two_link
         np.testing.assert_allclose(soft.drive.joint_stiffness * bent[row], pushes - gravity[row], rtol=1e-6)
 
 
+def test_joints_with_backlash_hang_at_an_edge_of_it_or_at_the_lowest_place_within(two_link):
+    gap = 1e-3
+    backlash = EFFECTS["backlash"].on(two_link, half_gap=gap)
+    level, down = np.array([0.0, 0.0]), np.array([5e-4 - np.pi / 2, 2e-4])
+    plant, tight = Plant(Machine(robot=two_link, effects=(backlash,)), 2, n_threads=1), Plant(two_link, 2, n_threads=1)
+    for each in (plant, tight):
+        each.rest(np.stack([level, down]))
+    loose, bare = plant.state().link_position, tight.state().link_position
+    np.testing.assert_allclose(loose[0], bare[0] - gap, rtol=0, atol=0.02 * gap)
+    np.testing.assert_allclose(loose[1], [-np.pi / 2, 0.0], rtol=0, atol=1e-9)
+    plant.drive(controls(plant, RATIO * np.stack([level, down])[:, None].repeat(60, axis=1)))
+    np.testing.assert_allclose(plant.state().link_position, loose, rtol=0, atol=1e-9)
+
+
 def test_rigid_joints_do_not_bend_and_their_servos_hold_all(two_link):
     rigid = replace(two_link, drive=replace(two_link.drive, joint_stiffness=np.array([np.inf, 2e5])))
     plant = by_numpy([pushed(rigid)], WEIGHTLESS)
