@@ -12,6 +12,7 @@ from ffgym.robot import load_robot
 from ffgym.simulation.plant import Climate, Machine, Plant
 from ffgym.simulation.plant.compiled import engine_hook
 from ffgym.simulation.plant.compiled.formulas import can_trace, trace_step, untraceable_kinds
+from ffgym.simulation.plant.compiled.tracing import Untraceable
 from tests.simulation.plant.driving import controls
 
 DT = 0.00025
@@ -49,6 +50,22 @@ class Branching(TorqueEffect):
 
     def torques(self, state, memory, dt):
         return Torques(motor=-self.size * np.tanh(state.motor_speed)) if np.all(state.time >= 0) else Torques(), memory
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Forgetful(TorqueEffect):
+    """An effect that remembers less than it began with."""
+
+    name = "forgetful"
+    title = equation = signature = way_in = "a test"
+    side = "motor"
+    size: np.ndarray = parameter("a", unit="N m", low=0.0, high=1.0, source="a test")  # noqa: RUF009
+
+    def initial_memory(self, state):
+        return np.stack([state.motor_speed, state.motor_speed], axis=-1)
+
+    def torques(self, state, memory, dt):
+        return Torques(motor=-self.size * np.tanh(memory[..., 0])), memory[..., :1]
 
 
 def arm(*, rigid=(False, False), lag=(0.0, 0.0), period=0.0, share=None):
@@ -196,17 +213,21 @@ def test_machines_with_and_without_code_run_side_by_side():
     np.testing.assert_array_equal(alone[0], found[0][[1]])
 
 
-def test_kinds_without_code_are_told_from_the_others():
+@pytest.mark.parametrize("kind", [Branching, Forgetful])
+def test_kinds_without_code_are_told_from_the_others(kind):
     robot = arm()
-    plant = plant_of([loaded(robot, Branching.on(robot, size=0.5), ripple(robot))])
+    plant = plant_of([loaded(robot, kind.on(robot, size=0.5), ripple(robot))])
     layout = plant._forces._layout()
-    assert untraceable_kinds(layout) == {Branching}
+    assert untraceable_kinds(layout) == {kind}
     assert not can_trace(layout)
-    assert can_trace(
-        replace(layout, kinds=(layout.kinds[1],))
-        if layout.kinds[0][0] is Branching
-        else replace(layout, kinds=layout.kinds[:1])
-    )
+    assert can_trace(replace(layout, kinds=tuple(each for each in layout.kinds if each[0] is not kind)))
+
+
+def test_code_is_of_memories_that_keep_their_shape():
+    robot = arm()
+    layout = plant_of([loaded(robot, Forgetful.on(robot, size=0.5))])._forces._layout()
+    with pytest.raises(Untraceable, match="a memory of another shape"):
+        trace_step(layout)
 
 
 def test_a_layout_knows_what_is_remembered_and_what_servos_know():

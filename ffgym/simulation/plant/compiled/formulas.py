@@ -137,8 +137,7 @@ def _trace_look(graph: Graph, layout: Layout, engine: _SymbolicEngine) -> tuple[
 
 def _trace_apply(graph: Graph, layout: Layout, engine: _SymbolicEngine) -> Stores:
     """Trace torques of effects before a physics step, and errors of what servos know; returns what is written."""
-    n, at = layout.n_joints, layout.at
-    stores: Stores = []
+    n, at, stores = layout.n_joints, layout.at, []
     controls = engine.joints[3]
     if layout.looks:
         effects = [_symbolic(graph, kind, ("resolver effect", k)) for k, kind in enumerate(layout.resolver_kinds)]
@@ -161,8 +160,7 @@ def _trace_apply(graph: Graph, layout: Layout, engine: _SymbolicEngine) -> Store
             graph.given_memory([("memory", k, m) for m in range(size)]) for k, (_, size) in enumerate(layout.kinds)
         ]
         present = [graph.given(("present", k), fixed=True).astype(bool) for k in range(len(effects))]
-        total, remembered = step(effects, state, memories, layout.dt, present)
-        later: list[Any] = remembered  # symbols, or whatever else an effect makes of them
+        total, later = step(effects, state, memories, layout.dt, present)
         motor, turning, behind = hinge_torques(layout.drive, total)
         written: list[tuple[Any, Any]] = [
             (("memory", "motor", 0), motor),
@@ -171,6 +169,8 @@ def _trace_apply(graph: Graph, layout: Layout, engine: _SymbolicEngine) -> Store
         ]
         stores += [(place, _one(values)) for place, values in written if values is not None]
         for k, (before, memory) in enumerate(zip(memories, later, strict=True)):
+            if not isinstance(memory, Traced) or memory.shape != before.shape:
+                raise Untraceable("a memory of another shape")
             stores += [
                 (("memory", k, m), graph.cast(node, "number"))
                 for m, (node, old) in enumerate(zip(memory.nodes, before.nodes, strict=True))
