@@ -35,6 +35,9 @@ OPERATORS = (
 )
 """Operators whose mutants run: others of the library raise a TypeError on numbers, and every test would notice."""
 
+_SIGNATURES = ("parameters", "lambdef")
+"""Nodes of the grammar whose operators are marks between parameters."""
+
 
 @dataclass(frozen=True)
 class Mutant:
@@ -88,7 +91,8 @@ def _mutants_of(module: str) -> Iterable[Mutant]:
         places = [(node, start) for node in nodes for start, _ in operator.mutation_positions(node)]
         seen: Counter[str] = Counter()
         for occurrence, (node, (line, _)) in enumerate(places):
-            if node.search_ancestor("decorator") is not None:  # it declares, and computes nothing
+            # decorators and the star of a signature declare, and compute nothing
+            if node.search_ancestor("decorator") is not None or node.parent.type in _SIGNATURES:
                 continue
             text = lines[line - 1].strip()
             yield Mutant(module, name, occurrence, line, text, seen[text])

@@ -17,7 +17,7 @@ SOURCE = '''"""Doc with 1 + 2."""
 from functools import lru_cache
 
 @lru_cache(4)
-def area(width: float | None, height: float) -> float:
+def area(width: float | None, *, height: float) -> float:
     if width is None or height < 0:
         return 0
     return width * height
