@@ -416,6 +416,17 @@ def test_each_simulation_has_the_fingerprint_of_its_own_machine(two_link):
     alone = [Plant(machine, 1, n_threads=1).fingerprint() for machine in (two_link, lighter, pushed(two_link))]
     assert [plant.fingerprint(k) for k in range(3)] == alone
     assert len(set(alone)) == 3
+    assert plant.fingerprint() == alone[0]
+
+
+def test_forces_of_a_machine_that_is_gone_are_gone(two_link):
+    plant = by_numpy([pushed(two_link), Machine(robot=two_link)])
+    plant.rest(np.zeros((2, 2)))
+    plant.drive(controls(plant, np.zeros((2, 2, 2))))
+    applied = plant.batch.bind("qfrc_applied")
+    assert applied[0].all()
+    plant.become([0], [Machine(robot=two_link)])
+    assert not applied.any()
 
 
 def test_going_back_restores_machines_and_forces(two_link):
