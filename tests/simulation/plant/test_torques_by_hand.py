@@ -424,7 +424,7 @@ def test_forces_of_a_machine_that_is_gone_are_gone(two_link):
     plant.rest(np.zeros((2, 2)))
     plant.drive(controls(plant, np.zeros((2, 2, 2))))
     applied = plant.batch.bind("qfrc_applied")
-    assert applied[0].all()
+    assert applied[0].any()
     plant.become([0], [Machine(robot=two_link)])
     assert not applied.any()
 
