@@ -1,6 +1,8 @@
 """Faultless logs: noise in ever new order, and the score that chance reaches."""
 
 import numpy as np
+import pytest
+from scipy import stats
 
 from ffgym.diagnosis.resampling import cut_blocks
 from ffgym.diagnosis.search.candidates import draw_surrogates
@@ -53,3 +55,10 @@ def test_chance_exceeds_the_threshold_a_few_times_in_a_thousand():
         largest = rng.chisquare(1, size=(settings().screening.surrogates + 1, 40)).max(axis=1)
         alarms += largest[-1] > _estimate_extreme(largest[:-1])
     assert 0.0005 <= alarms / 2000 < 0.006
+
+
+@pytest.mark.parametrize(("location", "scale"), [(3.0, 0.5), (0.0, 2.0)])
+def test_the_threshold_is_a_quantile_of_largest_values(location, scale):
+    largest = stats.gumbel_r(location, scale)
+    evenly = largest.ppf((np.arange(200) + 0.5) / 200)
+    assert _estimate_extreme(evenly) == pytest.approx(largest.ppf(settings().screening.level), rel=0.02)

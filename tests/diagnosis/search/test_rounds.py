@@ -105,6 +105,7 @@ def test_a_size_that_rows_left_out_do_not_ask_for_is_null(needed, monkeypatch):
         return 100.0 * len(needed - kept) + len(kept)
 
     def left_out(setting, fit, priors):
+        assert np.all(priors.low < priors.high)
         free, held = fit.hypotheses[-1].list_free(), priors.high - priors.low < 1e-3
         for number, bound in zip(free, held, strict=True):
             if bound:
