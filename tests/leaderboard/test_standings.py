@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from ffgym.core.errors import FFGymError
-from ffgym.leaderboard.comparison.samples import DRAWS, SELECTIONS, WORKCELLS
+from ffgym.leaderboard.comparison.samples import DRAWS, HEADLINED, SELECTIONS, WORKCELLS, collect_grid
 from ffgym.leaderboard.comparison.standings import standings
+from ffgym.leaderboard.comparison.statistics import draw_resamples, interval, resample_iqms
 from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL
 from ffgym.leaderboard.presentation.page import all_standings
 from ffgym.leaderboard.presentation.table import format_standings
@@ -108,6 +109,22 @@ def test_two_seeds_are_enough_for_an_interval_and_two_exact_rows_have_none():
     assert found.line("half").against_base.difference.interval is None
 
 
+def test_the_interval_of_an_interquartile_mean_is_of_the_same_errors_in_um():
+    few = row("few", lambda seed, plant, key: (0.5 + 0.1 * seed) * zero_error(key))
+    score = standings([NONE, few], NOMINAL, "held_out").line("few").score
+    errors = np.array([zero_error(key) for key in sorted(KEYS) if key[0] in SELECTIONS["held_out"]])
+    values = (0.5 + 0.1 * np.arange(5))[:, None, None] * errors * 1e3
+    expected = interval(resample_iqms(values, draw_resamples("few", 5, 1)), 5)
+    assert (score.iqm_interval_um.low, score.iqm_interval_um.high) == pytest.approx((expected.low, expected.high))
+
+
+def test_a_row_of_two_seeds_beside_an_exact_one_differs_with_an_interval():
+    few = row("few", lambda seed, plant, key: (0.5 + 0.1 * seed) * zero_error(key), base="exact")
+    found = standings([NONE, replace(few, outcomes=few.outcomes[:2]), fixed("exact", 0.5)], NOMINAL, "held_out")
+    difference = found.line("few").against_base.difference
+    assert difference.interval.low < difference.ratio < difference.interval.high
+
+
 def test_cells_made_worse_are_counted():
     mixed = row("mixed", lambda _, plant, key: zero_error(key) * (1.5 if key[3] == 100 else 0.5))
     found = standings([NONE, mixed], NOMINAL, "held_out")
@@ -149,7 +166,9 @@ def test_the_oracle_of_each_plant_is_that_beside_which_a_row_is_scored():
             ("some", 0.6, {}),
         )
     ]
-    assert standings(rows, DRAWS, "held_out").line("some").score.normalised == pytest.approx(0.5)
+    score = standings(rows, DRAWS, "held_out").line("some").score
+    assert score.normalised == pytest.approx(0.5)
+    assert (score.left, score.worse) == (pytest.approx(0.6), 0.0)
 
 
 def test_oracle_zero_and_rows_that_are_shown_only_have_no_rank_and_come_last():
@@ -256,6 +275,27 @@ def test_what_a_residual_does_where_agents_may_learn_is_no_better_than_its_base(
     found = standings([NONE, fixed("base", 0.5), overfit], NOMINAL, "train").line("residual")
     assert found.rank == 1
     assert found.against_base.sentence == "worse than its base"
+
+
+def test_a_residual_is_unknown_where_zero_action_has_no_held_out_circles():
+    rows = [with_splits(NONE, "train"), fixed("base", 0.5), learned("residual", 0.3, 0.02, base="base")]
+    found = standings(rows, NOMINAL, "train").line("residual").against_base
+    assert (found.difference, found.sentence) == (None, "unknown: zero action has no held-out circles here")
+
+
+@pytest.mark.parametrize(
+    ("factor", "words"),
+    [(0.5, "not better: the same as its base"), (0.4, "better than its base"), (0.6, "worse than its base")],
+)
+def test_an_exact_residual_is_better_worse_or_the_same_as_its_exact_base(factor, words):
+    rows = [NONE, fixed("base", 0.5), fixed("residual", factor, base="base")]
+    assert standings(rows, NOMINAL, "train").line("residual").against_base.sentence == words
+
+
+def test_a_residual_that_has_not_run_on_all_held_out_circles_is_named_before_its_base():
+    rows = [NONE, *(with_splits(fixed(name, 0.5, base=base), "train") for name, base in (("b", None), ("r", "b")))]
+    found = standings(rows, NOMINAL, "train").line("r").against_base
+    assert found.sentence == "unknown: r has not run on all held-out circles here"
 
 
 def test_a_residual_without_its_base_is_told_to_be_unknown():
@@ -421,6 +461,15 @@ def test_what_the_tracker_of_a_workcell_cannot_see_is_told(some):
     words = "a laser tracker with 10 um of noise in each coordinate"
     texts = {group: format_standings(standings(some, group, "thesis")) for group in (NOMINAL, THESIS_WORKCELL)}
     assert [words in " ".join(text.split()) for text in texts.values()] == [False, True]
+
+
+def test_drawn_workcells_and_then_the_workcell_of_the_thesis_are_the_headline():
+    assert HEADLINED == (WORKCELLS, THESIS_WORKCELL)
+
+
+def test_circles_of_an_unknown_split_are_refused():
+    with pytest.raises(FFGymError, match="Unknown split 'moon'"):
+        collect_grid(NONE, NOMINAL, ["train", "moon"])
 
 
 def test_selections_are_all_held_out_circles_each_split_those_of_the_thesis_and_those_of_training():

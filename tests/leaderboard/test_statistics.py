@@ -68,6 +68,8 @@ def test_a_resample_that_takes_stopped_robots_is_as_bad_as_they_are():
     np.testing.assert_allclose(resample_iqms(values, by), spelled_out(values, by, interquartile_mean), rtol=1e-12)
     assert np.isinf(resample_means(values, by)).tolist() == (by.seeds[:, 1] > 0).tolist()
     assert np.isinf(resample_iqms(np.full((4, 2, 3), np.inf), by)).all()
+    alone = draw_resamples("someone", 4, 1, count=60)
+    assert np.isinf(resample_means(values[:, :1], alone)).tolist() == (alone.seeds[:, 1] > 0).tolist()
 
 
 def test_rows_share_plants_but_not_seeds_and_a_name_always_gives_the_same():
@@ -122,6 +124,15 @@ def test_seeds_drawn_anew_in_every_cell_would_claim_too_much():
         means = values[taken, np.arange(12)].mean(axis=(1, 2))
         held += interval(means, 5).includes(0.0)
     assert held / 200 < 0.75
+
+
+@pytest.mark.parametrize(("levels", "t"), [(2, 12.706205), (5, 2.776445), (20, 2.093024)])
+def test_percentiles_are_expanded_as_far_as_students_t_reaches_beyond_the_normal(levels, t):
+    """Two-sided 95 % quantiles of t with levels - 1 degrees of freedom, by its tables."""
+    samples = np.random.default_rng(0).permutation(np.arange(200_001) / 200_000)
+    tail = stats.norm.cdf(-t * np.sqrt(levels / (levels - 1)))
+    found = interval(samples, levels)
+    assert (found.low, found.high) == pytest.approx((tail, 1 - tail), abs=1e-5)
 
 
 def test_the_ends_of_an_interval_are_in_it():

@@ -133,7 +133,7 @@ def collect_sample(row: Row, grid: Grid) -> Sample:
         by_key = {cell.key: cell for cell in outcome.cells}
         cells += [by_key[key] for key in grid.cells]
     shape = (len(seeds), len(grid.plants), len(grid.cells))
-    joints = max((len(cell.motor_rms_rad or ()) for cell in cells), default=0)
+    joints = max(len(cell.motor_rms_rad or ()) for cell in cells)
 
     def errors(values: Iterable[float | None]) -> Array:
         """Shape errors; a robot that stopped has infinite ones."""
