@@ -30,6 +30,20 @@ def test_each_block_of_a_faultless_log_is_one_of_the_replays_or_its_negative():
             assert any(np.array_equal(found[rows, k], one) for one in kinds)
 
 
+def test_every_replay_is_drawn_and_blocks_of_a_log_have_signs_of_their_own():
+    """Replays of one and the same number each, 1 to 5, show which of them a log took, and with which signs."""
+    draws = {"torque": np.broadcast_to(np.arange(1.0, 6.0), (600, 2, 1, 5))}
+    blocks = cut_blocks(np.ones((600, 2), dtype=bool), ROW_DT)
+    found = draw_surrogates(draws, blocks, (), np.random.default_rng(1))["torque", 0]
+    took = np.abs(found[0, 0])
+    assert set(took) == {1.0, 2.0, 3.0, 4.0, 5.0}
+    assert np.array_equal(np.abs(found), np.broadcast_to(took, found.shape))
+    begins = [np.argwhere(blocks.of_row == b)[0] for b in range(len(blocks))]
+    signs = np.array([np.sign(found[row, motion]) for row, motion in begins])
+    assert 0.45 < np.mean(signs > 0) < 0.55
+    assert np.abs(np.corrcoef(signs)[np.triu_indices(len(signs), 1)]).mean() < 0.2
+
+
 def test_blocks_keep_their_spectrum():
     draws, blocks, found = made()
     rows = blocks.of_row == 0

@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy import optimize
 
 from ffgym.diagnosis.normal_equations import build_design_matrix
 from ffgym.diagnosis.resampling import cut_blocks
@@ -15,9 +16,11 @@ from ffgym.diagnosis.search.ranking import (
     build_hypothesis,
     compute_overlap,
     find_changed_components,
+    propose_start,
     rank,
 )
 from ffgym.diagnosis.sensitivity import Sensitivity
+from ffgym.diagnosis.settings import settings
 from ffgym.diagnosis.solving import Candidate, Priors
 from ffgym.effects import EFFECTS
 from ffgym.robot import load_robot
@@ -78,15 +81,103 @@ def test_columns_that_differ_begin_with_what_they_are():
     np.testing.assert_allclose(_fit_linearly(evidence, candidates, 0, NONE), [2.0, -3.0], rtol=1e-3)
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize(("bound", "most"), [(4.0, (1 / 0.3 - 0.4) ** 2), (np.inf, 0.0)])
-def test_calibration_hides_no_more_of_an_effect_than_its_bounds_allow(bound, most):
+def test_calibration_hides_no_more_of_an_effect_than_its_bounds_allow(bound, most, sign):
     """A backlash that gravity preloads is a shift of the tool, of which calibration makes a tenth of a step at most."""
     shift = np.ones(ROWS)
-    evidence, candidates = problem([{FIRST: 0.1 * shift}, {FIRST: shift}], {FIRST: shift}, [[1]])
+    evidence, candidates = problem([{FIRST: 0.1 * shift}, {FIRST: sign * shift}], {FIRST: shift}, [[1]])
     ends = np.array([bound, np.inf])
     candidates.priors = Priors(precision=np.array([1e-9, 1e-2]), low=-ends, high=ends)
     (found,) = _compute_largest(evidence, candidates, np.array([0]))
     assert found == pytest.approx(most * shift.size, rel=1e-3, abs=1e-3)
+
+
+def test_what_calibration_cannot_imitate_is_what_the_best_of_it_leaves_at_the_largest_plausible_size():
+    """Least squares over rows, with a row for each prior, gives the same; one bound holds, the other two do not."""
+    rng = np.random.default_rng(4)
+    rows = rng.normal(size=(2, *ROWS))
+    mixed = [rows[0], rows[0] + 0.5 * rows[1]]
+    own = 2.0 * rows[0] - 1.5 * rows[1] + 0.3 * rng.normal(size=ROWS)
+    evidence, candidates = problem([{FIRST: each} for each in (*mixed, own)], {FIRST: own}, [[2]])
+    step, precision = settings().screening.step, np.array([50.0, 200.0, 1e-2])
+    low, high = np.array([-1.0, -2.0, -np.inf]), np.array([1e3, 1e3, np.inf])
+    candidates.priors = Priors(precision=precision, low=low, high=high)
+    design = np.vstack([np.stack([each.ravel() for each in mixed], axis=1), np.diag(np.sqrt(precision[:2]))])
+    target = np.concatenate([own.ravel() / step, np.zeros(2)])
+    best = optimize.lsq_linear(design, target, bounds=(low[:2], high[:2]))
+    assert list(best.active_mask) == [0, -1]
+    (found,) = _compute_largest(evidence, candidates, np.array([0, 1]))
+    assert found == pytest.approx(2 * best.cost, rel=1e-4)
+
+
+def test_calibration_that_is_sure_hides_less():
+    """Half of what least squares would use it for, where its prior weighs as much as the log."""
+    rows = np.ones(ROWS)
+    evidence, candidates = problem([{FIRST: rows}, {FIRST: rows}], {FIRST: rows}, [[1]])
+    endless = np.full(2, np.inf)
+    candidates.priors = Priors(precision=np.array([float(rows.size), 1e-2]), low=-endless, high=endless)
+    (found,) = _compute_largest(evidence, candidates, np.array([0]))
+    assert found == pytest.approx(0.5 * rows.size / settings().screening.step ** 2)
+
+
+def test_of_a_candidate_of_several_columns_the_largest_is_told():
+    rows = np.random.default_rng(5).normal(size=ROWS)
+    evidence, candidates = problem([{FIRST: rows}, {FIRST: 3 * rows}], {FIRST: rows}, [[0, 1], [0]])
+    energy = np.sum(rows**2) / settings().screening.step ** 2
+    np.testing.assert_allclose(_compute_largest(evidence, candidates, NONE), [9 * energy, energy])
+
+
+def test_a_candidate_begins_with_its_linear_fit_in_units_of_its_parameters():
+    rows = np.random.default_rng(6).normal(size=(2, *ROWS))
+    evidence, candidates = problem([{FIRST: each} for each in rows], {FIRST: 4.0 * rows[0] + 3.0 * rows[1]}, [[1]])
+    kind = EFFECTS["torque_offset"]
+    column = Sensitivity(effect=kind, joint="j1", parameter="offset", shape={}, parts={})
+    candidates.scale, candidates.of = np.array([7.0, 0.5]), lambda group: [column]
+    found = propose_start(evidence, candidates, 0, np.array([0]), load_robot("irb4600_60_205"))
+    assert (found.kind, found.joint) == (kind, "j1")
+    assert float(found.values["offset"]) == pytest.approx(1.5, rel=1e-3)
+
+
+def test_a_vector_begins_at_the_sums_of_its_parts():
+    kind = EFFECTS["tool_frame"]
+    columns = [
+        Sensitivity(effect=kind, joint="", parameter="offset", part=part, shape={}, parts={}) for part in (0, 2, 2)
+    ]
+    found = build_hypothesis(columns, np.array([1e-4, 2e-4, -5e-4]), load_robot("irb4600_60_205"))
+    np.testing.assert_allclose(found.values["offset"], [1e-4, 0.0, -3e-4])
+
+
+def wave(sizes):
+    """Cogging of two waves in quadrature, or of one alone, with such sizes."""
+    kind = EFFECTS["cogging"]
+    phases = (0.0, np.pi / 2)[: len(sizes)]
+    columns = [
+        Sensitivity(
+            effect=kind, joint="j2", parameter="amplitude", shape={"cycles": 6.0, "phase": phase}, span=k, parts={}
+        )
+        for k, phase in enumerate(phases)
+    ]
+    return build_hypothesis(columns, np.array(sizes), load_robot("irb4600_60_205"))
+
+
+def test_two_waves_in_quadrature_begin_as_one_with_amplitude_and_phase():
+    found = wave([0.3, 0.4])
+    assert float(found.values["amplitude"]) == pytest.approx(0.5)
+    assert float(found.values["phase"]) == pytest.approx(np.arctan2(0.4, 0.3))
+    assert float(found.values["cycles"]) == 6.0
+    alone = wave([0.3])
+    assert (float(alone.values["amplitude"]), float(alone.values["phase"])) == (0.3, 0.0)
+    assert alone.source is None
+
+
+def test_what_one_joint_does_to_another_begins_with_its_source():
+    kind = EFFECTS["wrist_coupling"]
+    (name,) = (p.name for p in kind.parameters().values() if p.per == "pair")
+    column = Sensitivity(effect=kind, joint="j6", parameter=name, part=4, shape={}, parts={})
+    found = build_hypothesis([column], np.array([0.01]), load_robot("irb4600_60_205"))
+    assert (found.source, found.joint) == (4, "j6")
+    assert float(found.values[name]) == pytest.approx(0.01)
 
 
 HALVES = np.array([[40.0, 1.0, 3.0], [90.0, 2.0, 1.0], [60.0, 0.0, 0.0]])
@@ -111,6 +202,8 @@ def test_candidates_stand_in_the_order_of_both_splits_and_chance_is_the_best_of_
     assert list(found.order) == [1, 2, 0]
     assert found.threshold == pytest.approx(list(score[:, 1:].max(axis=0)) if n_logs > 1 else [0.0])
     assert found.most.size == 0
+    monkeypatch.setattr(module, "_compute_largest", lambda *given: np.array([50.0, 5.0, 20.0]))
+    assert list(rank(equations, SimpleNamespace(groups=(), priors=None), NONE).most) == [5.0, 0.5, 2.0]
 
 
 def test_a_score_is_significant_beyond_chance_alone():

@@ -1,5 +1,6 @@
 """Causes of a search when one more was adopted, and sizes that nobody asks for."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -33,7 +34,11 @@ def search(monkeypatch):
         monkeypatch.setattr(module, "evaluate", lambda setting, causes, like: tried(causes, by_slopes))
         monkeypatch.setattr(module, "score", lambda setting, fit: fit)
         monkeypatch.setattr(module, "refine", refined)
-        monkeypatch.setattr(module, "fit_and_score", lambda setting, causes, like, begun: tried(causes, by_replaying))
+        monkeypatch.setattr(
+            module,
+            "fit_and_score",
+            lambda setting, causes, like, *, begun: tried(causes, by_replaying) if begun else None,
+        )
         return module.drop_needless(SETTING, tried("abc", by_replaying)).fit.hypotheses, replayed
 
     return make
@@ -52,6 +57,19 @@ def test_a_cause_without_which_slopes_leave_much_is_kept_unreplayed(search):
     assert search({"bc": 2.1, "ac": 2.1}, {"abc": 1.0}) == (("a", "b", "c"), [])
 
 
+@pytest.mark.parametrize("is_needed", [False, True])
+def test_a_cause_is_dropped_up_to_the_limits_and_kept_beyond_them(search, is_needed):
+    """The limits are of what all causes leave: 1 here."""
+    limits = settings().search
+    needed = 1.0 + limits.needed + (1e-12 if is_needed else 0.0)
+    slopes = {"bc": 1.0 + limits.clearly_needed, "ac": 9.0, "c": 9.0}
+    assert search(slopes, {"abc": 1.0, "bc": needed})[0] == (("a", "b", "c") if is_needed else ("b", "c"))
+
+
+def test_the_newest_cause_is_not_asked_whether_it_is_needless(search):
+    assert search({"bc": 9.0, "ac": 9.0, "ab": 1.0}, {"abc": 1.0, "ab": 0.5}) == (("a", "b", "c"), [])
+
+
 def test_causes_that_are_left_out_of_a_result_take_their_rivals_along(monkeypatch):
     """The others are fitted again without them; without all of them nothing was found."""
 
@@ -59,7 +77,11 @@ def test_causes_that_are_left_out_of_a_result_take_their_rivals_along(monkeypatc
         causes = tuple(SimpleNamespace(label=name) for name in names)
         return SimpleNamespace(fit=SimpleNamespace(hypotheses=causes))
 
-    monkeypatch.setattr(module, "fit_and_score", lambda setting, causes, begun: model(*(one.label for one in causes)))
+    def fit_and_score(setting, causes, *, begun):
+        assert begun  # from where they are
+        return model(*(one.label for one in causes))
+
+    monkeypatch.setattr(module, "fit_and_score", fit_and_score)
     nominal, final = model(), model("a", "b", "c")
     rivals = tuple(SimpleNamespace(against=name) for name in "abb")
     found = module.SearchResult(
@@ -70,6 +92,10 @@ def test_causes_that_are_left_out_of_a_result_take_their_rivals_along(monkeypatc
     assert [one.label for one in left.final.fit.hypotheses] == ["a", "c"]
     assert left.whole is left.final
     assert [rival.against for rival in left.rivals] == ["a"]
+    more = SimpleNamespace(fit=SimpleNamespace(hypotheses=(a, b, c, SimpleNamespace(label="d"))))
+    both = module.leave_out(SETTING, replace(found, whole=more), [b])
+    assert [one.label for one in both.final.fit.hypotheses] == ["a", "c"]
+    assert [one.label for one in both.whole.fit.hypotheses] == ["a", "c", "d"]
     none = module.leave_out(SETTING, found, [a, b, c])
     assert none.final is nominal
     assert not none.rivals
@@ -124,6 +150,76 @@ def test_a_size_that_rows_left_out_do_not_ask_for_is_null(needed, monkeypatch):
     assert slim.null == SIZES - needed
     assert all(slim.values[name] == 0.0 for name in slim.null)
     assert slim.move([0.1] * len(slim.list_free())).null == slim.null
+
+
+@pytest.mark.parametrize(
+    ("by_slopes", "by_fit", "goes"), [(0.0, 0.0, False), (-1.0, 0.0, False), (0.0, -1.0, False), (-1.0, -1.0, True)]
+)
+def test_a_size_goes_only_if_less_is_left_without_it_by_slopes_and_by_a_fit(monkeypatch, by_slopes, by_fit, goes):
+    """Energies are what is left more without the first size that is tried; the others are needed."""
+
+    def left_out(setting, fit, priors):
+        free, held = fit.hypotheses[-1].list_free(), priors.high - priors.low < 1e-3
+        out = {f.name for f, is_held in zip(free, held, strict=True) if is_held}
+        return np.array([10.0 + by_slopes if out == {"breakaway"} else 99.0])
+
+    monkeypatch.setattr(module, "compute_held_out_rss", left_out)
+    monkeypatch.setattr(module, "evaluate", lambda setting, hypotheses, like: hypotheses)
+    monkeypatch.setattr(module, "refine", lambda setting, begun, like: begun)
+    monkeypatch.setattr(module, "score", lambda setting, begun: tried(begun[-1], 10.0 + by_fit))
+    slim = module.prune(None, tried(warm(), 10.0)).hypothesis
+    assert slim.null == ({"breakaway"} if goes else set())
+
+
+def test_a_size_of_the_newest_cause_is_held_at_null_beside_an_earlier_one(monkeypatch):
+    """Bounds of what came before, nuisance parameters and another cause, stay."""
+    before = Hypothesis(kind=EFFECTS["viscous_level"], joint="j1", source=None, values={"change": np.array(0.3)})
+    free = warm().list_free()
+    first = 2 + len(before.list_free())
+    n = first + len(free)
+    priors = Priors(precision=np.arange(n), low=np.full(n, -3.0), high=np.full(n, 3.0))
+    fit = SimpleNamespace(hypotheses=(before, warm()), priors=priors)
+    given = []
+    monkeypatch.setattr(module, "compute_held_out_rss", lambda problem, fit, priors: given.append(priors) or np.ones(3))
+    assert module._compute_rss_without(None, fit, "coulomb") == 3.0
+    moved = np.flatnonzero(given[0].low != -3.0)
+    assert list(moved) == [first + [number.name for number in free].index("coulomb")]
+    assert list(np.flatnonzero(given[0].high != 3.0)) == list(moved)
+    assert np.array_equal(given[0].precision, priors.precision)
+    assert np.all(priors.low == -3.0)
+
+
+def test_what_cannot_be_fitted_without_a_size_keeps_it(monkeypatch):
+    def refine(setting, begun, like):
+        raise FFGymError("no such machine")
+
+    monkeypatch.setattr(module, "compute_held_out_rss", lambda *given: np.array([1.0]))
+    monkeypatch.setattr(module, "evaluate", lambda setting, hypotheses, like: hypotheses)
+    monkeypatch.setattr(module, "refine", refine)
+    whole = tried(warm(), 10.0)
+    assert module.prune(None, whole) is whole
+
+
+def test_the_newest_cause_of_a_fit_is_the_last():
+    fit = SimpleNamespace(hypotheses=("first", "second", "last"))
+    assert module.ScoredFit(fit=fit, rss_by_block=np.ones(2)).hypothesis == "last"
+
+
+def test_a_cause_was_adopted_where_something_was():
+    """A round that adopted nothing tried it, too."""
+    first, later = tried(warm(), 1.0), tried(warm(), 2.0)
+    without = module.SearchRound(before=None, ranking=None, tried=(first,), adopted=False)
+    adopted = module.SearchRound(before=None, ranking=None, tried=(later,), adopted=True)
+    assert module.find_adoption([without, adopted], warm()) == (adopted, later)
+
+
+def test_causes_are_fitted_from_where_they_are_told_and_none_is_the_model_as_it_is(monkeypatch):
+    monkeypatch.setattr(module, "score", lambda setting, fit: fit)
+    monkeypatch.setattr(module, "evaluate", lambda setting, causes: ("as it is", causes))
+    monkeypatch.setattr(module, "fit", lambda setting, causes, *, begun, like: (causes, begun, like))
+    assert module.fit_and_score(SETTING, ()) == ("as it is", ())
+    assert module.fit_and_score(SETTING, ["a"], "like it") == (["a"], False, "like it")
+    assert module.fit_and_score(SETTING, ["a"], begun=True) == (["a"], True, None)
 
 
 @pytest.fixture

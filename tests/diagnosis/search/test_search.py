@@ -165,12 +165,13 @@ CAUSES = [cogging("j1", 3.0), cogging("j2", 1.0), cogging("j3", 3.0)]
 def searched(monkeypatch):
     """A search that finds three causes one by one, some of which tie; and how many each round had."""
 
-    def run(most=None, tied=()):
-        ranked = []
+    def run(most=None, tied=(), better=()):
+        ranked, better = [], iter(better)
 
-        def run_round(problem, candidates, null_residuals, nominal, now, *_):
+        def run_round(problem, candidates, null_residuals, nominal, now, known, report):
             n = len(now.fit.hypotheses)
             ranked.append(n)
+            assert not list(known)
             adopted = n < len(CAUSES)
             return SearchRound(before=now, ranking=None, tried=(model(CAUSES[: n + 1]),) * adopted, adopted=adopted)
 
@@ -179,7 +180,7 @@ def searched(monkeypatch):
             "fit_and_score": lambda problem, kept: model(kept),
             "refit": lambda problem, tried: tried,
             "drop_needless": lambda problem, grown: grown,
-            "compare_rivals": lambda *_: SimpleNamespace(rivals=("rival",), better=None),
+            "compare_rivals": lambda *_: SimpleNamespace(rivals=("rival",), better=next(better, None)),
             "select_tied": lambda hypotheses, rivals: [h for h in hypotheses if h in tied],
             "turn_into_rivals": lambda unsure, rivals, rounds: tuple(h.label for h in unsure),
             "list_uncompared": lambda rounds, now, rivals: ("uncompared",),
@@ -209,6 +210,109 @@ def test_causes_that_tie_are_left_out_beside_sure_ones_and_are_their_rivals(sear
     assert list(result.unsure) == unsure
     assert list(result.whole.fit.hypotheses) == CAUSES
     assert result.rivals == ("rival", *(h.label for h in unsure), "uncompared")
+
+
+def test_rivals_that_explain_more_take_places_as_often_as_the_search_may_exchange(searched):
+    most = settings().search.exchanges
+    others = [model([cogging("j4", float(k))]) for k in range(1, most + 2)]
+    for n in range(most + 2):
+        result, _ = searched(better=others[:n])
+        assert list(result.final.fit.hypotheses) == (list(others[min(n, most) - 1].fit.hypotheses) if n else CAUSES)
+
+
+def test_what_others_made_up_for_is_told_to_later_rounds(searched, monkeypatch):
+    """The second cause makes up for the first, and the third for none."""
+    told, before = [], [(), CAUSES[1:2], CAUSES[1:3]]
+    searched()
+
+    def run_round(problem, candidates, null_residuals, nominal, now, needless, report):
+        told.append(list(needless))
+        tried = [CAUSES[:1], CAUSES[:2], CAUSES[1:]][len(told) - 1] if len(told) < 4 else ()
+        return SearchRound(before=now, ranking=None, tried=(model(tried),) * (len(told) < 4), adopted=len(told) < 4)
+
+    monkeypatch.setattr(module, "_run_round", run_round)
+    monkeypatch.setattr(
+        module,
+        "drop_needless",
+        lambda problem, grown: model(CAUSES[1:2]) if CAUSES[0] in grown.fit.hypotheses[:-1] else grown,
+    )
+    result = module.search(None, lambda fit: None, {}, None)
+    assert list(result.final.fit.hypotheses) == before[2]
+    assert told == [[], [], CAUSES[:1], CAUSES[:1]]
+
+
+@pytest.mark.parametrize("possible", range(6))
+@pytest.mark.parametrize(("name", "is_link"), [("viscous_level", False), ("arm_friction", True)])
+def test_a_start_is_halved_until_a_machine_can_have_it_and_given_up_in_the_end(monkeypatch, name, is_link, possible):
+    """Beyond the spring the arm must stay where it is, too: nothing else is replayed to see that."""
+    start = sized(name, "j1")
+    assert (start.kind.side == "link") == is_link
+    tried = []
+
+    def can_be(causes):
+        tried.append(causes)
+        return len(tried) > possible
+
+    monkeypatch.setattr(module, "build_machine", lambda nominal, causes: True if is_link or can_be(causes) else None)
+    monkeypatch.setattr(module, "compute_rss", lambda problem, causes: 1.0 if is_link and can_be(causes) else np.inf)
+    found = module._shrink_to_possible(SimpleNamespace(nominal=None), CAUSES[:1], start)
+    if possible >= module._HALVINGS:
+        assert found is None
+        return
+    for causes, k in zip(tried, range(possible + 1), strict=True):
+        assert causes[0] is CAUSES[0]
+        (size, *_) = (p for p in start.kind.parameters().values() if p.role == "size")
+        assert causes[1].values[size.name] == pytest.approx(start.values[size.name] * 0.5**k)
+    assert found is tried[-1][1]
+
+
+def test_a_start_behind_the_spring_that_no_machine_can_have_is_not_replayed(monkeypatch):
+    monkeypatch.setattr(module, "build_machine", lambda nominal, causes: None)
+    monkeypatch.setattr(module, "compute_rss", lambda problem, causes: 1.0)
+    assert module._shrink_to_possible(SimpleNamespace(nominal=None), (), sized("arm_friction", "j1")) is None
+
+
+def round_of(monkeypatch, tried, *, worthy=(), now=None, nominal=None):
+    """A round in which joints are tried in turn; and what it asked the ranking."""
+    asked = {}
+    rows = {("torque", 0): np.zeros((4, 1, 1))}
+    batches = iter([*tried, *[[]] * 9])
+
+    def form_equations(together):
+        asked["together"] = together["torque", 0]
+        return SimpleNamespace(rows=np.array([6.0]), n_components=2)
+
+    def rank(equations, candidates, places, *, with_most):
+        asked["with_most"] = with_most
+        return SimpleNamespace(threshold=5.0)
+
+    monkeypatch.setattr(module, "split_components", lambda residual: residual)
+    monkeypatch.setattr(module, "rank", rank)
+    monkeypatch.setattr(module, "_fit_best", lambda *_: next(batches))
+    monkeypatch.setattr(module, "find_lookalikes", lambda problem, candidates, ranking, before, one: (one,))
+    monkeypatch.setattr(module, "is_significant", lambda problem, nominal, now, one, chance: one in worthy)
+    candidates = SimpleNamespace(design=SimpleNamespace(form_equations=form_equations), nuisance_places=np.arange(0))
+    now = now or SimpleNamespace(fit=SimpleNamespace(residual=rows))
+    null = {("torque", 0): np.ones((4, 1, 2))}
+    return module._run_round(None, candidates, null, nominal or now, now, (), None), asked
+
+
+def test_the_log_comes_first_and_replays_without_fault_behind_it(monkeypatch):
+    now = SimpleNamespace(fit=SimpleNamespace(residual={("torque", 0): np.full((4, 1, 1), 7.0)}))
+    one, asked = round_of(monkeypatch, [], now=now)
+    assert np.array_equal(asked["together"][0, 0], [7.0, 1.0, 1.0])
+    assert asked["with_most"]
+    assert (one.tried, one.adopted, one.before) == ((), False, now)
+    other = SimpleNamespace(fit=SimpleNamespace(residual={("torque", 0): np.zeros((4, 1, 1))}))
+    assert not round_of(monkeypatch, [], now=now, nominal=other)[1]["with_most"]
+
+
+def test_the_first_that_is_significant_is_adopted_and_told_before_those_that_fitted_better(monkeypatch):
+    first, second, third = (Tried(cogging(f"j{k}", 3.0)) for k in (1, 2, 3))
+    one, _ = round_of(monkeypatch, [[first, second, third]], worthy=(second, third))
+    assert (one.adopted, one.tried, one.alike) == (True, (second, first, third), (second,))
+    none, _ = round_of(monkeypatch, [[first, second], [third]])
+    assert (none.adopted, none.tried, none.alike) == (False, (first, second), ())
 
 
 @dataclass(frozen=True, eq=False)

@@ -132,6 +132,117 @@ def test_what_a_clean_log_may_have_is_no_cause_with_a_shape_at_the_end_of_its_ra
     assert is_significant(None, None, fitted(10.0, 10.0), after, chance=0.0) == enough
 
 
+LIMIT = settings().significance
+"""Limits that a cause must exceed: at them it is none."""
+
+
+@pytest.mark.parametrize("more", [0.0, 1e-9])
+@pytest.mark.parametrize("which", ["explains", "floor", "holds", "quiet", "is_physical"])
+def test_a_cause_above_the_floor_must_exceed_each_limit(monkeypatch, which, more):
+    def of(name, limit, otherwise):
+        return limit + more if which == name else otherwise
+
+    gone = ExplainedVariance(
+        of_excess=of("explains", LIMIT.explains, 0.9), of_all=of("floor", LIMIT.floor, 0.9),
+        excess=0.9, n_loud=1, best=0.9,
+    )  # fmt: skip
+    monkeypatch.setattr(module, "compute_explained_by_newest", lambda *fits: gone)
+    monkeypatch.setattr(module, "is_sizeable", lambda cause: which != "quiet")
+    monkeypatch.setattr(module, "subtract_nuisances", lambda setting, fit: {})
+    monkeypatch.setattr(module, "loudness", lambda setting, rest: {TORQUES[0]: LIMIT.quiet + more})
+    monkeypatch.setattr(module, "find_touched", lambda setting, columns: {TORQUES[0]})
+    before = fitted(128.0, 64.0)
+    after = fitted(128.0 - of("holds", 64.0 * LIMIT.holds, 64.0), 0.0)
+    after.hypothesis.is_unphysical = which == "is_physical" and not more
+    assert is_significant(None, None, before, after, chance=0.0) == (more > 0)
+
+
+def test_what_a_fit_makes_worse_must_at_least_not_be_worse_on_rows_left_out(monkeypatch):
+    gone = ExplainedVariance(of_excess=0.9, of_all=0.9, excess=0.9, n_loud=1, best=0.9)
+    monkeypatch.setattr(module, "compute_explained_by_newest", lambda *fits: gone)
+    for held_out, enough in ((-0.5, False), (0.0, False), (1e-9, True)):
+        assert is_significant(None, None, fitted(10.0, 1.0), fitted(10.0 - held_out, 4.0), chance=0.0) == enough
+
+
+@pytest.mark.parametrize("more", [0.0, 1e-9])
+@pytest.mark.parametrize("which", ["clear", "mostly", "clearer", "explains", "certain", "sizeable"])
+def test_a_cause_below_the_floor_must_exceed_each_limit(monkeypatch, which, more):
+    """By its share of all it has three numbers, without a shape one."""
+    by_share = which not in ("clearer", "explains")
+
+    def of(name, limit, otherwise):
+        return limit + more if which == name else otherwise
+
+    held_out = of("clear", LIMIT.clear, of("clearer", LIMIT.clearer, 90.0))
+    of_all = of("mostly", LIMIT.mostly, of("explains", LIMIT.explains, 0.9 if by_share else 0.9 * LIMIT.mostly))
+    gone = ExplainedVariance(of_excess=0.9, of_all=of_all, excess=LIMIT.floor, n_loud=1, best=0.9)
+    monkeypatch.setattr(module, "compute_explained_by_newest", lambda *fits: gone)
+    monkeypatch.setattr(module, "is_sizeable", lambda cause: which != "sizeable" or more > 0)
+    monkeypatch.setattr(module, "_imitates", lambda *given: False)
+    monkeypatch.setattr(module, "find_touched", lambda setting, columns: set(TORQUES[:2]))
+    certain = {TORQUES[0]: 0.9, TORQUES[1]: of("certain", LIMIT.certain, 0.9)}
+    after = fitted(128.0 - held_out, 128.0 - held_out, numbers=3 if by_share else 1)
+    setting = SimpleNamespace(certain=certain.__getitem__)
+    assert is_significant(setting, None, fitted(128.0, 128.0), after, chance=1.0) == (more > 0)
+
+
+def test_a_cause_just_above_the_floor_need_not_be_clear_below_it(monkeypatch):
+    for excess, enough in ((LIMIT.floor, False), (LIMIT.floor + 1e-9, True)):
+        gone = ExplainedVariance(of_excess=0.9, of_all=0.9, excess=excess, n_loud=1, best=0.9)
+        monkeypatch.setattr(module, "compute_explained_by_newest", lambda *fits, gone=gone: gone)
+        assert is_significant(None, None, fitted(10.0, 10.0), fitted(5.0, 5.0), chance=10.0) == enough
+
+
+def test_the_newest_numbers_tell_where_a_cause_below_the_floor_acts(monkeypatch):
+    gone = ExplainedVariance(of_excess=0.9, of_all=0.9, excess=0.0, n_loud=1, best=0.9)
+    monkeypatch.setattr(module, "compute_explained_by_newest", lambda *fits: gone)
+    after, asked = fitted(10.0, 10.0, numbers=2), []
+    after.fit.columns = ({"old": 0}, {"new": 1}, {"new": 2})
+    monkeypatch.setattr(module, "find_touched", lambda setting, columns: asked.append(columns) or {TORQUES[0]})
+    setting = SimpleNamespace(certain=lambda key: 0.9)
+    assert is_significant(setting, None, fitted(100.0, 100.0), after, chance=1.0)
+    assert asked == [[{"new": 1}, {"new": 2}]]
+
+
+def test_a_cause_that_acts_nowhere_is_none_below_the_floor(monkeypatch):
+    gone = ExplainedVariance(of_excess=0.9, of_all=0.9, excess=0.0, n_loud=1, best=0.9)
+    monkeypatch.setattr(module, "compute_explained_by_newest", lambda *fits: gone)
+    monkeypatch.setattr(module, "find_touched", lambda setting, columns: set())
+    assert not is_significant(None, None, fitted(100.0, 100.0), fitted(5.0, 5.0), chance=1.0)
+
+
+def test_what_acts_on_nothing_that_is_read_may_be_imitated(monkeypatch):
+    """Without a size of note, and no component where it is loud."""
+    gone = ExplainedVariance(of_excess=0.9, of_all=0.9, excess=0.9, n_loud=1, best=0.9)
+    monkeypatch.setattr(module, "compute_explained_by_newest", lambda *fits: gone)
+    monkeypatch.setattr(module, "is_sizeable", lambda cause: False)
+    for name in ("subtract_nuisances", "loudness"):
+        monkeypatch.setattr(module, name, lambda *given: {})
+    monkeypatch.setattr(module, "find_touched", lambda setting, columns: set())
+    assert not is_significant(None, None, fitted(10.0, 10.0), fitted(5.0, 5.0), chance=0.0)
+
+
+@pytest.mark.parametrize("more", [0.0, 1e-9])
+@pytest.mark.parametrize("which", ["of_excess", "best"])
+def test_causes_that_explain_as_much_as_the_limit_are_enough(monkeypatch, which, more):
+    shares = {"of_excess": 0.0, "best": 0.0} | {which: LIMIT.together - more}
+    gone = ExplainedVariance(of_all=0.9, excess=0.9, n_loud=3, **shares)
+    for name in ("loudness", "subtract_nuisances", "find_touched"):
+        monkeypatch.setattr(module, name, lambda *given: {})
+    monkeypatch.setattr(module, "compute_explained", lambda *given: gone)
+    fit = SimpleNamespace(columns=())
+    assert explains_most(None, SimpleNamespace(fit=fit), SimpleNamespace(fit=fit)) == (not more)
+
+
+@pytest.mark.parametrize(("share", "sizeable"), [(1.0, False), (1 + 1e-9, True), (-1.0, False), (-1 - 1e-9, True)])
+def test_a_size_of_note_is_more_than_a_share_of_what_is_plausible(monkeypatch, share, sizeable):
+    monkeypatch.setattr(module, "is_sizeable", is_sizeable)
+    (p,) = EFFECTS["viscous_level"].parameters().values()
+    change = np.array(p.neutral + share * LIMIT.sizeable * (p.high - p.low))
+    one = Hypothesis(kind=EFFECTS["viscous_level"], joint="j1", source=None, values={p.name: change})
+    assert module.is_sizeable(one) == sizeable
+
+
 @pytest.mark.parametrize(("share", "best", "most"), [(0.6, 0.0, True), (0.3, 0.6, True), (0.3, 0.4, False)])
 def test_causes_that_explain_no_component_well_are_none(monkeypatch, share, best, most):
     gone = ExplainedVariance(of_excess=share, of_all=share, excess=0.9, n_loud=3, best=best)
