@@ -109,6 +109,7 @@ def test_the_fit_that_leaves_least_is_first_with_a_price_of_each_number(fit_best
     assert fit_best([level, wave], left=[0.1, 0.1 - 0.2 * numbers * slack]) == [wave, level]
     # nothing is paid for what explains nothing
     assert fit_best([wave, level], left=[2.5, 2.5]) == [wave, level]
+    assert fit_best([level, wave], left=[2.5, 2.5]) == [level, wave]
 
 
 def test_what_ties_with_a_rival_is_explained_all_the_same(monkeypatch):
@@ -228,7 +229,8 @@ def test_what_others_made_up_for_is_told_to_later_rounds(searched, monkeypatch):
     def run_round(problem, candidates, null_residuals, nominal, now, needless, report):
         told.append(list(needless))
         tried = [CAUSES[:1], CAUSES[:2], CAUSES[1:]][len(told) - 1] if len(told) < 4 else ()
-        return SearchRound(before=now, ranking=None, tried=(model(tried),) * (len(told) < 4), adopted=len(told) < 4)
+        found = (model(tried), model([cogging("j4", 1.0)])) if len(told) < 4 else ()
+        return SearchRound(before=now, ranking=None, tried=found, adopted=len(told) < 4)
 
     monkeypatch.setattr(module, "_run_round", run_round)
     monkeypatch.setattr(

@@ -37,9 +37,11 @@ def at_limit(values, loud=1.01):
     [
         (SHAPE.low, True),
         (SHAPE.low + 0.9 * NEAR, True),
-        (SHAPE.low + 1.1 * NEAR, False),
+        (SHAPE.low + NEAR, True),
+        (SHAPE.low + 1.05 * NEAR, False),
         (MIDDLE, False),
-        (SHAPE.high - 1.1 * NEAR, False),
+        (SHAPE.high - 1.05 * NEAR, False),
+        (SHAPE.high - NEAR, True),
         (SHAPE.high - 0.9 * NEAR, True),
         (SHAPE.high, True),
     ],

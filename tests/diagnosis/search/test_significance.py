@@ -276,6 +276,12 @@ def removed_from(monkeypatch, first, loud, then, where, *, known=(), by_channel=
     return compute_explained_by_newest(setting, before, after, SimpleNamespace(fit=None))
 
 
+@pytest.mark.parametrize(("loud", "exceeds"), [(1.0, False), (3.0, False), (3.0 + 1e-9, True)])
+def test_what_is_above_the_noise_exceeds_what_is_allowed_above_it(loud, exceeds):
+    energies, allowed = {TORQUES[0]: 1.0, TORQUES[1]: loud}, {TORQUES[0]: 0.5, TORQUES[1]: 2.0}
+    assert module._exceeds_allowance(energies, set(TORQUES[:2]), allowed) == exceeds
+
+
 def test_a_little_in_one_joint_is_what_ails_a_loud_one_until_it_is_much(monkeypatch):
     loud = (151.0, 1.5, 11.0, 1.0)
     little = removed_from(monkeypatch, loud, loud, (151.0, 1.0, 11.0, 1.0), {TORQUES[1]})
@@ -326,6 +332,7 @@ def test_another_wave_of_a_cause_is_credited_with_what_inexact_causes_would_leav
     [
         ("joint_stiffness", "j1", 0.9 * settings().prior.bound, 0.0, True),
         ("joint_stiffness", "j1", -0.9 * settings().prior.bound, 0.0, True),
+        ("joint_stiffness", "j1", settings().prior.bound, 0.0, True),
         ("joint_stiffness", "j1", 1.1 * settings().prior.bound, 0.0, False),
         ("joint_stiffness", "j1", 0.9 * settings().prior.bound, 0.5, False),
         ("joint_stiffness", "j2", 0.1 * settings().prior.bound, 0.0, False),
@@ -336,8 +343,8 @@ def test_a_number_within_its_calibration_is_no_cause(effect, joint, sigmas, at, 
     """Of another joint, or another number, the calibration of this one says nothing."""
     column = SimpleNamespace(effect=EFFECTS["joint_stiffness"], joint="j1", parameter="change")
     setting = SimpleNamespace(
-        nuisances=(NuisanceParameter(column=column, sigma=0.05, at=at),),
+        nuisances=(NuisanceParameter(column=column, sigma=0.0625, at=at),),
         log=SimpleNamespace(robot=SimpleNamespace(n_joints=2)),
     )
-    newest = Hypothesis(kind=EFFECTS[effect], joint=joint, source=None, values={"change": np.array(0.05 * sigmas)})
+    newest = Hypothesis(kind=EFFECTS[effect], joint=joint, source=None, values={"change": np.array(0.0625 * sigmas)})
     assert is_within_prior(setting, newest) == known
