@@ -3,7 +3,6 @@
 import json
 import os
 import platform
-import subprocess
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
@@ -14,6 +13,7 @@ from ffgym.core.errors import FFGymError
 from ffgym.core.files import read_text, write_text
 from ffgym.core.provenance import versions
 from scripts.bench.turns import WIDE, Amount, Ratio
+from scripts.commit import describe_commit
 
 LOST = 0.1
 """Part of a ratio whose loss is told."""
@@ -29,16 +29,6 @@ def processor() -> str:
     return f"{names[0] if names else platform.processor() or platform.machine()}, {os.cpu_count()} cores"
 
 
-def commit() -> str:
-    """Commit of the repository, with `-dirty` where files differ from it; `unknown` without git."""
-    command = ["git", "describe", "--always", "--dirty"]
-    try:
-        done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=Path(__file__).parent)
-    except (OSError, subprocess.CalledProcessError):
-        return "unknown"
-    return done.stdout.strip()
-
-
 @dataclass(frozen=True)
 class Entry:
     """One run of the benchmark."""
@@ -48,7 +38,7 @@ class Entry:
     amounts: dict[str, tuple[float, str]]
     """Value and unit by title."""
     date: str = field(default_factory=lambda: datetime.now(UTC).date().isoformat())
-    commit: str = field(default_factory=commit)
+    commit: str = field(default_factory=describe_commit)
     processor: str = field(default_factory=processor)
     versions: dict[str, str] = field(default_factory=versions)
 

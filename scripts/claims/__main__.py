@@ -10,10 +10,11 @@ from ffgym.cli.main import run_command
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import check_writable, made_folder, write_json
 from ffgym.core.provenance import versions
+from scripts.claims.history import keep_made
 from scripts.claims.page import ROOT, pages
 from scripts.claims.records import FOLDER, make_record, records_in
-from scripts.claims.report import count, describe, list_untraced
-from scripts.claims.steps import Made, every_step, run_steps
+from scripts.claims.report import count, count_all, describe, list_untraced
+from scripts.claims.steps import Made, choose_steps, every_step, run_steps
 from scripts.claims.trace import Fault, Trace, check_pages
 
 
@@ -27,6 +28,10 @@ class CheckClaims:
     """Folder of what was made; an interrupted call goes on there."""
     json: Path | None = None
     """Also write every number with its trace, and what does not hold, to this file."""
+    steps: tuple[str, ...] = ()
+    """Steps to make again by name, as 'tests/*' or 'page narx.md'; none given is all."""
+    keep: bool = False
+    """Also keep in docs/records/claims.json what was made, for the table of docs/claims.md."""
     record: tuple[str, ...] = ()
     """Records of docs/records to make and store; nothing else is done."""
 
@@ -44,8 +49,9 @@ class CheckClaims:
             return
         made, began = list[Made](), time.monotonic()
         if not self.short:
+            chosen = choose_steps(every_step(self.out), self.steps)
             with made_folder(self.out):
-                for one in run_steps(every_step(self.out), self.out, _state()):
+                for one in run_steps(chosen, self.out, _state()):
                     print(f"{one.name}: {one.skipped or 'made'}, {one.seconds:.0f} s", flush=True)
                     made.append(one)
         with records_in(self.out if not self.short else FOLDER):
@@ -58,6 +64,8 @@ class CheckClaims:
         )
         if self.json is not None:
             write_json(self.json, _document(traces, every, made))
+        if self.keep:
+            keep_made(made, every_step(self.out), count_all(traces) | {"faults": len(every)})
         if every:
             raise FFGymError(
                 f"{len(every)} numbers of the documentation do not hold, or marks lead nowhere; see above."

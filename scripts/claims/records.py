@@ -20,6 +20,7 @@ from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.files import made_folder, read_text, write_json
 from ffgym.core.provenance import versions
 from scripts.claims.page import ROOT
+from scripts.commit import describe_commit
 
 FOLDER = ROOT / "docs" / "records"
 """Folder of the stored records."""
@@ -105,13 +106,10 @@ def make_record(name: str, folder: Path = FOLDER) -> Path:
 
 def store(name: str, numbers: Any, seconds: float, place: Path) -> None:
     """Store numbers with their origin."""
-    commit = subprocess.run(
-        ["git", "describe", "--always", "--dirty"], cwd=ROOT, check=False, capture_output=True, text=True
-    )
     origin = {
         "command": RECORDS[name].command,
         "made": datetime.now(UTC).date().isoformat(),
-        "commit": commit.stdout.strip() or "not told",
+        "commit": describe_commit(),
         "seconds": round(seconds),
         "versions": versions(),
     }

@@ -23,6 +23,12 @@ def count(traces: Sequence[Trace]) -> dict[str, dict[str, int]]:
     return counted
 
 
+def count_all(traces: Sequence[Trace]) -> dict[str, int]:
+    """Count pages, numbers and those that are traced."""
+    found = [each.how for trace in traces for each in trace.numerals]
+    return {"pages": len(traces), "numbers": len(found), "traced": len(found) - found.count("untraced")}
+
+
 def describe(traces: Sequence[Trace]) -> str:
     """Table of all pages, those with most untraced numbers first, and the sum."""
     counted = count(traces)

@@ -6,9 +6,11 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
+from datetime import UTC, datetime
+from fnmatch import fnmatchcase
 from functools import partial
-from itertools import zip_longest
+from itertools import groupby, zip_longest
 from pathlib import Path
 
 from ffgym.core.errors import FFGymError
@@ -17,6 +19,7 @@ from scripts.claims.numerals import NUMERAL
 from scripts.claims.page import ROOT, Mark, name_of, pages, read_blocks
 from scripts.claims.records import RECORDS, make_record
 from scripts.claims.trace import PRINTED, Fault
+from scripts.commit import describe_commit
 from scripts.tables import DEFINED, PAGES
 from scripts.tables.page import DOCS, renew
 
@@ -39,6 +42,8 @@ class Made:
     faults: tuple[Fault, ...]
     skipped: str = ""
     """Reason why it was not made, as data that are not there."""
+    date: str = field(default_factory=lambda: datetime.now(UTC).date().isoformat())
+    commit: str = field(default_factory=describe_commit)
 
 
 def every_step(folder: Path) -> list[Step]:
@@ -48,12 +53,23 @@ def every_step(folder: Path) -> list[Step]:
         for name in (*DEFINED, *(name for name in PAGES if name not in DEFINED))
     ]
     records = [Step(f"record {name}", each.command, partial(_again, name, folder)) for name, each in RECORDS.items()]
-    tests = sorted({mark.text.partition(" for ")[0] for mark in _marks("tested")} | set(PRINTED.values()))
-    return [
-        *parts,
-        Step("tests", f"python -m pytest {' '.join(tests)}", partial(_run_tests, tests)),
-        *records,
-    ]
+    named = sorted({mark.text.partition(" for ")[0] for mark in _marks("tested")} | set(PRINTED.values()))
+    by_file = {file: list(own) for file, own in groupby(named, key=lambda test: test.partition("::")[0])}
+    tests = [Step(file, f"python -m pytest {' '.join(own)}", partial(_run_tests, own)) for file, own in by_file.items()]
+    return [*parts, *tests, *records]
+
+
+def choose_steps(steps: Sequence[Step], patterns: Sequence[str]) -> list[Step]:
+    """Choose the steps whose name matches one of some patterns, as `page agents/*` or `tests/*`; none given is all.
+
+    Raises:
+        FFGymError: if a pattern matches no step.
+    """
+    for pattern in patterns:
+        if not any(fnmatchcase(step.name, pattern) for step in steps):
+            kinds = "'page PLACE' in docs/, 'record NAME' in docs/records, and files of tests"
+            raise FFGymError(f"No step is named {pattern!r}; there are {kinds}, with * for any part of a name.")
+    return [step for step in steps if not patterns or any(fnmatchcase(step.name, each) for each in patterns)]
 
 
 def run_steps(steps: Sequence[Step], folder: Path, state: str) -> Iterator[Made]:

@@ -17,6 +17,7 @@ from ffgym.effects import EFFECTS
 from ffgym.report import save_figure
 from ffgym.robot import builtin_robots
 from scripts.tables import (
+    claims,
     definitions,
     friction,
     laws,
@@ -41,6 +42,7 @@ from scripts.tables.page import DOCS, DPI, Contents
 DEFINED: Mapping[str, Callable[[], Contents]] = {
     "api.md": package_pages.names,
     "architecture.md": package_pages.architecture,
+    "claims.md": claims.made_again,
     "column_maps.md": definitions.column_maps,
     "deployment/trial.md": trial.coverage,
     "motion_files.md": definitions.motion_files,
