@@ -9,6 +9,7 @@ from typing import Any
 from ffgym.core.errors import FFGymError, check_whole
 from ffgym.core.files import read_text, write_json, write_text
 from ffgym.core.provenance import versions
+from ffgym.core.temporaries import remove_remains
 from ffgym.core.typed_json import parse_json
 from ffgym.diagnosis.diagnosis_file import read_diagnosis, write_diagnosis
 from ffgym.diagnosis.extended import extend_machine, save_extended
@@ -119,6 +120,7 @@ def improve_in_rounds(rig: Rig, plan: Plan, folder: Path, diagnose: Diagnose, st
     while len(rounds) < plan.rounds and not (rounds and rounds[-1].is_last):
         number = len(rounds) + 1
         place = folder / f"round_{number}"
+        remove_remains(place)  # of a killed process; the folder around it is held by this one
         # record
         protocols = [protocol for name in plan.protocols for protocol in load_protocols(name)]
         motions = plan_session(rig.arm, [*protocols, *proposed], start=clock)

@@ -119,6 +119,14 @@ def test_what_is_complete_is_not_made_again(improvement, rig, plan, folder):
     assert [each.diagnosis for each in repeated] == [each.diagnosis for each in improvement.rounds]
 
 
+def test_what_a_killed_process_left_half_written_in_a_round_goes(improvement, rig, plan, folder, tmp_path):
+    copy = shutil.copytree(folder, tmp_path / "copy")
+    for place in (copy / "round_1", copy / "round_1" / "logs", copy / "round_2"):
+        (place / ".ffgym-0.tmp").touch()
+    improve_in_rounds(rig, plan, copy, Knowing(), quiet)
+    assert not list(copy.rglob(".ffgym-*"))
+
+
 def test_a_diagnosis_of_another_model_is_made_again(improvement, rig, plan, folder, tmp_path):
     copy = shutil.copytree(folder, tmp_path / "copy")
     known = replace(plan.nominal, effects=(EFFECTS["torque_offset"].on(rig.robot, offset=0.01),))
