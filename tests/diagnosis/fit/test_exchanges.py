@@ -1,5 +1,7 @@
 """What an exchange of machines changes is what their replays differ by, to first order."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -100,6 +102,19 @@ def test_a_number_is_nudged_up_or_down_where_it_is_at_its_bound():
         assert (free.value == free.high) is not up
 
 
+@pytest.mark.parametrize(("high", "change"), [(1.5, 0.5), (1.25, -0.5)])
+def test_a_number_is_nudged_up_to_its_bound_but_not_beyond(monkeypatch, high, change):
+    number = SimpleNamespace(name="share", value=1.0, nudge=0.5, step=2.0, low=0.5, high=high)
+    moved = []
+    one = SimpleNamespace(
+        list_free=lambda: [number], move=lambda by: moved.append(by) or SimpleNamespace(effect=lambda robot: "effect")
+    )
+    monkeypatch.setattr(module, "exchange_effects", lambda machine, effects: effects)
+    machine = SimpleNamespace(effects=("beside", "before"), robot=None)
+    assert _nudge(machine, 1, one, 0) == (["beside", "effect"], change / 2.0)
+    assert moved == [[change]]
+
+
 def test_a_number_that_can_be_neither_higher_nor_lower_is_told(monkeypatch):
     one = cause("load_friction", nominal().robot.joints[0], share=0.1)
     monkeypatch.setattr(module, "exchange_effects", lambda machine, effects: None)
@@ -118,3 +133,11 @@ def test_tangents_are_per_practical_step_of_a_machine_with_effects_before(log):
     wanted = (predict(run)["torque"] - none)[inside][:, 1] * step / 0.1
     np.testing.assert_allclose(column["torque", 1][inside], wanted, rtol=0, atol=1e-6 * np.abs(wanted).max())
     assert compute_tangents(run, before, [one], {0: [column]}) == [column]
+    both = [one, cause("viscous_level", nominal().robot.joints[0], change=0.1)]
+    beside = replay(log, both[1].on(run.machine))
+    known = compute_tangents(beside, before, both)
+    again = compute_tangents(beside, before, both, {0: [column]})
+    assert again[0] is column
+    assert len(again) == len(known) == 2
+    for key, values in known[1].items():
+        np.testing.assert_allclose(again[1][key], values, rtol=1e-9, atol=1e-9 * np.abs(values).max())
