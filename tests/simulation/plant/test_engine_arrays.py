@@ -236,6 +236,16 @@ def test_what_stands_first_in_the_model_is_there(two_link):
     assert not at.has_torque.any()
 
 
+@pytest.mark.parametrize(("share", "place"), [([1.0, 0.0], [0, -1]), ([0.0, 1.0], [-1, 1])])
+def test_bristles_on_links_alone_stand_in_the_order_of_joints(share, place, two_link):
+    friction = replace(two_link.friction, arm_share=np.array(share))
+    servo = replace(two_link.servo, integral_gain=np.zeros(2))
+    at = Plant(replace(two_link, friction=friction, servo=servo), 1, n_threads=1).addresses
+    assert at.arm_bristle.tolist() == place
+    assert at.has_arm_bristle.tolist() == [each == 1.0 for each in share]
+    assert at.has_bristle.tolist() == [each == 0.0 for each in share]
+
+
 @pytest.mark.parametrize("friction", [True, False])
 def test_without_friction_motors_have_no_bristles(two_link, friction):
     plant = Plant(two_link, 1, options=ModelOptions(friction=friction), n_threads=1)

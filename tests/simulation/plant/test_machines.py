@@ -227,6 +227,39 @@ def test_factors_are_on_the_numbers_of_their_group(two_link):
     assert drawn(two_link, payload=2.0).tool.mass == two_link.tool.mass + 2.0
 
 
+def test_factors_on_the_path_of_torque_are_on_the_drives_own_numbers(two_link):
+    own = {"torque_lag": [1e-3, 2e-3], "torque_delay": [5e-4, 0.0], "torque_rate": [4e3, 6e3]}
+    given = replace(two_link, drive=replace(two_link.drive, **{name: np.array(own[name]) for name in own}))
+    drive = drawn(given, torque_lag=2.0, torque_delay=1.5, torque_rate=0.25).drive
+    np.testing.assert_allclose(drive.torque_lag, [2e-3, 4e-3], rtol=1e-14)
+    np.testing.assert_allclose(drive.torque_delay, [7.5e-4, 0.0], rtol=1e-14)
+    np.testing.assert_allclose(drive.torque_rate, [1e3, 1.5e3], rtol=1e-14)
+
+
+def test_by_default_friction_changes_most_and_masses_least():
+    """Percent that drawn numbers lie below and above the nominal ones at most."""
+    wanted = {
+        "friction_level": (-30, 40),
+        "viscous": (-40, 60),
+        "stribeck_velocity": (-30, 40),
+        "bristle_stiffness": (-30, 40),
+        "bristle_damping": (-30, 40),
+        "joint_stiffness": (-15, 15),
+        "link_inertia": (-5, 5),
+        "rotor_inertia": (-3, 3),
+    }
+    default = PlantDistribution()
+    for name, (low, high) in wanted.items():
+        values = getattr(default, name).draw(np.random.default_rng(1), 4000)
+        np.testing.assert_allclose(
+            [values.min(), values.max()], [1 + low / 100, 1 + high / 100], rtol=2e-3, err_msg=name
+        )
+    mass = default.payload.draw(np.random.default_rng(1), 4000)
+    np.testing.assert_allclose([mass.min(), mass.max()], [0.0, 5.0], atol=0.01)
+    changing = {name for name in PlantDistribution.__dataclass_fields__ if getattr(default, name) is not None}
+    assert changing == {*wanted, "payload"}
+
+
 def test_shares_are_drawn_on_joints_that_have_one_or_on_all(two_link):
     assert drawn(two_link, arm_share=0.3).friction.arm_share.tolist() == [0.3, 0.3]
     one = replace(two_link, friction=replace(two_link.friction, arm_share=np.array([0.5, 0.0])))
