@@ -39,7 +39,7 @@ def loop(n, lines, pointers=("ptr %in", "ptr %out")):
     lines(code)
     text = [declarations(), code.constants(), code.function(list(pointers), [])]
     module = compile_code("\n".join(text))
-    call = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 2)(module.get_function_address("probe"))
+    call = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * len(pointers))(module.get_function_address("probe"))
     return lambda *arrays: call(*(array.ctypes.data for array in arrays)) or module
 
 
@@ -76,3 +76,43 @@ def test_numbers_that_are_the_same_at_all_steps_have_one_place_each():
     graph, slots = Graph(2), Slots()
     first, second = (graph.given(name, fixed=True).nodes[()] for name in "ab")
     assert [slots.place(node) for node in (first, second, first)] == [0, 1, 0]
+
+
+def test_joints_that_all_have_a_place_are_not_asked_whether_they_have():
+    code = LoopCode("probe", 2, Slots())
+    code.load(JointPlace(base="%in", addresses=(1, 0)))
+    assert not any("%nowhere" in line for line in code.lines)
+    code.load(JointPlace(base="%in", addresses=(1, -1)))
+    assert any("%nowhere" in line for line in code.lines)
+
+
+@pytest.mark.parametrize(
+    ("places", "is_copied"),
+    [
+        ([JointPlace(base="%in", stride=3, offset=2), JointPlace(base="%in", stride=3, offset=3)], False),
+        ([JointPlace(base="%in", stride=3, offset=2), JointPlace(base="%in", stride=3, offset=1)], True),
+        ([JointPlace(base="%in", stride=3, offset=2), JointPlace(base="%in", stride=3, offset=4)], True),
+        ([JointPlace(base="%in", stride=3), JointPlace(base="%out", stride=3, offset=1)], True),
+        ([JointPlace(base="%in", addresses=(4, 0))], True),
+        (["%time", JointPlace(base="%in")], True),
+    ],
+)
+def test_numbers_to_look_up_are_copied_unless_they_stand_side_by_side(places, is_copied):
+    graph, code = Graph(2), LoopCode("probe", 2, Slots())
+    first, *others = (graph.given(k).nodes[()] for k in range(len(places) + 1))
+    code.compute([graph.pick(first, [first, *others])], lambda k: places[k - 1] if k else JointPlace(base="%in"))
+    assert any("x double]" in line for line in code.entry) is is_copied
+
+
+def test_an_index_looks_up_in_what_stands_side_by_side_from_the_first_of_it_on():
+    values, index, found = np.arange(10.0, 22.0), np.array([0.0, 1.0, 3.0, 2.0]), np.empty(4)
+
+    def lines(code):
+        graph = Graph(4)
+        nodes = [graph.given(k).nodes[()] for k in range(4)]
+        picked = graph.pick(graph.given("index").nodes[()], nodes)
+        row = {k: JointPlace(base="%in", stride=2, offset=k) for k in range(4)}
+        code.store(code.compute([picked], {**row, "index": JointPlace(base="%index")}.get)[0], JointPlace(base="%out"))
+
+    loop(4, lines, ("ptr %in", "ptr %index", "ptr %out"))(values, index, found)
+    assert found.tolist() == [10.0, 13.0, 17.0, 18.0]

@@ -58,7 +58,11 @@ FORMULAS = {
     "a part of a memory": lambda x, y, m: m[..., 1:],
     "a number beside a memory": lambda x, y, m: x[..., None] * m,
     "a sum": lambda x, y, m: np.sum(m, axis=-1),
+    "a sum along the last of two axes": lambda x, y, m: np.sum(m[..., None, :], axis=-1),
+    "numbers of fewer axes": lambda x, y, m: m[..., None, None, :] * np.array([[1.0, 2.0, 3.0]]),
     "a stack": lambda x, y, m: np.stack([x, y], axis=-1),
+    "a stack of memories": lambda x, y, m: np.stack([m, 2.0 * m], axis=-1),
+    "memories side by side in two axes": lambda x, y, m: np.concatenate([m[..., None, :], -m[..., None, :]], axis=-1),
     "a memory that shifts": lambda x, y, m: np.concatenate([x[..., None], m[..., :-1]], axis=-1),
     "a part that is set": lambda x, y, m: assigned(m, (..., 1), x),
     "all that is set": lambda x, y, m: assigned(x, slice(None), 2.0) + assigned(y, ..., x),
@@ -68,6 +72,11 @@ FORMULAS = {
     "one number to look up": lambda x, y, m: np.take_along_axis(x[..., None], (0 * y)[..., None].astype(int), axis=-1),
     "computed numbers to look up": lambda x, y, m: np.take_along_axis(
         np.stack([y, x * y, x + y], axis=-1), np.clip(np.trunc(x), 0, 2).astype(int)[..., None], axis=-1
+    )[..., 0],
+    "numbers of joints to look up": lambda x, y, m: np.take_along_axis(
+        np.stack([y, np.arange(6.0)[None], np.arange(6.0)[None] ** 2], axis=-1),
+        np.clip(np.trunc(x), 0, 2).astype(int)[..., None],
+        axis=-1,
     )[..., 0],
     "the same shape": lambda x, y, m: np.broadcast_to(x, y.shape) + y,
 }
@@ -117,6 +126,7 @@ REFUSED = {
     "two graphs": lambda x, y, m: x + Graph(X.size).given("x"),
     "memories of other sizes that are looked up": lambda x, y, m: np.take_along_axis(m, x.astype(int), axis=-1),
     "numbers of other joints": lambda x, y, m: x * np.arange(5.0),
+    "no numbers": lambda x, y, m: x * np.zeros(0),
     "text": lambda x, y, m: x * np.array(["a"] * 6),
     "complex numbers": lambda x, y, m: x * 1j,
 }
@@ -167,6 +177,19 @@ def test_an_index_outside_gives_the_nearest_number():
 def test_of_one_number_any_index_gives_it():
     found = by_code(lambda x, y, m: np.take_along_axis(y[..., None], (3 * x).astype(int)[..., None], axis=-1)[..., 0])
     np.testing.assert_array_equal(found, Y)
+
+
+def test_powers_that_numpy_writes_by_others_are_those():
+    x, graph = traced(lambda x, y, m: x)
+    (given,) = x.nodes.flat
+    for squared in (x**2, np.square(x)):
+        assert squared.nodes[()].operation == "multiply"
+        assert squared.nodes[()].arguments == (given, given)
+    assert (x**0.5).nodes[()] is np.sqrt(x).nodes[()]
+    assert (x**1).nodes[()] is np.positive(x).nodes[()] is given
+    assert np.reciprocal(x).nodes[()].arguments == (graph.number(1.0), given)
+    for exponent in (3.0, -1.0, 0.0, 1.5, x):
+        assert (x**exponent).nodes[()].operation == "power"
 
 
 def test_equal_operations_are_made_once():

@@ -102,8 +102,8 @@ class LoopCode:
 
     def _row(self, nodes: Sequence[Node], values: Sequence[str], places: Callable[[Any], JointPlace | str]) -> str:
         """Write code that has values side by side in memory; returns the pointer to the first."""
-        found = [places(node.value) if node.operation == "given" else "" for node in nodes]
-        first = found[0] if found else ""
+        found = [places(node.value) if node.operation == "given" and not node.is_fixed else "" for node in nodes]
+        first = found[0]
         if isinstance(first, JointPlace) and first.addresses is None:
             row = [replace(first, offset=first.offset + k) for k in range(len(found))]
             if found == row:  # as in what an effect remembers

@@ -67,14 +67,15 @@ def _write(code: LoopCode, layout: Layout, stores: Stores) -> None:
     sizes = dict(layout.memories)
 
     def place(source: Any) -> JointPlace | str:
-        if source == "time":
-            return "%time"
-        what, where, *rest = source
-        if what == "memory":
-            return JointPlace(base=f"%memory.{where}", stride=sizes[where], offset=rest[0])
-        if what == "known":
-            return JointPlace(base="%known", offset=where)
-        return JointPlace(base=f"%{where}", addresses=rest[0])
+        match source:
+            case "time":
+                return "%time"
+            case "memory", name, part:
+                return JointPlace(base=f"%memory.{name}", stride=sizes[name], offset=part)
+            case "known", offset:
+                return JointPlace(base="%known", offset=offset)
+        _, name, addresses = source
+        return JointPlace(base=f"%{name}", addresses=addresses)
 
     values = code.compute([node for _, node in stores], place)
     for value, (source, _) in zip(values, stores, strict=True):

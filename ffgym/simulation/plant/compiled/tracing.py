@@ -77,7 +77,7 @@ class Graph:
         lead = max(array.ndim - trailing, 0)
         nodes = np.empty(array.shape[lead:], dtype=object)
         for place in np.ndindex(nodes.shape):
-            nodes[place] = self._of_joints(array[(..., *place)] if place else array)
+            nodes[place] = self._of_joints(array[(..., *place)])
         return nodes
 
     def describe(self) -> list[tuple[Any, ...]]:
