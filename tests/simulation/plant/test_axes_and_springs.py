@@ -160,6 +160,16 @@ def test_a_resting_plant_bends_as_static_deflection_says_which_springs_change(ba
     assert np.abs(bent - static_deflection(RigidArm(irb4600), q))[0, 1] > 1e-4
 
 
+def test_springs_bend_an_arm_that_weighs_nothing(balanced):
+    q = balanced.work_area.home[None]
+    plant = Plant(balanced, 1, options=ModelOptions(gravity=False, looks=False), n_threads=1)
+    plant.rest(q)
+    link = plant.state().link_position
+    carried = balanced.drive.joint_stiffness * (link - q)
+    np.testing.assert_allclose(carried, -RigidArm(balanced).spring_torque(link), rtol=1e-6, atol=1e-6)
+    assert abs(carried[0, 1]) > 40
+
+
 def test_springs_can_be_left_out(balanced, irb4600):
     left_out = compile_model(balanced, ModelOptions(springs=False, looks=False))
     bare = compile_model(irb4600, ModelOptions(looks=False))

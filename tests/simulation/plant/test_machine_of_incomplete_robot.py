@@ -1,5 +1,6 @@
 """Machine files of robots whose descriptions lack entries: what a diagnosis that fits the rest writes and reads."""
 
+import tomllib
 from dataclasses import replace
 from importlib import resources
 
@@ -9,6 +10,7 @@ import pytest
 from ffgym.core.errors import FFGymError
 from ffgym.robot import load_draft, load_robot
 from ffgym.simulation.plant import Machine, load_machine, save_machine
+from ffgym.simulation.plant.machine_file import parse_machine
 
 FITTED = ("links.", "friction.", "drive.rotor_inertia]")
 SERVO = ("servo.",)
@@ -47,6 +49,8 @@ def test_what_lacks_a_servo_is_compared_with_logs_and_not_simulated(tmp_path):
     np.testing.assert_array_equal(robot.friction.coulomb, load_robot("two_link").friction.coulomb)
     with pytest.raises(FFGymError, match=r"m.toml: .*Missing entries: servo.control_dt, servo.integral_gain"):
         load_machine(saved)
+    with pytest.raises(FFGymError, match=r"machine: .*Missing entries: servo"):
+        parse_machine(tomllib.loads(saved.read_text(encoding="utf-8")), folder=tmp_path)
 
 
 def test_a_number_that_happens_to_be_that_of_a_stand_in_is_written(tmp_path):

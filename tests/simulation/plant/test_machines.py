@@ -1,5 +1,6 @@
 """Machines of small robots: what makes two the same, what their files say, and what is drawn."""
 
+import tomllib
 from dataclasses import replace
 
 import numpy as np
@@ -121,6 +122,15 @@ def test_resolvers_read_angles_with_one_error_after_the_other(two_link):
     assert machine.resolver_effects == (wave, wave)
 
 
+def test_only_where_the_engine_computes_no_torques_the_lag_of_drives_is_an_effect(two_link):
+    drive = replace(two_link.drive, torque_lag=np.array([1e-3, 2e-3]), torque_delay=np.array([5e-4, 0.0]))
+    machine = Machine(robot=replace(two_link, drive=drive), effects=(cogging(two_link),))
+    (_, in_plant), (_, without_engine) = machine.torque_effects, machine.torque_effects_without_engine
+    assert in_plant.delay.tolist() == without_engine.delay.tolist() == [5e-4, 0.0]
+    assert in_plant.lag.tolist() == [0.0, 0.0]
+    assert without_engine.lag.tolist() == [1e-3, 2e-3]
+
+
 def test_what_an_effect_acts_on_may_be_left_out_where_the_effect_is_nothing(two_link):
     stiff = ModelOptions(looks=False, flexible=False)
     for lost, fits in ((1e-4, False), (0.0, True)):
@@ -164,6 +174,23 @@ def test_a_file_says_what_differs_from_the_robot_and_nothing_else(two_link, tmp_
     np.testing.assert_array_equal(known_robot(path).drive.joint_stiffness, two_link.drive.joint_stiffness)
     bare = machine_text(Machine(robot=two_link), title="bare", source="a test")
     assert [line for line in bare.splitlines() if line.startswith("[")] == ["[machine]"]
+
+
+def test_numbers_of_a_file_keep_their_source_until_they_change(two_link, tmp_path):
+    drive, friction = two_link.drive, two_link.friction
+    stiffer = replace(drive, joint_stiffness=1.1 * drive.joint_stiffness)
+    robot = replace(two_link, drive=stiffer, friction=friction.scale(viscous=1.2))
+    path = save_machine(Machine(robot=robot), tmp_path / "m.toml", title="t", source="first")
+    again = load_machine(path).robot
+    again = replace(
+        again,
+        drive=replace(again.drive, joint_stiffness=drive.joint_stiffness / 2),
+        friction=again.friction.scale(coulomb=0.9, static=0.9),
+    )
+    tables = tomllib.loads(machine_text(Machine(robot=again), title="t", source="second"))
+    assert tables["friction"]["viscous"]["source"] == "first"
+    assert tables["drive"]["joint_stiffness"]["source"] == "second"
+    assert tables["friction"]["coulomb"]["source"] == "second"
 
 
 def test_what_is_no_machine_file_is_told(tmp_path):

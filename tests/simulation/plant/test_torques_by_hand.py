@@ -145,6 +145,17 @@ def test_joints_with_backlash_hang_at_an_edge_of_it_or_at_the_lowest_place_withi
     np.testing.assert_allclose(plant.state().link_position, loose, rtol=0, atol=1e-9)
 
 
+def test_the_first_robot_that_is_too_soft_is_named_with_its_stiffness(two_link):
+    soft, softer = (
+        replace(two_link, name=name, drive=replace(two_link.drive, joint_stiffness=np.full(2, stiffness)))
+        for name, stiffness in (("soft", 20.0), ("softer", 10.0))
+    )
+    plant = Plant(two_link, 4, n_threads=1)
+    plant.become([1, 2], [soft, softer])
+    with pytest.raises(FFGymError, match=r"'soft' finds no equilibrium .* \[20\. 20\.\] N m/rad is too soft"):
+        plant.rest(np.zeros((3, 2)), ids=np.array([1, 2, 3]))
+
+
 def test_rigid_joints_do_not_bend_and_their_servos_hold_all(two_link):
     rigid = replace(two_link, drive=replace(two_link.drive, joint_stiffness=np.array([np.inf, 2e5])))
     plant = by_numpy([pushed(rigid)], WEIGHTLESS)
@@ -253,6 +264,23 @@ def test_what_servos_know_is_the_reading_or_the_truth_with_its_error(kinds, two_
         np.testing.assert_array_equal(plant.reading(), np.concatenate([known[0], known[1]], axis=1))
 
 
+def test_a_resolver_begins_with_the_speed_that_its_error_shows(two_link):
+    plant = by_numpy([leading(reading(two_link, bits=24))], WEIGHTLESS)
+    plant.rest(np.full((1, 2), 0.1), np.array([[0.02, 0.03]]))
+    resolution = 2 * np.pi / 2**24 / (2 * DT)
+    expected = (1 + SHARE) * RATIO * np.array([0.02, 0.03])
+    np.testing.assert_allclose(plant.servo_state()[1, 0], expected, rtol=0, atol=1.01 * resolution)
+
+
+def test_without_resolvers_no_readings_are_recorded(two_link):
+    for machine in (Machine(robot=two_link), pushed(two_link), leading(two_link)):
+        plant = by_numpy([machine])
+        plant.rest(np.zeros((1, 2)))
+        *state, readings = plant.advance_with_readings(controls(plant, np.zeros((1, 3, 2))))
+        assert readings is None
+        assert [len(each[0]) for each in state] == [3, 3, 3]
+
+
 def test_servos_compare_set_points_with_what_they_know(two_link):
     plant = by_numpy([leading(two_link)], WEIGHTLESS)
     plant.rest(np.full((1, 2), 0.1), np.full((1, 2), 0.02))
@@ -356,7 +384,7 @@ def test_a_torque_loop_rests_at_the_torque_that_holds_the_arm_up_to_its_peak(two
 
 
 def test_a_servo_without_integral_rests_without_one(two_link):
-    half = replace(two_link, servo=replace(two_link.servo, integral_gain=np.array([0.0, 2.0])))
+    half = replace(two_link, servo=replace(two_link.servo, integral_gain=np.array([0.0, 0.5])))
     plant = Plant(half, 1, n_threads=1)
     plant.rest(np.zeros((1, 2)))
     integral = plant.state().integral[0]
@@ -379,10 +407,10 @@ def test_an_unstable_simulation_is_named_with_when_it_failed_and_may_go_on_from_
     plant = Plant(two_link, 3, n_threads=1)
     plant.rest(np.zeros((3, 2)))
     plant.drive(controls(plant, np.zeros((3, 4, 2))))
-    rows = controls(plant, np.zeros((3, 8, 2)))
-    rows[1, 5] = np.nan
+    rows = controls(plant, np.zeros((3, 12, 2)))
+    rows[1, 5] = rows[2, 1] = np.nan
     before = mujoco.get_mju_user_warning()
-    with pytest.raises(FFGymError, match=r"Simulation 1 .*no number below 1e10 between t = 0\.001 s and 0\.003 s"):
+    with pytest.raises(FFGymError, match=r"Simulation 1 .*no number below 1e10 between t = 0\.001 s and 0\.004 s"):
         plant.drive(rows)
     assert mujoco.get_mju_user_warning() is before
     plant.rest(np.zeros((3, 2)))
