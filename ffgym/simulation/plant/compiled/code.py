@@ -181,7 +181,7 @@ class LoopCode:
 
 def _literal(value: float) -> str:
     """Number in LLVM's language, all of its bits."""
-    return f"0x{struct.unpack('<Q', struct.pack('<d', value))[0]:016X}"
+    return f"0x{struct.pack('>d', value).hex()}"
 
 
 def declarations() -> str:
