@@ -276,6 +276,19 @@ def test_marks_and_the_callback_are_there_while_rows_run_and_gone_after():
     assert engine_hook._users == 0
 
 
+def test_a_callback_that_someone_else_sets_while_rows_run_stays_when_they_have_ended():
+    compiled, _ = plant_of([loaded(arm())])._forces._compiled
+    kind = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)
+    theirs = kind(lambda model, data: None)
+    try:
+        with compiled._marks.set(slice(None)):
+            mujoco.set_mjcb_control(theirs)
+        assert mujoco.get_mjcb_control() is theirs
+        assert not engine_hook.is_free()
+    finally:
+        mujoco.set_mjcb_control(None)
+
+
 def test_steps_are_counted_anew_in_each_rollout():
     plant = plant_of([loaded(arm())] * 3)
     for steps in (5, 3):
