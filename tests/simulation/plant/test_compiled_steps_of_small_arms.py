@@ -1,6 +1,7 @@
 """Compiled steps of an arm of two links: the numbers of numpy to rounding, whatever runs beside and before."""
 
 import ctypes
+import re
 from dataclasses import dataclass, replace
 
 import mujoco
@@ -10,7 +11,8 @@ import pytest
 from ffgym.effects import EFFECTS, TorqueEffect, Torques, parameter
 from ffgym.robot import load_robot
 from ffgym.simulation.plant import Climate, Machine, Plant
-from ffgym.simulation.plant.compiled import engine_hook
+from ffgym.simulation.plant.compiled import engine_hook, functions
+from ffgym.simulation.plant.compiled.code import compile_code
 from ffgym.simulation.plant.compiled.formulas import can_trace, trace_step, untraceable_kinds
 from ffgym.simulation.plant.compiled.tracing import Untraceable
 from tests.simulation.plant.driving import controls
@@ -256,6 +258,14 @@ def test_without_readings_nothing_is_written_after_a_step():
     _, before, after = trace_step(plant_of([loaded(arm())])._forces._layout())
     assert before
     assert after == ([], [])
+
+
+def test_readings_that_nobody_asked_for_have_room_for_all_joints(monkeypatch):
+    layout, texts = plant_of(reading_arms())._forces._layout(), []
+    monkeypatch.setattr(functions, "compile_code", lambda text: texts.append(text) or compile_code(text))
+    functions.compile_layout.__wrapped__(layout)
+    rooms = re.findall(r"%unread = alloca \[(\d+) x double\]", texts[0])
+    assert rooms == ["4", "4"]  # within a rollout and at its end: angles and speeds of two joints
 
 
 def test_marks_and_the_callback_are_there_while_rows_run_and_gone_after():
