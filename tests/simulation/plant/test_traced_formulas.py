@@ -59,12 +59,15 @@ FORMULAS = {
     "a number beside a memory": lambda x, y, m: x[..., None] * m,
     "a sum": lambda x, y, m: np.sum(m, axis=-1),
     "a sum along the last of two axes": lambda x, y, m: np.sum(m[..., None, :], axis=-1),
-    "numbers of fewer axes": lambda x, y, m: m[..., None, None, :] * np.array([[1.0, 2.0, 3.0]]),
+    "numbers of fewer axes": lambda x, y, m: m[..., None, None, :] * np.arange(6.0).reshape(2, 3),
     "a stack": lambda x, y, m: np.stack([x, y], axis=-1),
     "a stack of memories": lambda x, y, m: np.stack([m, 2.0 * m], axis=-1),
     "memories side by side in two axes": lambda x, y, m: np.concatenate([m[..., None, :], -m[..., None, :]], axis=-1),
     "a memory that shifts": lambda x, y, m: np.concatenate([x[..., None], m[..., :-1]], axis=-1),
     "a part that is set": lambda x, y, m: assigned(m, (..., 1), x),
+    "a part of joints that is set": lambda x, y, m: assigned(m, (slice(None), slice(None), 1), x),
+    "all joints that are set": lambda x, y, m: x + assigned(y, (slice(None), slice(None)), 2.0),
+    "all by a tuple": lambda x, y, m: x[()] + assigned(y, (slice(None),), x),
     "all that is set": lambda x, y, m: assigned(x, slice(None), 2.0) + assigned(y, ..., x),
     "a number that is looked up": lambda x, y, m: np.take_along_axis(
         m, np.clip(np.trunc(x), 0, 2).astype(int)[..., None], axis=-1
@@ -97,6 +100,8 @@ REFUSED = {
     "a function without code": lambda x, y, m: np.arctan2(x, y) + np.spacing(x),
     "a sort": lambda x, y, m: np.sort(x),
     "a stack before joints": lambda x, y, m: np.stack([x, y], axis=0),
+    "a stack where none says along what": lambda x, y, m: np.stack([x, y]),
+    "memories side by side where none says along what": lambda x, y, m: np.concatenate([m, m]),
     "joints side by side": lambda x, y, m: np.concatenate([x, y], axis=-1),
     "robots side by side": lambda x, y, m: np.concatenate([m, m], axis=0),
     "a memory beside joints": lambda x, y, m: x * m,
@@ -105,6 +110,8 @@ REFUSED = {
         m[..., None, :], np.zeros_like(m).astype(int)[..., None, :], axis=-1
     ),
     "indices in two axes": lambda x, y, m: np.take_along_axis(m, m.astype(int)[..., None], axis=-1),
+    "a plain number to look up": lambda x, y, m: np.take_along_axis(np.float64(2.0), x[..., None].astype(int), axis=-1),
+    "a plain number as an index": lambda x, y, m: np.take_along_axis(m, np.int64(1), axis=-1),
     "another shape": lambda x, y, m: np.broadcast_to(x, (2, 6)),
     "decimals": lambda x, y, m: np.round(x, 2),
     "an array of numbers": lambda x, y, m: np.asarray(x),
@@ -120,6 +127,7 @@ REFUSED = {
     "one axis too many": lambda x, y, m: m[..., 0, 0],
     "joints from the first on": lambda x, y, m: x[:, 0:],
     "robots from the first on": lambda x, y, m: x[0:, :],
+    "robots from the second on": lambda x, y, m: x[1:],
     "one key of robots": lambda x, y, m: x[0],
     "joints of another axis": lambda x, y, m: np.concatenate([x, x], axis=0),
     "a memory of joints beside one": lambda x, y, m: np.concatenate([m, x], axis=-1),
@@ -221,6 +229,14 @@ def test_a_copy_stays_as_it_was():
     m[..., 0] = 1.0
     assert [node.value for node in copy.nodes] == ["m0", "m1"]
     assert m.nodes[0].operation == "number"
+
+
+def test_a_result_that_is_written_into_an_array_is_the_function_itself():
+    graph = Graph(X.size)
+    x, y = graph.given("x"), graph.given("y")
+    target = y.copy()
+    assert np.add(x, y, out=target) is target
+    assert target.nodes[()] is (x + y).nodes[()]
 
 
 def test_what_is_fixed_is_made_of_fixed_numbers_alone():

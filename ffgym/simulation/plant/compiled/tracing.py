@@ -27,11 +27,11 @@ class Node:
 
     operation: str
     """Name in `OPERATIONS`, or 'where', 'pick', 'number' (as `value`), or 'given' (from the source `value`)."""
-    arguments: tuple["Node", ...] = ()
-    value: Any = None
-    gives: str = "number"
+    arguments: tuple["Node", ...]
+    value: Any
+    gives: str
     """Kind: number or truth."""
-    is_fixed: bool = False
+    is_fixed: bool
     """True if it is the same at all physics steps."""
 
 
@@ -93,7 +93,7 @@ class Graph:
             return self.number(flat.flat[0])
         if flat.shape[-1:] != (self.n_joints,) or flat.size != self.n_joints:
             raise Untraceable(f"an array of shape {flat.shape}")
-        table = flat.reshape(-1)
+        table = flat.ravel()
         known = [other.tobytes() for other in self.tables]
         if table.tobytes() not in known:
             self.tables.append(table.copy())
@@ -208,20 +208,15 @@ class Traced(np.lib.mixins.NDArrayOperatorsMixin):
     def _view(self, key: Any) -> Nodes:
         """Nodes at a key that leaves robots and joints as they are."""
         keys = key if isinstance(key, tuple) else (key,)
-        after = keys[1:] if keys and keys[0] is Ellipsis else keys[2:]
-        whole = keys[:1] == (Ellipsis,) or (
-            len(keys) >= 2 and all(isinstance(k, slice) and k == slice(None) for k in keys[:2])
-        )
+        from_the_end = keys[:1] == (Ellipsis,)
+        after = keys[1:] if from_the_end else keys[2:]
+        whole = from_the_end or all(isinstance(k, slice) and k == slice(None) for k in keys[:2])
         used = sum(k is not None for k in after)
         simple = all(k is None or isinstance(k, int | np.integer | slice) for k in after)
-        if key is Ellipsis or (isinstance(key, slice) and key == slice(None)):
-            return self.nodes[...]
         if not whole or not simple or used > self.nodes.ndim:
             raise Untraceable(f"the index {key!r}")
-        if keys[0] is Ellipsis:
-            after = (Ellipsis, *after)
-        found = self.nodes[after]
-        return found if isinstance(found, np.ndarray) else _single(found)
+        view: Nodes = self.nodes[(Ellipsis, *after) if from_the_end else (*after, Ellipsis)]
+        return view
 
     def _beside(self, other: Any, trailing: int) -> Nodes:
         """Nodes of another array, which has so many axes after that of the joints."""
@@ -244,7 +239,7 @@ class Traced(np.lib.mixins.NDArrayOperatorsMixin):
         result = self._record(name, inputs)
         if out is None:
             return result if where is True else _refuse("where without out")
-        target = out[0]
+        (target,) = out
         if not isinstance(target, Traced):
             raise Untraceable("a result that is written into an array of numbers")
         if where is not True:
