@@ -7,7 +7,7 @@ import pytest
 
 from ffgym.simulation.plant.compiled.code import JointPlace, LoopCode, Slots, compile_code, declarations
 from ffgym.simulation.plant.compiled.step import evaluate
-from ffgym.simulation.plant.compiled.tracing import Graph, Untraceable
+from ffgym.simulation.plant.compiled.tracing import Graph, Traced, Untraceable
 
 X = np.array([[-2.0, -0.5, 0.0, 0.7, 1.0, 3.2]])
 """One number per joint."""
@@ -198,6 +198,14 @@ def test_powers_that_numpy_writes_by_others_are_those():
     assert np.reciprocal(x).nodes[()].arguments == (graph.number(1.0), given)
     for exponent in (3.0, -1.0, 0.0, 1.5, x):
         assert (x**exponent).nodes[()].operation == "power"
+
+
+def test_a_look_up_is_along_the_last_axis_where_none_says_along_what():
+    """As numpy's from 2.3 on; older ones want to be told."""
+    m = Graph(X.size).given_memory(["m0", "m1", "m2"])
+    index = m[..., :1].astype(int)
+    found = m.__array_function__(np.take_along_axis, (Traced,), (m, index), {})
+    assert found.nodes.tolist() == np.take_along_axis(m, index, axis=-1).nodes.tolist()
 
 
 def test_equal_operations_are_made_once():

@@ -326,7 +326,7 @@ def _concatenate(first: Traced, arrays: Sequence[Any], axis: int = 0) -> Traced:
     return Traced(first.graph, np.concatenate([first._beside(a, trailing) for a in arrays], axis=-1))
 
 
-def _take_along_axis(first: Traced, array: Any, indices: Any, axis: int = 0) -> Traced:
+def _take_along_axis(first: Traced, array: Any, indices: Any, axis: int = -1) -> Traced:
     """Record `numpy.take_along_axis` along the only axis after that of the joints."""
     nodes, chosen = first._beside(array, 1), first._beside(indices, 1)
     if axis != -1 or nodes.ndim != 1 or chosen.ndim != 1:
