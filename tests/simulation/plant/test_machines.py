@@ -2,13 +2,14 @@
 
 import tomllib
 from dataclasses import replace
+from importlib import resources
 
 import numpy as np
 import pytest
 
 from ffgym.core.errors import FFGymError
 from ffgym.effects import EFFECTS
-from ffgym.robot import ModelOptions
+from ffgym.robot import ModelOptions, load_robot
 from ffgym.simulation.plant import (
     Climate,
     LogUniform,
@@ -191,6 +192,17 @@ def test_numbers_of_a_file_keep_their_source_until_they_change(two_link, tmp_pat
     assert tables["friction"]["viscous"]["source"] == "first"
     assert tables["drive"]["joint_stiffness"]["source"] == "second"
     assert tables["friction"]["coulomb"]["source"] == "second"
+
+
+def test_a_rating_of_the_description_that_the_robot_lacks_is_not_written(two_link, tmp_path):
+    text = (resources.files("ffgym.robot") / "data" / "two_link.toml").read_text(encoding="utf-8")
+    rating = '[drive.rated_torque]\nvalue = [20, 10]\nunit = "N m"\nside = "motor"\norigin = "chosen"\nsource = "-"\n'
+    (tmp_path / "rated.toml").write_text(f"{text}\n{rating}", encoding="utf-8")
+    assert load_robot(tmp_path / "rated.toml").drive.rated_torque.tolist() == [20.0, 10.0]
+    worn = replace(two_link, friction=two_link.friction.scale(viscous=1.2))
+    path = save_machine(Machine(robot=worn), tmp_path / "m.toml", title="t", source="s", robot=tmp_path / "rated.toml")
+    assert [*tomllib.loads(path.read_text(encoding="utf-8"))] == ["machine", "friction"]
+    assert load_machine(path).physics(OPTIONS) == Machine(robot=worn).physics(OPTIONS)
 
 
 def test_what_is_no_machine_file_is_told(tmp_path):
