@@ -125,7 +125,7 @@ class PlantDistribution:
                 raise FFGymError(f"The drawn factors of {name} = {values} must be > 0; use a distribution above 0.")
         tool = robot.tool
         if tool is not None and self.payload is not None:
-            tool = with_payload(robot, float(self.payload.draw(rng, 1)[0])).tool
+            tool = with_payload(robot, float(self.payload.draw(rng, 1).item())).tool
         friction, share = robot.friction, factor.pop("arm_share")
         if self.arm_share is not None:
             own = np.ones(n) if friction.arm_share is None else friction.arm_share

@@ -60,7 +60,7 @@ class Addresses:
     @classmethod
     def of(cls, model: mujoco.MjModel, robot: RobotDescription) -> "Addresses":
         """Look the names up once."""
-        names = {model.joint(i).name for i in range(model.njnt)}
+        places = {model.joint(i).name: int(model.jnt_qposadr[i]) for i in range(model.njnt)}
         deflections = [deflection_joint(j) for j in robot.joints]
         integral, torque = np.array([_servo_activations(model, servo_actuator(j)) for j in robot.joints]).T
         bristle = np.array([_activation(model, friction_actuator(j)) for j in robot.joints])
@@ -70,9 +70,9 @@ class Addresses:
         return cls(
             extra_qpos=model.jnt_qposadr[extra].astype(int),
             extra_joint=np.array(extra, dtype=int),
-            motor_qpos=np.array([int(model.joint(motor_joint(j)).qposadr[0]) for j in robot.joints]),
-            deflection_qpos=np.array([int(model.joint(name).qposadr[0]) for name in deflections if name in names], int),
-            is_elastic=np.array([name in names for name in deflections]),
+            motor_qpos=np.array([places[motor_joint(j)] for j in robot.joints]),
+            deflection_qpos=np.array([places[name] for name in deflections if name in places], int),
+            is_elastic=np.array([name in places for name in deflections]),
             integral=integral,
             has_integral=integral >= 0,
             torque=torque,
@@ -86,18 +86,15 @@ class Addresses:
 
 def _activation(model: mujoco.MjModel, actuator: str) -> int:
     """Address of an actuator's activation, -1 if it has none or does not exist."""
-    names = {model.actuator(i).name for i in range(model.nactuator)}
-    return int(model.actuator(actuator).actadr[0]) if actuator in names else -1
+    addresses = {model.actuator(i).name: int(model.actuator_actadr[i]) for i in range(model.nactuator)}
+    return addresses.get(actuator, -1)
 
 
 def _servo_activations(model: mujoco.MjModel, actuator: str) -> tuple[int, int]:
     """Addresses of a servo's integral and of the torque of its torque loop, the last of both; -1 if it has none."""
-    first = _activation(model, actuator)
-    if first < 0:
-        return -1, -1
-    servo = model.actuator(actuator)
-    loop = int(servo.dyntype[0]) == int(mujoco.mjtDyn.mjDYN_DCMOTOR)
-    last = first + int(servo.actnum[0]) - 1
+    first, servo = _activation(model, actuator), model.actuator(actuator).id
+    loop = int(model.actuator_dyntype[servo]) == int(mujoco.mjtDyn.mjDYN_DCMOTOR)
+    last = first + int(model.actuator_actnum[servo]) - 1
     return (first if last > first or not loop else -1), (last if loop else -1)
 
 
