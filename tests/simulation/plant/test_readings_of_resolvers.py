@@ -117,11 +117,11 @@ def test_what_servos_know_beyond_the_truth_is_the_reading_or_the_error():
 
 
 def test_a_period_off_the_grid_is_named_with_its_machine(robots, one_axis):
-    off = replace(robots[0], drive=replace(robots[0].drive, resolver_period=2.5 * DT))
+    off, later = (replace(robots[0], drive=replace(robots[0].drive, resolver_period=k * DT)) for k in (2.5, 4.5))
     with pytest.raises(
         FFGymError, match=r"resolver_period = 0\.0025 s must be a whole multiple of physics_dt = 0\.001 s"
     ):
-        Resolvers([one_axis, robots[0], off], DT)
+        Resolvers([one_axis, robots[0], off, later], DT)
     short = replace(robots[0], drive=replace(robots[0].drive, resolver_period=0.25 * DT))
     with pytest.raises(FFGymError, match=r"resolver_period = 0\.00025 s"):
         Resolvers([short], DT)
