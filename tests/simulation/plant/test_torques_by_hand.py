@@ -145,6 +145,23 @@ def test_joints_with_backlash_hang_at_an_edge_of_it_or_at_the_lowest_place_withi
     np.testing.assert_allclose(plant.state().link_position, loose, rtol=0, atol=1e-9)
 
 
+def test_bases_that_give_way_carry_the_arms_on_them(two_link):
+    """Each by its own compliance, of one for all and of different ones."""
+    tilt = np.array([1e-6, 3e-6, 1e-6])
+    first, other = (
+        Machine(robot=two_link, effects=(EFFECTS["base_flexibility"].on(two_link, compliance=[0.0, c, 0.0]),))
+        for c in tilt[:2]
+    )
+    plant = Plant(first, 3, n_threads=1)
+    at, gravity, qpos = plant.addresses, plant.batch.bind("qfrc_bias"), plant.batch.bind("qpos")
+    assert at.extra_qpos.size == 1
+    for compliance in (np.full(3, 1e-6), tilt):
+        plant.rest(np.array([[0.1, 0.2], [0.1, 0.2], [0.5, -0.3]]))
+        np.testing.assert_allclose(qpos[:, at.extra_qpos], -compliance[:, None] * gravity[:, at.extra_qpos], rtol=1e-9)
+        assert np.abs(qpos[:, at.extra_qpos]).min() > 1e-5
+        plant.become([1], [other])
+
+
 def test_the_first_robot_that_is_too_soft_is_named_with_its_stiffness(two_link):
     soft, softer = (
         replace(two_link, name=name, drive=replace(two_link.drive, joint_stiffness=np.full(2, stiffness)))
