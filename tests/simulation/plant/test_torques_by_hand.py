@@ -134,14 +134,15 @@ def test_arms_with_and_without_effects_hang_in_balance_under_gravity(q, two_link
 def test_joints_with_backlash_hang_at_an_edge_of_it_or_at_the_lowest_place_within(two_link):
     gap = 1e-3
     backlash = EFFECTS["backlash"].on(two_link, half_gap=gap)
-    level, down = np.array([0.0, 0.0]), np.array([5e-4 - np.pi / 2, 2e-4])
-    plant, tight = Plant(Machine(robot=two_link, effects=(backlash,)), 2, n_threads=1), Plant(two_link, 2, n_threads=1)
+    down, asides = np.array([-np.pi / 2, 0.0]), np.array([[5e-4, 2e-4], [5e-4, -6e-4]])
+    q = np.stack([np.zeros(2), *(down + asides)])
+    plant, tight = Plant(Machine(robot=two_link, effects=(backlash,)), 3, n_threads=1), Plant(two_link, 3, n_threads=1)
     for each in (plant, tight):
-        each.rest(np.stack([level, down]))
+        each.rest(q)
     loose, bare = plant.state().link_position, tight.state().link_position
     np.testing.assert_allclose(loose[0], bare[0] - gap, rtol=0, atol=0.02 * gap)
-    np.testing.assert_allclose(loose[1], [-np.pi / 2, 0.0], rtol=0, atol=1e-9)
-    plant.drive(controls(plant, RATIO * np.stack([level, down])[:, None].repeat(60, axis=1)))
+    np.testing.assert_allclose(loose[1:], [down, down], rtol=0, atol=1e-9)
+    plant.drive(controls(plant, RATIO * q[:, None].repeat(60, axis=1)))
     np.testing.assert_allclose(plant.state().link_position, loose, rtol=0, atol=1e-9)
 
 
