@@ -351,7 +351,7 @@ def _clip(first: Traced, values: Any, low: Any = None, high: Any = None) -> Any:
 
 def _sum(first: Traced, values: Traced, axis: Any = None) -> Traced:
     """Record a sum along a last axis, in its order."""
-    if axis != -1 or values.nodes.ndim == 0:
+    if axis != -1:
         raise Untraceable(f"a sum along axis {axis}")
     total = values[..., 0]
     for k in range(1, values.nodes.shape[-1]):
