@@ -72,15 +72,14 @@ class CompiledStep:
         self._steps = np.zeros(shape[0], dtype=np.int64)
         self._position = np.arange(shape[0], dtype=np.int64)
         self._kept = (memories, outputs)  # arrays whose addresses the table has
-        driven, acceleration = (0, 0) if outputs is None else map(address, outputs)
         entries = {
             "function": code.on_step,
             "numbers": address(self._numbers),
             "steps": address(self._steps),
-            "driven": driven,
-            "acceleration": acceleration,
             "position": address(self._position),
         }
+        if outputs is not None:
+            entries["driven"], entries["acceleration"] = map(address, outputs)
         table = [entries.get(name, 0) for name in CONTEXT]
         self._context = np.array([*table, *map(address, memories)], dtype=np.int64)
         self._marks = Marks(engine, self._context)
