@@ -260,12 +260,42 @@ def test_without_readings_nothing_is_written_after_a_step():
     assert after == ([], [])
 
 
-def test_readings_that_nobody_asked_for_have_room_for_all_joints(monkeypatch):
+@pytest.fixture
+def written(monkeypatch):
+    """Code of arms that read resolvers, as the compiler is given it."""
     layout, texts = plant_of(reading_arms())._forces._layout(), []
     monkeypatch.setattr(functions, "compile_code", lambda text: texts.append(text) or compile_code(text))
     functions.compile_layout.__wrapped__(layout)
-    rooms = re.findall(r"%unread = alloca \[(\d+) x double\]", texts[0])
+    return texts[0]
+
+
+def test_readings_that_nobody_asked_for_have_room_for_all_joints(written):
+    rooms = re.findall(r"%unread = alloca \[(\d+) x double\]", written)
     assert rooms == ["4", "4"]  # within a rollout and at its end: angles and speeds of two joints
+
+
+def test_functions_of_a_step_are_called_with_what_they_take(written):
+    """The compiler does not compare them."""
+    takes, given = (
+        {(name, len(arguments.split(","))) for name, arguments in re.findall(rf"{word} \w+ @(\w+)\((.*)\)", written)}
+        for word in ("define", "call")
+    )
+    own = {"apply", "look", "known_at"}
+    assert {each for each in given if each[0] in own} == {each for each in takes if each[0] in own}
+
+
+@pytest.mark.parametrize("sort", ["reading", "rippling"])
+def test_a_step_writes_where_quantities_of_each_joint_stand_in_the_engine(sort):
+    layout = plant_of(SORTS[sort]())._forces._layout()
+    graph, before, _ = trace_step(layout)
+    written = {source[1]: [] for source, _ in before}
+    for (_, name, places), _ in before:
+        written[name].append(places)
+    assert written["ctrl"] == [(0, 3), (1, 4)]  # angle and speed; the third of each joint is its torque
+    motors, behind = layout.at.motor_qpos.tolist(), layout.at.deflection_of_joint.tolist()
+    assert written["qfrc_applied"] == [tuple(motors), tuple(behind)]
+    read = [node.value for node in graph.nodes.values() if node.operation == "given" and node.value[0] == "engine"]
+    assert all(len(places) == 2 for _, _, places in read)
 
 
 def test_marks_and_the_callback_are_there_while_rows_run_and_gone_after():
