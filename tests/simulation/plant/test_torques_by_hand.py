@@ -228,7 +228,8 @@ def test_neighbours_keep_what_they_remember_when_one_becomes_another(two_link):
     plant.drive(controls(plant, np.zeros((3, 3, 2))))
     before = plant._forces.copy_memories()
     robot = reading(two_link)
-    both = Machine(robot=robot, effects=(Turning.on(robot, motor=0.1), *pushed(robot, 2.0).effects))
+    before_it = EFFECTS["backlash"].on(robot, half_gap=1e-4)  # in the order of effects on links
+    both = Machine(robot=robot, effects=(Turning.on(robot, motor=0.1), *pushed(robot, 2.0).effects, before_it))
     plant.become([1], [both])
     after = plant._forces.copy_memories()
     of_pushing = next(memory for memory in after if memory.shape == (3, 2, 1))
