@@ -95,11 +95,13 @@ def make_record(name: str, folder: Path = FOLDER) -> Path:
     place, began = folder / f"{name}.json", time.monotonic()
     with TemporaryDirectory() as scratch, made_folder(folder):
         made = Path(scratch) / place.name
-        call = [sys.executable, "-m", record.module, *record.options, "--json", str(made)]
+        options = (option.replace("out/", f"{scratch}/") for option in record.options)
+        call = [sys.executable, "-m", record.module, *options, "--json", str(made)]
         ended = subprocess.run(call, cwd=ROOT, check=False, capture_output=True, text=True)
         if ended.returncode:
             raise FFGymError(f"{record.command} failed: {ended.stderr.strip().splitlines()[-1:]}")
-        text = read_text(made).replace(str(made), place.name)  # no place of this computer in a record
+        # no place of this computer in a record
+        text = read_text(made).replace(str(made), place.name).replace(scratch, "out")
         store(name, json.loads(text), time.monotonic() - began, place)
     return place
 

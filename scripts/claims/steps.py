@@ -51,6 +51,7 @@ def every_step(folder: Path) -> list[Step]:
     parts = [
         Step(f"page {name}", f"python -m scripts.tables --page {name}", partial(_compare_page, name))
         for name in (*DEFINED, *(name for name in PAGES if name not in DEFINED))
+        if name != "claims.md"  # it is made from what came of these steps
     ]
     records = [Step(f"record {name}", each.command, partial(_again, name, folder)) for name, each in RECORDS.items()]
     named = sorted({mark.text.partition(" for ")[0] for mark in _marks("tested")} | set(PRINTED.values()))
@@ -123,7 +124,10 @@ def compare_text(page: str, old: str, new: str, command: str) -> Iterator[Fault]
 
 def _again(name: str, folder: Path) -> list[Fault]:
     """Make a record again; what claims tell of it is compared with the pages after all steps."""
-    make_record(name, folder)
+    try:
+        make_record(name, folder)
+    except FFGymError as error:
+        return [Fault(f"docs/records/{name}.json", 0, str(error))]
     return []
 
 

@@ -6,7 +6,7 @@ import pytest
 
 from ffgym.core.errors import FFGymError
 from scripts.claims.history import keep_made
-from scripts.claims.steps import Made, Step, choose_steps
+from scripts.claims.steps import Made, Step, choose_steps, every_step
 from scripts.claims.trace import Fault
 from scripts.tables.claims import made_again
 
@@ -51,3 +51,20 @@ def test_the_page_tells_of_each_long_step_and_of_quick_ones_together(tmp_path):
     keep_made([made("tests/test_c.py", 60.0)], STEPS, NUMBERS, file)
     assert "all hold. 4 of 4 steps" in made_again(file).parts["made again"]
     assert "| `tests/test_c.py` | 60 s |" in made_again(file).parts["made again"]
+
+
+def test_a_record_whose_command_fails_does_not_hold(tmp_path, monkeypatch):
+    def fail(name, folder):
+        raise FFGymError("python -m scripts.thesis failed: ['no such robot']")
+
+    monkeypatch.setattr("scripts.claims.steps.make_record", fail)
+    (step,) = choose_steps(every_step(tmp_path), ["record thesis"])
+    assert [str(fault) for fault in step.make()] == [
+        "docs/records/thesis.json:0: python -m scripts.thesis failed: ['no such robot']"
+    ]
+
+
+def test_the_page_of_these_steps_is_none_of_them(tmp_path):
+    names = {step.name for step in every_step(tmp_path)}
+    assert "page narx.md" in names
+    assert "page claims.md" not in names
