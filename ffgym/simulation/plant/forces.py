@@ -325,8 +325,8 @@ class Forces:
         """
         if motor is not None:
             error = self._error(chosen, *motor)
-            self._controls[chosen.rows, 0::3] -= error.angle
-            self._controls[chosen.rows, 1::3] -= error.speed
+            self._controls[chosen.rows, 0 : 3 * self._n : 3] -= error.angle
+            self._controls[chosen.rows, 1 : 3 * self._n : 3] -= error.speed
         if chosen.torque:
             memories = [memory[chosen.rows] for memory in self._memory]
             total, memories = step(chosen.torque, self.state(chosen), memories, self._dt, chosen.present)

@@ -92,16 +92,17 @@ class Reading(State):
         """Compute what MuJoCo's `pid` gives in the coming step, motor side [N m]."""
         controls, at = self._controls, self._at
         integral = _spread(self._act, at.integral, at.has_integral)
+        end = 3 * integral.shape[1]
         feedback: Array = (
-            self.position_gain * (controls[:, 0::3] - self.motor_angle)
-            + self.velocity_gain * (controls[:, 1::3] - self.motor_speed)
+            self.position_gain * (controls[:, 0:end:3] - self.motor_angle)
+            + self.velocity_gain * (controls[:, 1:end:3] - self.motor_speed)
             + self.integral_gain * integral
         )
         return feedback
 
     def read_command(self) -> Array:
         """Add the feed-forward torque of the controls, motor side [N m]."""
-        return self.feedback_torque + self._controls[:, 2::3]
+        return self.feedback_torque + self._controls[:, 2 : 3 * self.peak_torque.shape[1] : 3]
 
     @cached_property
     def loop_torque(self) -> Array:
