@@ -65,7 +65,8 @@ class CheckClaims:
         if self.json is not None:
             write_json(self.json, _document(traces, every, made))
         if self.keep:
-            keep_made(made, every_step(self.out), count_all(traces) | {"faults": len(every)})
+            others = len(every) - sum(len(one.faults) for one in made)
+            keep_made(made, every_step(self.out), count_all(traces) | {"faults": others})
         if every:
             raise FFGymError(
                 f"{len(every)} numbers of the documentation do not hold, or marks lead nowhere; see above."

@@ -18,7 +18,8 @@ def keep_made(made: Iterable[Made], steps: Sequence[Step], numbers: Mapping[str,
     Args:
         made: what came of steps; what was skipped is left out.
         steps: all that there are; those that were never made are kept as such.
-        numbers: numbers of the documentation, how many of them are traced, and how many did not hold.
+        numbers: numbers of the documentation, how many of them are traced, and how many did not hold besides those of
+            steps.
         file: what is kept.
     """
     known = {one["name"]: one for one in json.loads(read_text(file))["steps"]} if file.exists() else {}

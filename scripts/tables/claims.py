@@ -24,7 +24,8 @@ def made_again(file: Path = KEPT) -> Contents:
     rows += [_row(f"`{step['name']}`", [step]) for step in made if step not in quick]
     rows += [(f"`{step['name']}`", "", "not yet") for step in steps if step not in made]
     hours = sum(step["seconds"] for step in made) / 3600
-    holds = "all hold" if not numbers["faults"] else f"{numbers['faults']} do not hold"
+    faults = numbers["faults"] + sum(step["faults"] for step in made)
+    holds = f"{faults} do not hold" if faults else "all hold"
     said = (
         f"{numbers['numbers']:,} numbers on {numbers['pages']} pages, {numbers['traced']:,} of them traced; {holds}. "
         f"{len(made)} of {len(steps)} steps were made again, in {hours:.1f} h."
