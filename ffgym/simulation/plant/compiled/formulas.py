@@ -58,7 +58,10 @@ class Layout:
 
 
 class _EngineArray:
-    """Array of MuJoCo's state, (1, n) as of one robot, of which columns are taken."""
+    """Array of MuJoCo's state, (1, n) as of one robot, of which columns are taken.
+
+    All of them have one width, that of the widest: slices of controls must name their end.
+    """
 
     def __init__(self, graph: Graph, name: str, width: int) -> None:
         self._graph, self._name, self._places = graph, name, np.arange(width)
