@@ -40,7 +40,7 @@ from scripts.thesis.narx import (
     record_name,
     static_misfit,
 )
-from scripts.thesis.tables import VALIDATING, columns_of, spread
+from scripts.thesis.tables import VALIDATING, columns_of, spread, write_fit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -220,9 +220,9 @@ def networks(candidates: Sequence[str] = tuple(CANDIDATES), n_starts: int = N_ST
     fits = [fit_narx(CANDIDATES[name], records | reach, n_starts=n_starts, seed=seed) for name in candidates]
     on_v = np.stack([floors[record_name(n)] for n in VALIDATING])
     floor = [floors[ESTIMATION], floors[VALIDATION], None, np.median(on_v, axis=0), on_v.min(axis=0)]
-    rows = [("static curve", *("" if each is None else f"{each[0]:.1f}" for each in floor))]
+    rows = [("static curve", *("" if each is None else write_fit(each[0]) for each in floor))]
     rows += [(fit.candidate.label, *map(spread, columns_of(fit))) for fit in fits]
-    far = [("static curve", *(f"{floors[name][0]:.1f}" for name in reach))]
+    far = [("static curve", *(write_fit(floors[name][0]) for name in reach))]
     far += [(fit.candidate.label, *(spread(fit.errors[name].simulation.fit) for name in reach)) for fit in fits]
     head = ("", "f = 1", "f = 0.5", "f = 0.5, one step", "set V, median record", "set V, worst record")
     numbers = [

@@ -144,7 +144,8 @@ def networks(studies: ThesisStudies) -> Table:
     """Fits of every NARX network, of linear models, and of the static curve."""
     floor = {name: fit_of_static(studies, name) for name in (ESTIMATION, VALIDATION, *map(record_name, VALIDATING))}
     on_v = [floor[record_name(number)] for number in VALIDATING]
-    static = [f"{floor[ESTIMATION]:.1f}", f"{floor[VALIDATION]:.1f}", "", f"{np.median(on_v):.1f}", f"{min(on_v):.1f}"]
+    sines = (floor[ESTIMATION], floor[VALIDATION])
+    static = [*map(write_fit, sines), "", write_fit(float(np.median(on_v))), write_fit(min(on_v))]
     fits = (studies.narx_published | studies.narx_extended | studies.narx_linear).values()
     return Table.of_rows(
         headings=(
@@ -175,10 +176,18 @@ def fit_of_static(studies: ThesisStudies, record: str) -> float:
 
 
 def spread(values: Array) -> str:
-    """Median, least and most; of one value itself."""
+    """Write the median, the least and the most of fits [%]; of one fit itself."""
     if len(values) == 1:
-        return f"{values[0]:.1f}"
-    return f"{np.median(values):.1f} ({values.min():.1f} to {values.max():.1f})"
+        return write_fit(values[0])
+    return f"{write_fit(np.median(values))} ({write_fit(values.min())} to {write_fit(values.max())})"
+
+
+def write_fit(fit: float) -> str:
+    """Write a fit [%] by the digits that any processor finds: rounding decides how far a model runs away."""
+    if fit > 99.0:
+        return f"{fit:.1f}"
+    coarse = round(fit, 1 - int(np.log10(-fit))) if fit < -100.0 else round(fit)
+    return f"{coarse:.0f}" if coarse else "0"
 
 
 def list_reidentified(studies: ThesisStudies, of: str) -> Table:

@@ -22,6 +22,7 @@ from scripts.thesis.narx import (
     record_name,
     static_misfit,
 )
+from scripts.thesis.tables import spread
 
 
 @pytest.fixture(scope="module")
@@ -113,3 +114,18 @@ def test_motions_beyond_table_6_1_are_faster_slower_and_mixed(one_axis):
     peaks = [np.abs(samples.motor_dq).max() for samples in reach_records(one_axis.friction).values()]
     assert max(peaks) > 10
     assert min(peaks) < 0.1
+
+
+@pytest.mark.parametrize(
+    ("fits", "written"),
+    [
+        ((99.94,), "99.9"),
+        ((98.96,), "99"),
+        ((66.8, -0.04, 99.4), "67 (0 to 99.4)"),
+        ((-99.6, -668.3, -23.5), "-100 (-670 to -24)"),
+        ((-2101.8, -10064.2, 66.9), "-2100 (-10000 to 67)"),
+        ((-2124.4, -10118.1, 66.8), "-2100 (-10000 to 67)"),
+    ],
+)
+def test_fits_are_written_by_the_digits_that_another_processor_finds(fits, written):
+    assert spread(np.array(fits)) == written
