@@ -50,8 +50,7 @@ def main(config: Config) -> list[Score]:
     for score in scores:
         print(score)
     if config.json is not None:
-        document = {"seed": config.seed, "versions": versions(), "rooms": [score.as_dict() for score in scores]}
-        write_json(config.json, document)
+        write_json(config.json, {"versions": versions(), "rooms": [score.as_dict() for score in scores]})
     return scores
 
 
@@ -76,4 +75,4 @@ def _test_room(name: str, config: Config) -> Score:
             outcomes.append(outcome)
             left = (time.perf_counter() - began) / done * (len(missing) - done) / 60
             print(f"{name} {len(outcomes)} of {len(drawn)}, {left:.0f} min left: {outcome}", flush=True)
-    return Score(room=name, n_mutants=len(mutants), outcomes=tuple(outcomes))
+    return Score(room=name, seed=config.seed, n_mutants=len(mutants), outcomes=tuple(outcomes))

@@ -18,6 +18,8 @@ class Score:
     """What became of the mutants of a room that were tested."""
 
     room: str
+    seed: int
+    """Seed of the draw."""
     n_mutants: int
     """Mutants that there are."""
     outcomes: tuple[Outcome, ...]
@@ -40,7 +42,8 @@ class Score:
     def as_dict(self) -> dict[str, Any]:
         """Everything, for JSON."""
         outcomes = [asdict(outcome) for outcome in self.outcomes]
-        return {"room": self.room, "n_mutants": self.n_mutants, "n_killed": self.n_killed, "outcomes": outcomes}
+        numbers = {"seed": self.seed, "n_mutants": self.n_mutants, "n_killed": self.n_killed}
+        return {"room": self.room, **numbers, "outcomes": outcomes}
 
     def __str__(self) -> str:
         low, high = self.interval()
@@ -66,7 +69,7 @@ def read_outcomes(path: Path) -> list[Outcome]:
 def read_score(row: dict[str, Any]) -> Score:
     """Read a score as `Score.as_dict` wrote it."""
     outcomes = tuple(_outcome(each) for each in row["outcomes"])
-    return Score(room=row["room"], n_mutants=row["n_mutants"], outcomes=outcomes)
+    return Score(room=row["room"], seed=row["seed"], n_mutants=row["n_mutants"], outcomes=outcomes)
 
 
 def _outcome(row: dict[str, Any]) -> Outcome:

@@ -10,7 +10,7 @@ from scripts.mutation.score import Score, read_score
 from scripts.tables.page import DOCS, Contents, markdown
 
 OUTCOMES = DOCS / "records" / "mutation.json"
-"""Every mutant that was tested, with versions and seed."""
+"""Every mutant that was tested, with versions and seeds."""
 
 
 def scores(file: Path = OUTCOMES) -> Contents:
@@ -22,15 +22,16 @@ def scores(file: Path = OUTCOMES) -> Contents:
         low, high = score.interval()
         code = ", ".join(f"`{place}`" for place in ROOMS[score.room].code)
         tested, share = f"{len(score.outcomes)} of {score.n_mutants}", f"{100 * score.share:.0f} %"
-        rows.append((score.room, code, tested, str(score.n_killed), share, f"{100 * low:.0f} to {100 * high:.0f} %"))
+        interval = f"{100 * low:.0f} to {100 * high:.0f} %"
+        rows.append((score.room, code, str(score.seed), tested, str(score.n_killed), share, interval))
     unmeasured = [name for name in ROOMS if name not in {score.room for score in rooms}]
     missing = f" Not measured yet: {', '.join(unmeasured)}." if unmeasured else ""
     versions = ", ".join(f"{name} {version}" for name, version in kept["versions"].items())
-    table = markdown(("room", "code", "mutants tested", "noticed", "score", "95 % interval"), rows)
+    table = markdown(("room", "code", "seed", "mutants tested", "noticed", "score", "95 % interval"), rows)
     survived = [_survivor(score, i) for score in rooms for i, each in enumerate(score.outcomes) if not each.is_killed]
     return Contents(
         parts={
-            "scores": f"{table}\n\nSeed {kept['seed']}; {versions}.{missing}",
+            "scores": f"{table}\n\nBy {versions}.{missing}",
             "survivors": markdown(("place", "change", "line"), survived),
             "operators": markdown(("change", "tested", "noticed"), _by_operator(rooms)),
         },
