@@ -19,7 +19,7 @@ from ffgym.cli.outputs import (
     write_numbers,
 )
 from ffgym.cli.progress import stages_bar
-from ffgym.core.files import write_text
+from ffgym.core.files import check_writable, write_text
 from ffgym.diagnosis import Diagnosis, examine
 from ffgym.diagnosis.diagnosis_file import diagnosis_document
 from ffgym.diagnosis.nominal import EXAMPLE_ROBOT, example_logs
@@ -38,6 +38,7 @@ SEED = 0
 def run(config: Demo) -> None:
     """Simulate, write, print; then diagnose."""
     need_extra("The demo", "matplotlib", "jinja2", "rich")
+    check_writable(config.report)  # it has a name then, beside which the second page is
     second = config.report.with_name(f"{config.report.stem}_diagnosis.html")
     places = {"--report": config.report, "--json": config.json}
     claim_outputs(places | ({"--report, of the diagnosis": second} if config.diagnosis else {}))

@@ -4,7 +4,6 @@ import os
 import time
 from collections.abc import Sequence
 from dataclasses import asdict, replace
-from pathlib import Path
 
 import numpy as np
 
@@ -40,12 +39,13 @@ _BARE = 16
 
 def run(config: Leaderboard) -> None:
     """Check, run what is missing, write, print."""
-    files = [str(Path(name).resolve()) for name in config.agents if name.endswith(".zip")]
+    files = [os.path.realpath(name) for name in config.agents if name.endswith(".zip")]
     registry = replace(REGISTRY, files=tuple(dict.fromkeys(files)))
     entrants, plants, splits = _entrants(config, registry), _plants(config), _splits(config)
     check_whole("--seeds", config.seeds, low=1, high=1000)
     claim_outputs({"--json": config.json, "--page": config.page})
-    if config.json is not None and config.out is not None and config.json.resolve().parent == config.out.resolve():
+    beside = None if config.json is None else os.path.dirname(os.path.realpath(config.json))
+    if config.out is not None and beside == os.path.realpath(config.out):
         raise FFGymError(f"--json {config.json}: lies among the result files of --out; choose another folder.")
     if config.page is not None:
         need_extra("The page of the leaderboard", "jinja2", "matplotlib")

@@ -1,6 +1,7 @@
 """Checks and claims before a command works, what it writes and prints after, and where its numbers come from."""
 
 import hashlib
+import os
 import re
 import shlex
 from collections.abc import Iterable, Mapping, Sequence
@@ -63,11 +64,11 @@ def claim_outputs(
     for place in given.values():
         check_writable(place)
     for (one, first), (other, second) in combinations(given.items(), 2):
-        if first.resolve() == second.resolve():
+        if os.path.realpath(first) == os.path.realpath(second):
             raise FFGymError(f"{one} and {other} are both {first}; they need two files.")
-    read = {Path(name).resolve() for name in inputs if name is not None}
+    read = {os.path.realpath(name) for name in inputs if name is not None}
     for option, place in given.items():
-        if place.resolve() in read:
+        if os.path.realpath(place) in read:
             raise FFGymError(f"{option} {place}: is read by this command and would be lost; choose another name.")
         if place.suffix != suffixes.get(option, place.suffix):
             raise FFGymError(f"{option} {place}: the name must end in {suffixes[option]}.")

@@ -1,6 +1,8 @@
 """`ffgym train policy`: a residual policy on top of a feed-forward law, by reinforcement learning in simulation."""
 
 import json
+import os
+from pathlib import Path
 
 import tyro
 
@@ -55,7 +57,7 @@ def run(config: PolicyTraining) -> None:
     """Check, train, print."""
     need_training()
     out = given_folder(config.out, "the policy goes")
-    if config.json is not None and config.json.resolve().is_relative_to(out.resolve()):
+    if config.json is not None and Path(os.path.realpath(config.json)).is_relative_to(os.path.realpath(out)):
         raise FFGymError(f"--json {config.json}: lies in --out {out}, whose files are the training's own.")
     claim_outputs({"--json": config.json})
     training = config.with_seed(config.seed)

@@ -35,10 +35,12 @@ def check_writable(path: str | os.PathLike[str]) -> None:
             raise FFGymError(f"{path}: is a folder, must be a file.")
         if not folder.is_dir():
             raise FFGymError(f"{path}: the folder {folder} does not exist; create it, or choose another place.")
+        with suppress(FileNotFoundError):
+            target.stat()  # a link that leads to itself is not there for pathlib, and cannot be written
         for place in (folder, target):
             if place.exists() and not os.access(place, os.W_OK):
                 raise FFGymError(f"{path}: {place} is not writable; choose another place, or allow writing.")
-    except OSError as error:  # of a name that is too long, or a folder that may not be entered
+    except OSError as error:  # of a name that is too long, a link to itself, or a folder that may not be entered
         raise FFGymError(f"{path}: cannot be written: {error.strerror}; choose another name or place.") from error
 
 

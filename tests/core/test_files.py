@@ -65,6 +65,15 @@ def test_a_file_that_is_protected_is_refused(monkeypatch, old):
     check_writable(old.with_name("other.json"))
 
 
+def test_a_link_that_leads_to_itself_is_no_place_to_write(tmp_path):
+    loop, free = tmp_path / "loop", tmp_path / "free"
+    loop.symlink_to(loop)
+    free.symlink_to(tmp_path / "new.json")
+    with pytest.raises(FFGymError, match="loop: cannot be written: Too many levels of symbolic links"):
+        check_writable(loop)
+    check_writable(free)
+
+
 @pytest.mark.parametrize("step", ["replace", "fsync"])
 def test_a_full_disk_is_one_clear_error_and_leaves_the_old_file(monkeypatch, old, step):
     monkeypatch.setattr(os, step, full)

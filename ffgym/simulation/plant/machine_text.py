@@ -79,7 +79,7 @@ def _name_effects(robot: RobotDescription, reference: str | Path | None, folder:
         reference = robot.name
     if not str(reference).endswith(".toml"):
         return load_robot(reference), str(reference)
-    path = Path(reference).resolve()
+    path = Path(os.path.realpath(reference))
     draft = load_draft(path)
     known = draft.description_for("identification") if draft.missing else load_robot(path)
     try:
