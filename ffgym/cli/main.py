@@ -5,7 +5,9 @@ import signal
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from dataclasses import fields
 from importlib import import_module
+from math import isfinite
 from typing import Any, NamedTuple
 
 from ffgym.cli.process import EndedError, ended_by_signals, lasting_output
@@ -210,6 +212,9 @@ def _guard(run: Callable[[], int]) -> int:
             raise
         _tell(f"error: {os.fsdecode(error.filename)}: {error.strerror}. Choose another place, or allow access to it.")
         return 1
+    except MemoryError as error:
+        _tell(f"error: The memory of this computer is too small for it: {error or 'it is full'}. Ask for less at once.")
+        return 1
     except EndedError as ended:
         remove_own()
         name = signal.Signals(ended.number).name
@@ -270,6 +275,7 @@ def _work(options: type[Any], work: Callable[[Any], None], prog: str, arguments:
     import tyro
 
     chosen = tyro.cli(options, prog=prog, args=list(arguments))
+    _check_finite(chosen)
     if not hasattr(chosen, "yes"):  # it never asks
         work(chosen)
         return 0
@@ -278,6 +284,19 @@ def _work(options: type[Any], work: Callable[[Any], None], prog: str, arguments:
     with watched(watch_over(chosen)):
         work(chosen)
     return 0
+
+
+def _check_finite(options: Any) -> None:
+    """Check that all numbers are finite: others have no form in the files that say where results come from.
+
+    Raises:
+        FFGymError: if one is not.
+    """
+    for field in fields(options):
+        value = getattr(options, field.name)
+        for number in value if isinstance(value, tuple) else (value,):
+            if isinstance(number, float) and not isfinite(number):
+                raise FFGymError(f"--{field.name.replace('_', '-')} = {number} must be a finite number.")
 
 
 def load_object(place: str) -> Any:

@@ -6,6 +6,7 @@ import re
 import subprocess
 import sys
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
@@ -78,13 +79,51 @@ def test_the_numbers_have_rows_per_circle_and_law(demo, irb4600):
         (["--robot", "one_axis"], "Robot 'one_axis' has no work area"),
         (["--speeds-mm-s", "0"], "speed = 0.0 m/s is out of range"),
         (["--speeds-mm-s", "90000"], ""),
+        (["--report", ""], ".: is a folder, must be a file"),
+        (["--report", "loop.html"], "loop.html: cannot be written: Too many levels of symbolic links"),
+        (["--json", "loop.html"], "loop.html: cannot be written: Too many levels of symbolic links"),
     ],
 )
-def test_a_demo_that_cannot_run_is_one_line_and_exit_code_1(arguments, message, capsys, tmp_path):
+def test_a_demo_that_cannot_run_is_one_line_and_exit_code_1(arguments, message, capsys, tmp_path, monkeypatch):
     pytest.importorskip("ffgym.report")
-    assert main(["demo", "--report", str(tmp_path / "r.html"), *arguments]) == 1
+    monkeypatch.chdir(tmp_path)
+    loop = tmp_path / "loop.html"
+    loop.symlink_to(loop)
+    assert main(["demo", "--report", "r.html", *arguments]) == 1
     assert message in read_error(capsys)
-    assert not list(tmp_path.iterdir())
+    assert list(tmp_path.iterdir()) == [loop]
+
+
+def test_a_link_that_leads_to_itself_is_no_file_that_a_command_reads(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("loop.toml").symlink_to("loop.toml")
+    assert main(["simulate", "one_axis", "loop.toml", "--json", "n.json"]) == 1
+    assert "loop.toml: cannot be read: Too many levels of symbolic links" in read_error(capsys)
+    assert [path.name for path in tmp_path.iterdir()] == ["loop.toml"]
+
+
+@pytest.mark.parametrize(
+    ("command", "shown"),
+    [
+        (["emulate", "egm", "--longest-s", "nan"], "--longest-s = nan"),
+        (["export", "program", "plan.npz", "--tolerance-mm", "inf"], "--tolerance-mm = inf"),
+        (["demo", "--speeds-mm-s", "10", "nan"], "--speeds-mm-s = nan"),
+        (["train", "bspline", "--gamma=-inf"], "--gamma = -inf"),
+    ],
+)
+def test_numbers_of_options_are_finite(command, shown, capsys):
+    assert main(command) == 1
+    assert read_error(capsys) == f"ffgym: error: {shown} must be a finite number."
+
+
+def test_work_that_the_memory_is_too_small_for_is_one_line(monkeypatch, capsys):
+    def fill(config):
+        raise MemoryError("Unable to allocate 15 GiB")
+
+    monkeypatch.setattr("ffgym.cli.export.run", fill)
+    assert main(["export", "one_axis"]) == 1
+    message = "The memory of this computer is too small for it: Unable to allocate 15 GiB. Ask for less at once."
+    assert read_error(capsys) == f"ffgym: error: {message}"
 
 
 def test_a_missing_extra_is_named(monkeypatch, capsys):
