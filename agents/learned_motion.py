@@ -46,9 +46,12 @@ class LearnedMotion:
         """Sample a reference every `record_dt`, and between these rows if the model needs more."""
         servo = reference.robot.servo
         check_number("record_dt", record_dt, unit="s", low=0.0, open_low=True)
-        recorded = round(servo.control_dt / record_dt)
-        if recorded < 1 or abs(recorded * record_dt - servo.control_dt) > 1e-9:
-            raise FFGymError(f"record_dt = {record_dt} s must divide control_dt = {servo.control_dt} s.")
+        most = reference.robot.n_substeps  # no recording has more rows in a control step
+        recorded = round(min(servo.control_dt / record_dt, most + 1.0))
+        if not 1 <= recorded <= most or abs(recorded * record_dt - servo.control_dt) > 1e-9:
+            raise FFGymError(
+                f"record_dt = {record_dt} s must divide control_dt = {servo.control_dt} s into {most} parts at most."
+            )
         stride = ceil(_STEPS / recorded)
         setpoints = Setpoints(
             position=reference.motor_q[None],

@@ -177,6 +177,16 @@ Watch = Callable[[Learning, int], None]
 """Function that is called after every trial with the state of learning, and the largest number of trials."""
 
 
+RATES = (1e-9, 1e3)
+"""Least and largest learning rate; chosen, far beyond those that learn: sums over a million samples need 1e-6, and a
+rate of more than 2 grows."""
+
+
+def check_rate(name: str, value: Any) -> float:
+    """Return `value` as a learning rate."""
+    return check_number(name, value, low=RATES[0], high=RATES[1])
+
+
 @dataclass(frozen=True, kw_only=True)
 class LFFC:
     """The training procedure; any `Network` learns by it."""
@@ -193,7 +203,7 @@ class LFFC:
     """Trials in a row without improvement after which a joint is locked; chosen."""
 
     def __post_init__(self) -> None:
-        check_number("learning rate gamma", self.rate, low=0.0, open_low=True)
+        check_rate("learning rate gamma", self.rate)
         check_whole("iterations", self.iterations, low=0)
         check_choice("learning signal", self.signal, SIGNALS)
         check_number("tolerance", self.tolerance, low=0.0, high=1.0)

@@ -20,6 +20,8 @@ COARSE_KNOTS = 38
 FULL_RANGE = 20.0
 """[rad/s], motor side: the fastest motor of the circles at 100 mm/s, thesis 5.1.1."""
 
+MOST_ORDER = 20
+"""Largest order; chosen, as splines of more than a few are rounding between knots."""
 _CLOSEST = 1e-12
 """Distance of knots, over their range if that is beyond 1, below which splines between them are rounding."""
 
@@ -48,7 +50,7 @@ class SplineBasis:
                 f"{_CLOSEST:g}, or by that share of a range beyond 1."
             )
         object.__setattr__(self, "knots", knots)
-        object.__setattr__(self, "order", check_whole("order", self.order, low=1))
+        object.__setattr__(self, "order", check_whole("order", self.order, low=1, high=MOST_ORDER))
 
     @property
     def n_splines(self) -> int:

@@ -34,7 +34,7 @@ from ffgym.agents.bspline import BSplineNetwork
 from ffgym.agents.learned_motion import LearnedMotion
 from ffgym.agents.lffc import LFFC
 from ffgym.agents.trials import Signal, SimulatedTrial
-from ffgym.core.errors import FFGymError, check_number
+from ffgym.core.errors import FFGymError, check_number, check_whole
 from ffgym.core.types import Array, ComplexArray, IntArray
 from ffgym.paths import Reference
 from ffgym.report.learning_plots import LearningCurves
@@ -44,6 +44,10 @@ from ffgym.simulation import RECORD_DT
 STABLE_GROWTH = 1.001
 """Growth per iteration that still counts as stable. Chosen: doubling takes 700 iterations, more than any training; and
 patterns without effect, whose factor is 1 but for rounding, pass."""
+_STILL = 1e-9
+"""Motor speed [rad/s] of what stands still; chosen, a turn takes centuries."""
+MOST_ITERATIONS = 100_000
+"""Most iterations that are predicted; chosen, they take seconds for each joint."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -81,11 +85,15 @@ class LearningMap:
 
     def mean_squares(self, rate: float, iterations: int) -> Array:
         """Predict mean squares of the learning signal [(N m)^2], at first and after each of I iterations, (I + 1,)."""
-        weights, history = np.zeros(self.loss.shape[1]), np.empty(iterations + 1)
-        for i in range(iterations + 1):
-            rest = self.signal - self.loss @ weights
-            history[i] = np.mean(rest**2)
-            weights = weights + rate * (self.average @ rest)
+        iterations = check_whole("iterations", iterations, low=0, high=MOST_ITERATIONS)
+        weights, history = np.zeros(self.loss.shape[1]), np.full(iterations + 1, np.inf)
+        with np.errstate(over="ignore", invalid="ignore"):  # what grows beyond all numbers is infinite from then on
+            for i in range(iterations + 1):
+                rest = self.signal - self.loss @ weights
+                if not np.isfinite(square := np.mean(rest**2)):
+                    break
+                history[i] = square
+                weights = weights + rate * (self.average @ rest)
         return history
 
 
@@ -124,7 +132,7 @@ class LearningStability:
         for reference in references:
             network.check_joints(reference)
         motions = [LearnedMotion.along(reference, record_dt) for reference in references]
-        if not any(motion.learned.size for motion in motions):
+        if not any(np.any(np.abs(motion.motor_dq[motion.learned]) > _STILL) for motion in motions):
             names = [reference.name for reference in references]
             raise FFGymError(f"Nothing can be learned from {names}: nothing moves.")
         # splines of each joint along all motions, those that are met, and the signal's loss to them

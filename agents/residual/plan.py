@@ -21,6 +21,8 @@ MACHINES_SEED = 20_261_127
 """Seed of the machines of a training; those of the validation have another one."""
 DEFAULT_STEPS: Mapping[str, int] = {"ppo": 983_040, "recurrent_ppo": 983_040, "sac": 196_608, "tqc": 196_608}
 """Control steps by default, in whole segments; chosen: learning curves are flat there, within minutes."""
+MOST_STEPS = 100_000_000
+"""Most control steps, which take a day; chosen, a hundred times as many as by default."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,7 +80,7 @@ class Training:
         own = check_hyperparameters(self.algorithm, self.hyperparameters or hyperparameters(self.algorithm))
         object.__setattr__(self, "hyperparameters", own)
         steps = DEFAULT_STEPS[self.algorithm] if self.steps is None else self.steps
-        object.__setattr__(self, "steps", check_whole("steps", steps, low=1))
+        object.__setattr__(self, "steps", check_whole("steps", steps, low=1, high=MOST_STEPS))
         if self.total <= own.get("learning_starts", -1):  # type: ignore[operator]
             raise FFGymError(
                 f"steps = {self.total} must be more than learning_starts = {own['learning_starts']}, the steps before "

@@ -11,15 +11,16 @@ from ffgym.agents.bspline import BSplineNetwork, ExtendedBSN, StaticBSN
 from ffgym.agents.changing_motions import TRIALS, ChangingMotions
 from ffgym.agents.coulomb_prior import CoulombPrior
 from ffgym.agents.law_files import save_law
-from ffgym.agents.lffc import LFFC, Learning, relative, robot_seconds, thesis_training
+from ffgym.agents.lffc import LFFC, Learning, check_rate, relative, robot_seconds, thesis_training
 from ffgym.agents.spline_basis import SplineBasis
-from ffgym.agents.stability import STABLE_GROWTH, LearningStability, learning_curves
+from ffgym.agents.stability import MOST_ITERATIONS, STABLE_GROWTH, LearningStability, learning_curves
 from ffgym.agents.tensor_bspline import TensorBSN, even_positions
 from ffgym.agents.trials import RigTrial, SimulatedTrial, training_motions
 from ffgym.cli.learning_options import BSpline, NetworkOptions, Stability
 from ffgym.cli.outputs import claim_outputs, given_options, print_places, provenance, write_numbers
 from ffgym.cli.progress import progress_bar
-from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
+from ffgym.core.effort import announce
+from ffgym.core.errors import FFGymError, check_choice, check_whole
 from ffgym.core.types import Array
 from ffgym.envs.machines import is_workcell, load_described_robot, make_rig
 from ffgym.paths import Reference
@@ -139,17 +140,19 @@ def stability(config: Stability) -> None:
         check_figure(config.figure)
         claim_outputs({"--figure": config.figure})
         for rate in config.figure_rates:
-            check_number("figure rate", rate, low=0.0, open_low=True)
+            check_rate("figure rate", rate)
         if not config.figure_rates or np.any(np.diff(config.figure_rates) <= 0):
             raise FFGymError(f"figure rates = {list(config.figure_rates)} must be one or more, ascending.")
     arm, record_dt = RigidArm(load_described_robot(config.robot)), config.record_dt_ms / 1e3
     for joint in config.figure_joints:
         check_choice("joint", joint, arm.robot.joints)
     rate, iterations = _rate_and_iterations(config, arm.robot)
-    rate = check_number("gamma", rate, low=0.0, open_low=True)
-    iterations = check_whole("iterations", iterations, low=0)
+    rate = check_rate("gamma", rate)
+    iterations = check_whole("iterations", iterations, low=0, high=MOST_ITERATIONS)
     motions = motions_of(config, arm)
     network = make_network(config, motions)
+    if config.figure is not None:
+        announce(len(config.figure_rates) * (iterations + 1) * motions[0].duration, "run")
     groups = [[motion] for motion in motions] + ([motions] if len(motions) > 1 else [])
     for group in groups:
         study = LearningStability.of(network, arm, group, signal=config.signal, record_dt=record_dt)

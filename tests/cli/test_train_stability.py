@@ -77,7 +77,15 @@ def test_a_figure_of_the_joints_asked_for_is_simulated_and_drawn(tmp_path, capsy
         (["--figure", "a.png", "--figure-rates"], "figure rates = [] must be one or more"),
         (["--figure", "a.png", "--figure-rates", "2", "1"], "figure rates = [2.0, 1.0] must be one or more, ascending"),
         (["--figure", "a.png", "--figure-rates", "-1"], "figure rate = -1.0"),
+        (["--figure", "a.png", "--figure-rates", "1e-308"], "figure rate = 1e-308"),
+        (["--figure", "a.png", "--figure-rates", "1e308"], "figure rate = 1e+308"),
+        (["--figure", "a.png", "--iterations", "100000"], "of motion would take about"),
+        (["--gamma", "1e308"], "gamma = 1e+308"),
+        (["--iterations", "1000000000"], "iterations = 1000000000.0 is out of range"),
+        (["--record-dt-ms", "1e-9"], "into 16 parts at most"),
+        (["--record-dt-ms", "1e-311"], "into 16 parts at most"),
         (["--frequencies-hz"], "no motion to learn on"),
+        (["--frequencies-hz", "1e-308"], "nothing moves"),
     ],
 )
 def test_impossible_options_are_one_clear_line(arguments, message, capsys, tmp_path, monkeypatch):

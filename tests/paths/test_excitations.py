@@ -7,7 +7,15 @@ from hypothesis import strategies as st
 from path_differences import central
 
 from ffgym.core.errors import FFGymError
-from ffgym.paths.excitations import SpeedStep, multisine, schroeder_phases, speed_ladder, speed_steps, triangle
+from ffgym.paths.excitations import (
+    SpeedStep,
+    joint_sine,
+    multisine,
+    schroeder_phases,
+    speed_ladder,
+    speed_steps,
+    triangle,
+)
 
 few = settings(max_examples=20)
 sizes = st.floats(0.01, 2.0)
@@ -97,6 +105,8 @@ def test_speeds_may_follow_each_other_without_a_rest():
         (lambda: multisine([0.0], np.ones((1, 1)), [0.0], np.zeros((1, 1)), 2.0), "frequencies"),
         (lambda: multisine([0.0], np.ones((2, 1)), [1.0], np.zeros((1, 1)), 2.0), "amplitude"),
         (lambda: multisine([0.0], np.ones((1, 1)), [1.0], np.zeros((1, 1)), 0.5), "duration"),
+        (lambda: joint_sine([1.0], 1e308, 2.0), "below half the sample rate, which is 125 Hz"),
+        (lambda: joint_sine([1.0], 1.0, 2.0, dt=0.0), "dt = 0.0 s is out of range"),
         (lambda: triangle([0.0], [0.0], 2.0), "amplitude is zero"),
         (lambda: triangle([0.0], [1.0], 0.8), "period"),
         (lambda: triangle([0.0], [1.0], 2.0, 0), "n_periods"),

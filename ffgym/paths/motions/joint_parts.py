@@ -9,7 +9,7 @@ import numpy as np
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_shape
 from ffgym.core.types import Array
 from ffgym.paths.circles import DWELL
-from ffgym.paths.excitations import check_below_nyquist, joint_sine, multisine, schroeder_phases, speed_ladder, triangle
+from ffgym.paths.excitations import joint_sine, multisine, schroeder_phases, speed_ladder, triangle
 from ffgym.paths.motion import JointPath
 from ffgym.paths.motions.part import OF_RANGE, OF_SPEED, MotionPart, PartContext, entry
 from ffgym.paths.moves import Move, MoveJoint, MoveTimed, Speed, Wait, Zone
@@ -93,7 +93,6 @@ class SinePart(ExcitationPart):
         frequency = check_number("frequency", self.frequency, unit="Hz", low=0.0, open_low=True)
 
         def path(q: Array, dt: float) -> JointPath:
-            check_below_nyquist(np.array([frequency]), dt)
             return joint_sine(size, frequency, self.duration, centre=q, dt=dt)
 
         return self._make_timed_move(place, path)

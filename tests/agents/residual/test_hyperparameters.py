@@ -91,6 +91,7 @@ def test_the_learning_rate_falls_evenly_from_segment_to_segment():
         ({"bound": 0.0}, "bound of the residual = 0.0"),
         ({"memory": 0}, "memory = 0.0 samples"),
         ({"steps": 0}, "steps = 0"),
+        ({"steps": 10**9}, "steps = 1000000000"),
         ({"seed": -1}, "seed = -1"),
         ({"algorithm": "sac", "steps": 2000}, "steps = 2000 must be more than learning_starts = 2000.*lower learning_"),
     ],
