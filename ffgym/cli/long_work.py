@@ -48,7 +48,7 @@ class LongWork:
         if stage == "plan":
             self._planned += seconds
         motion = seconds if stage == "run" else self._passes * max(seconds, self._planned)
-        if motion < TOLD:  # a computer is not slower than the robot
+        if motion * (1.0 + self._beside) < TOLD:  # a computer does not simulate slower than the robot moves
             return
         took = motion * (1.0 / rate(self._threads) + self._beside)
         if took > ASKED and not self._agreed:

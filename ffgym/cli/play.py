@@ -90,7 +90,7 @@ def check(config: Play) -> None:
         raise FFGymError(f"There is room for two agents, got {' '.join(config.agents)}; play two at a time.")
     if config.agents and given_options(config, ("law",)):
         raise FFGymError(f"--law {config.law} is for plays without named agents, got {' '.join(config.agents)} too.")
-    check_number("playback", config.playback, low=0.0, high=1000.0, open_low=True)
+    check_number("playback", config.playback, low=1e-6, high=1000.0)
     check_number("fps", config.fps, unit="1/s", low=1.0, high=100.0)
     check_whole("seed", config.seed, low=0)
     if config.window:

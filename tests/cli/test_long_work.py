@@ -108,6 +108,8 @@ def test_options_say_how_often_motions_are_run_and_what_is_drawn(slow):
         announce(5000.0, "plan")
         with pytest.raises(FFGymError, match="95 min of motion would take about 62 min"):
             announce(700.0, "plan")
+    with watched(long_work.watch_over(Play(playback=1e-4))), pytest.raises(FFGymError, match="about 14 h to"):
+        announce(20.0, "plan")  # many pictures of a short motion
 
 
 def test_the_time_of_circles_is_known_before_their_path_is_made():

@@ -169,6 +169,7 @@ def test_a_still_shows_the_time_that_is_asked_for(needs_gl, tmp_path):
         (["--position", "p9"], "Unknown position 'p9'"),
         (["--speed-mm-s", "0"], "speed = 0.0 m/s is out of range"),
         (["--playback", "0"], "playback = 0.0 is out of range"),
+        (["--playback", "1e-308"], "playback = 1e-308 is out of range"),
         (["--fps", "1000"], "fps = 1000.0 1/s is out of range"),
         (["--magnify", "-1"], "magnify = -1.0 is out of range"),
         (["--width", "9"], "width = 9.0 pixel is out of range"),
