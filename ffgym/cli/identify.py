@@ -18,6 +18,7 @@ from ffgym.diagnosis.identification.arm_share import ArmShare
 from ffgym.diagnosis.identification.friction import friction_quantities
 from ffgym.diagnosis.identification.parameter_file import parameter_text
 from ffgym.diagnosis.identification.rigid_body import Filtering, RigidBodyOptions, identify_rigid_body, starting_robot
+from ffgym.diagnosis.resampling import MOST_RESAMPLES
 from ffgym.envs.machines import load_described_robot
 from ffgym.logs import read_logs as read_motions
 from ffgym.logs.preparation import LowPass
@@ -42,6 +43,8 @@ _ONLY = {"friction": ("joints", "stribeck_velocity", "stiffness_spread"), "rigid
 _NEEDS = ("position", "torque")
 """Channels that every identification takes of a log."""
 
+LEAST_CUTOFF_HZ = 1e-3
+"""Least cut-off of a filter; chosen, a period of a quarter of an hour is longer than a recording."""
 CUTOFF_HZ = 100.0
 """Cut-off of the low-pass filter of angles and torques: it hardly rounds reversals, and takes most of the noise."""
 
@@ -87,7 +90,9 @@ def _check(config: Identify) -> None:
     for what, names in _ONLY.items():
         if what != config.what and (given := given_options(config, names)):
             raise FFGymError(f"{', '.join(given)} has no effect on --what {config.what}. Leave it out.")
-    check_whole("--resamples", config.resamples, low=2)
+    check_whole("--resamples", config.resamples, low=2, high=MOST_RESAMPLES)
+    if config.cutoff_hz is not None:
+        check_number("--cutoff-hz", config.cutoff_hz, unit="Hz", low=LEAST_CUTOFF_HZ)
     check_whole("--seed", config.seed, low=0)
     check_number("--level", config.level, low=0.0, high=0.999, open_low=True)
     inputs = (config.robot, config.columns, *config.logs, *config.validate)
@@ -298,8 +303,7 @@ def _options(config: Identify) -> RigidBodyOptions:
     """Options of the command; what it leaves open is the default."""
     filtering, default = Filtering(), RigidBodyOptions()
     if config.cutoff_hz is not None:
-        cutoff = check_number("--cutoff-hz", config.cutoff_hz, unit="Hz", low=0.0, open_low=True)
-        filtering = Filtering(parallel=LowPass(cutoff=cutoff, order=filtering.parallel.order))
+        filtering = Filtering(parallel=LowPass(cutoff=config.cutoff_hz, order=filtering.parallel.order))
     return RigidBodyOptions(
         terms=config.terms or default.terms,
         filtering=filtering,

@@ -65,12 +65,9 @@ def make_envelope(config: Stream, robot: RobotDescription, cycle: float) -> Enve
     left = LONGEST_SILENCE - patience
     ramp = min(Envelope.ramp, left if left > 0 else Envelope.ramp) if config.ramp_ms is None else 1e-3 * config.ramp_ms
     limits = {
-        "size": 1e-3 * check_number("--largest-mrad", config.largest_mrad, unit="mrad", low=0.0, open_low=True),
-        "rate": 1e-3
-        * check_number("--largest-rate-mrad-s", config.largest_rate_mrad_s, unit="mrad/s", low=0.0, open_low=True),
-        "acceleration": check_number(
-            "--largest-acceleration-rad-s2", config.largest_acceleration_rad_s2, unit="rad/s^2", low=0.0, open_low=True
-        ),
+        "size": 1e-3 * _check_limit("--largest-mrad", config.largest_mrad, "mrad"),
+        "rate": 1e-3 * _check_limit("--largest-rate-mrad-s", config.largest_rate_mrad_s, "mrad/s"),
+        "acceleration": _check_limit("--largest-acceleration-rad-s2", config.largest_acceleration_rad_s2, "rad/s^2"),
     }
     return Envelope(
         correction=CorrectionLimits.even(robot.n_joints, **limits),
@@ -80,6 +77,11 @@ def make_envelope(config: Stream, robot: RobotDescription, cycle: float) -> Enve
         fade=1e-3 * config.fade_ms,
         start_tolerance=1e-3 * config.start_tolerance_mrad,
     )
+
+
+def _check_limit(option: str, value: float, unit: str) -> float:
+    """Return a limit of corrections, which is no smaller and no larger than any that a robot moves by."""
+    return check_number(option, value, unit=unit, low=1e-6, high=1e9)
 
 
 def describe_session(session: StreamSession, timing: Timing) -> list[str]:

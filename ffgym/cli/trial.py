@@ -23,7 +23,7 @@ from ffgym.deployment.trial.matching import TrialLog
 from ffgym.deployment.trial.pages import render_plan, render_trial
 from ffgym.deployment.trial.plan import TrialPlan, plan_trial
 from ffgym.deployment.trial.plan_files import PAGE, PLAN, TABLE, describe_plan, read_trial_plan, write_trial_plan
-from ffgym.deployment.trial.power import SPREAD, Power, pool_pilot
+from ffgym.deployment.trial.power import LEAST_SPREAD, SPREAD, Power, pool_pilot
 from ffgym.deployment.trial.program import TrialProgram, make_program
 from ffgym.deployment.trial.reading import TrialResult, read_trial
 from ffgym.deployment.trial.rehearsal import rehearse
@@ -95,7 +95,7 @@ def _power(config: PlanTrial, places: int) -> Power:
         spread, source = _read_pilot(config.pilot), f"upper end of what {config.pilot} leaves open"
     gain = check_number("--gain-percent", config.gain_percent, unit="%", low=0.0, high=99.0, open_low=True) / 100
     power = check_number("--power-percent", config.power_percent, unit="%", low=5.0, high=99.9) / 100
-    spread = check_number("spread of the ratios of pairs", spread, low=0.0, high=3.0, open_low=True)
+    spread = check_number("spread of the ratios of pairs", spread, low=LEAST_SPREAD, high=3.0)
     return Power(gain=gain, spread=spread, source=source, power=power, places=places)
 
 

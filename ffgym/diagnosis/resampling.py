@@ -20,6 +20,8 @@ LEVEL = 0.9
 
 RESAMPLES = 400
 """Default number of resamples: the ends of a 90 % interval then scatter by a tenth of its half width."""
+MOST_RESAMPLES = 100_000
+"""Largest number of resamples; chosen, its ends scatter by less than a hundredth then."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -138,7 +140,7 @@ def bootstrap(
         rng: draws the blocks of a resample, before it is estimated from.
         n_resamples: how many resamples.
     """
-    count = check_whole("n_resamples", n_resamples, low=2)
+    count = check_whole("n_resamples", n_resamples, low=2, high=MOST_RESAMPLES)
     return np.stack([estimate(blocks.draw(rng)) for _ in range(count)])
 
 

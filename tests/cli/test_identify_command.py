@@ -155,6 +155,8 @@ def test_logs_of_other_tools_need_a_column_map_and_no_other_step(logs, foreign, 
         (["{ladder}", "--robot", "one_axis", "--joints", "j9"], "Unknown joint 'j9'"),
         (["{ladder}", "--robot", "one_axis", "--cutoff-hz", "600"], "must lie below 500 Hz"),
         (["{ladder}", "--robot", "one_axis", "--resamples", "1"], "resamples"),
+        (["{ladder}", "--robot", "one_axis", "--resamples", "1000000000"], r"must be in \[2, 100000\]"),
+        (["{ladder}", "--robot", "one_axis", "--cutoff-hz", "1e-308"], "--cutoff-hz = 1e-308 Hz is out of range"),
     ],
 )
 def test_what_cannot_be_done_is_one_line(logs, capsys, arguments, message):

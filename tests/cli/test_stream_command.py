@@ -126,6 +126,9 @@ def test_a_plan_goes_to_an_emulated_controller_in_another_process(
     ("arguments", "message"),
     [
         (["--largest-mrad", "0"], "--largest-mrad = 0.0 mrad is out of range"),
+        (["--largest-mrad", "1e-308"], "--largest-mrad = 1e-308 mrad is out of range"),
+        (["--largest-rate-mrad-s", "1e308"], "--largest-rate-mrad-s = 1e+308 mrad/s is out of range"),
+        (["--largest-acceleration-rad-s2", "1e308"], "--largest-acceleration-rad-s2 = 1e+308 rad/s^2 is out of range"),
         (["--patience-ms", "25"], "patience + ramp = 35 ms"),
         (
             ["--protocol", "rsi", "--patience-ms", "3"],

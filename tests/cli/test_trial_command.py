@@ -145,6 +145,10 @@ def test_logs_of_another_tool_are_read_by_a_column_map(inside, tmp_path):
         (["plan", "one_axis", "sine.toml", "sine.toml", "--out", "new"], "different names"),
         (["plan", "one_axis", "nowhere.toml", "--out", "new"], "cannot be read"),
         (["plan", "one_axis", "sine.toml", "--out", "new", "--gain-percent", "0"], "--gain-percent = 0"),
+        (
+            ["plan", "one_axis", "sine.toml", "--out", "new", "--spread-percent", "1e-308"],
+            "spread of the ratios of pairs",
+        ),
         (["plan", "one_axis", "sine.toml", "--out", "new", "--pilot", "plan.json"], "no gains of a trial"),
         (
             ["plan", "one_axis", "sine.toml", "--out", "new", "--pilot", "x.json", "--spread-percent", "3"],

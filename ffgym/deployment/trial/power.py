@@ -18,6 +18,8 @@ POWER = 0.9
 """Default probability of showing a gain that is there."""
 SPREAD = 0.05
 """Assumed spread where no pilot says better; chosen: between the 1 % of runs that repeat well and 10 %."""
+LEAST_SPREAD = 1e-6
+"""Smallest spread that is reckoned with; chosen, no two runs of a machine are as equal."""
 MOST_PAIRS = 500
 """Largest number of pairs that is looked at."""
 _CAUTION = 0.8
@@ -75,7 +77,7 @@ def count_pairs(gain: float, spread: float, *, power: float = POWER, places: int
         FFGymError: if a number is out of range.
     """
     gain = check_number("gain", gain, low=0.0, high=0.99, open_low=True)
-    spread = check_number("spread of the ratios of pairs", spread, low=0.0, high=3.0, open_low=True)
+    spread = check_number("spread of the ratios of pairs", spread, low=LEAST_SPREAD, high=3.0)
     power = check_number("power", power, low=LEVEL, high=0.999)
     fits = (n for n in range(2, MOST_PAIRS + 1) if compute_power(gain, spread, n, places=places) >= power)
     return next(fits, None)

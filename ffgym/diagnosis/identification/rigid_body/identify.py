@@ -18,7 +18,7 @@ from ffgym.diagnosis.identification.rigid_body.terms import (
     read_description,
     terms_named,
 )
-from ffgym.diagnosis.resampling import LEVEL
+from ffgym.diagnosis.resampling import LEVEL, MOST_RESAMPLES
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
 
@@ -59,7 +59,7 @@ class RigidBodyOptions:
         terms_named(self.terms)
         if self.spread is not None:
             check_number("spread", self.spread, low=NEAREST, high=FARTHEST)
-        check_whole("resamples", self.resamples, low=2)
+        check_whole("resamples", self.resamples, low=2, high=MOST_RESAMPLES)
         check_whole("seed", self.seed, low=0)
 
 
