@@ -33,6 +33,7 @@ def check_writable(path: str | os.PathLike[str]) -> None:
     try:
         if target.is_dir():
             raise FFGymError(f"{path}: is a folder, must be a file.")
+        _check_replaceable(path)
         if not folder.is_dir():
             raise FFGymError(f"{path}: the folder {folder} does not exist; create it, or choose another place.")
         with suppress(FileNotFoundError):
@@ -59,6 +60,7 @@ def replaced_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     Raises:
         FFGymError: if the file cannot be written.
     """
+    _check_replaceable(path)
     target = Path(os.path.realpath(path))  # through a link, as an ordinary write does
     try:
         with temporary_file(target.parent) as temporary:
@@ -78,12 +80,23 @@ def check_ordinary(path: str | os.PathLike[str]) -> None:
     Raises:
         FFGymError: if it does. A path that leads nowhere passes, as reading says what is wrong.
     """
+    if _is_special(path):
+        raise FFGymError(f"{path}: is a pipe or a device, must be a file. Write what it gives to a file first.")
+
+
+def _check_replaceable(path: str | os.PathLike[str]) -> None:
+    """Check that no pipe, device or socket stands where a file is to be, which would take its place."""
+    if _is_special(path):
+        raise FFGymError(f"{path}: is a pipe or a device, must be a file; choose another name.")
+
+
+def _is_special(path: str | os.PathLike[str]) -> bool:
+    """Tell if there is something that is neither file nor folder."""
     try:
         mode = os.stat(path).st_mode
     except (OSError, ValueError):  # ValueError: a name that holds a null character
-        return
-    if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):
-        raise FFGymError(f"{path}: is a pipe or a device, must be a file. Write what it gives to a file first.")
+        return False
+    return not (stat.S_ISREG(mode) or stat.S_ISDIR(mode))
 
 
 def is_file(path: str | os.PathLike[str]) -> bool:

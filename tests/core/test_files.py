@@ -65,6 +65,19 @@ def test_a_file_that_is_protected_is_refused(monkeypatch, old):
     check_writable(old.with_name("other.json"))
 
 
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no named pipes")
+def test_a_pipe_or_device_is_no_place_to_write_and_stays(tmp_path):
+    pipe, link = tmp_path / "pipe", tmp_path / "link"
+    os.mkfifo(pipe)
+    link.symlink_to(pipe)
+    for place in (pipe, link):
+        for write in (check_writable, lambda path: write_text(path, "new")):
+            with pytest.raises(FFGymError, match="is a pipe or a device, must be a file; choose another name"):
+                write(place)
+    assert pipe.is_fifo()
+    assert sorted(tmp_path.iterdir()) == [link, pipe]
+
+
 def test_a_link_that_leads_to_itself_is_no_place_to_write(tmp_path):
     loop, free = tmp_path / "loop", tmp_path / "free"
     loop.symlink_to(loop)
