@@ -208,9 +208,14 @@ def _guard(run: Callable[[], int]) -> int:
         _tell(f"error: {' '.join(str(error).split())}")
         return 1
     except OSError as error:
-        if error.filename is None:  # no file is to blame, but this program
+        if error.filename is not None:
+            _tell(
+                f"error: {os.fsdecode(error.filename)}: {error.strerror}. Choose another place, or allow access to it."
+            )
+        elif not _has_folder():
+            _tell("error: The working directory is gone: it was removed or moved. Change to one that is there.")
+        else:  # no file is to blame, but this program
             raise
-        _tell(f"error: {os.fsdecode(error.filename)}: {error.strerror}. Choose another place, or allow access to it.")
         return 1
     except MemoryError as error:
         _tell(f"error: The memory of this computer is too small for it: {error or 'it is full'}. Ask for less at once.")
@@ -220,6 +225,15 @@ def _guard(run: Callable[[], int]) -> int:
         name = signal.Signals(ended.number).name
         _tell(f"{'interrupted' if name == 'SIGINT' else f'ended by {name}'}; {_KEPT}")
         return 128 + ended.number
+
+
+def _has_folder() -> bool:
+    """Tell if the working directory is there, from which the paths of files begin."""
+    try:
+        os.getcwd()
+    except OSError:
+        return False
+    return True
 
 
 def _tell(words: str) -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from tests.processes import INTERRUPTIBLE
 
+EXPORT = ["export", "one_axis", "--out", "model"]
 COMMAND = [sys.executable, "-m", "ffgym"]
 
 
@@ -23,6 +24,15 @@ def wait_until_it_simulates(pid):
             return
         time.sleep(0.1)
     raise AssertionError("the engine was not loaded within a minute")
+
+
+def test_a_working_directory_that_is_gone_is_one_line(tmp_path):
+    command = f"import os, sys; from ffgym.cli.main import main; os.rmdir(os.getcwd()); sys.exit(main({EXPORT}))"
+    (tmp_path / "gone").mkdir()
+    done = subprocess.run([sys.executable, "-c", command], cwd=tmp_path / "gone", capture_output=True, text=True)
+    error = "The working directory is gone: it was removed or moved. Change to one that is there."
+    assert (done.returncode, done.stderr) == (1, f"ffgym: error: {error}\n")
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_reader_that_has_seen_enough_loses_nothing(tmp_path):
