@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ffgym.cli.export import load_machine_or_robot
-from ffgym.cli.outputs import claim_outputs, print_places, provenance, write_numbers
+from ffgym.cli.outputs import claim_outputs, given_options, print_places, provenance, write_numbers
 from ffgym.cli.progress import progress_bar
 from ffgym.cli.stream import describe_session, make_envelope
 from ffgym.cli.stream_options import Emulate, Stream
@@ -83,6 +83,8 @@ def _check(config: Emulate) -> None:
     claim_outputs({**places, "--json": config.json}, inputs=(config.plan, config.robot))
     if config.torque and config.log is None:
         raise FFGymError("--torque has no effect without --log. Leave it out, or name a log.")
+    if config.log is not None and (given := given_options(config, ("address", "longest_s"))):
+        raise FFGymError(f"{given[0]} has no effect with --log, which needs no network. Leave one of them out.")
     if config.log is not None and config.plan is None:
         raise FFGymError(f"--log {config.log}: there is no plan to stream. Name one: --plan.")
 

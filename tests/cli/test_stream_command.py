@@ -255,6 +255,13 @@ def test_a_lock_step_without_plan_is_refused(tmp_path: Path, capsys) -> None:
     assert "there is no plan to stream. Name one: --plan." in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("option", [("--address", "nowhere"), ("--longest-s", "-1")])
+def test_options_of_the_network_have_no_effect_in_lock_step(option: tuple[str, str], tmp_path: Path, capsys) -> None:
+    command = ["emulate", "egm", "--robot", "one_axis", "--plan", "plan.npz", "--log", str(tmp_path / "log.npz")]
+    assert main([*command, *option]) == 1
+    assert f"{option[0]} has no effect with --log, which needs no network. Leave one of them out." in error_of(capsys)
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
