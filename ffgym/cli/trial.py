@@ -31,6 +31,7 @@ from ffgym.deployment.trial.words import format_plan, format_trial
 from ffgym.envs.machines import find_controller, make_rig
 from ffgym.logs import log_formats, read_logs
 from ffgym.paths.motions import load_motion
+from ffgym.paths.motions.load import is_program
 from ffgym.recordings import write_recording
 from ffgym.recordings.io import recording_files
 from ffgym.robot import load_draft, load_robot
@@ -74,8 +75,12 @@ def _programs(config: PlanTrial) -> list[TrialProgram]:
     """Make the programs of all motions."""
     arm = make_rig(config.robot).arm
     programs = []
+    if config.entry is not None and not any(map(is_program, config.motions)):
+        raise FFGymError(
+            f"--entry {config.entry} has no effect: {', '.join(config.motions)} is no RAPID program. Leave it out."
+        )
     for source in config.motions:
-        motion = load_motion(arm, source, entry=config.entry if source.endswith((".mod", ".prg")) else None)
+        motion = load_motion(arm, source, entry=config.entry if is_program(source) else None)
         if motion.reference.robot is not arm.robot:
             raise FFGymError(f"{source} brings a tool of its own; plan with a robot that has this tool.")
         for note in motion.notes:

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from ffgym.cli.main import main
+from ffgym.core.errors import FFGymError
 from ffgym.recordings import read_recording
 from tests.cli.errors import read_error
 
@@ -151,6 +152,10 @@ def test_logs_of_another_tool_are_read_by_a_column_map(inside, tmp_path):
         ),
         (["plan", "one_axis", "sine.toml", "--out", "new", "--pilot", "plan.json"], "no gains of a trial"),
         (
+            ["plan", "one_axis", "sine.toml", "--out", "new", "--entry", "weld"],
+            "--entry weld has no effect: sine.toml is",
+        ),
+        (
             ["plan", "one_axis", "sine.toml", "--out", "new", "--pilot", "x.json", "--spread-percent", "3"],
             "leave one of them out",
         ),
@@ -168,3 +173,15 @@ def test_what_cannot_be_done_is_one_line_and_nothing_is_written(arguments, messa
     assert main(["trial", *arguments]) == 1
     assert message in read_error(capsys)
     assert sorted(inside.rglob("*")) == before
+
+
+def test_a_program_of_several_modules_is_planned_from_the_procedure_that_is_named(inside, monkeypatch):
+    given = []
+
+    def read(arm, source, *, entry):
+        given.append((source, entry))
+        raise FFGymError("seen")
+
+    monkeypatch.setattr("ffgym.cli.trial.load_motion", read)
+    assert main(["trial", "plan", "one_axis", "cell.pgf", "--out", "new", "--entry", "weld"]) == 1
+    assert given == [("cell.pgf", "weld")]

@@ -140,6 +140,12 @@ def builtin_files() -> dict[str, Traversable]:
     return {Path(file.name).stem: file for file in files if Path(file.name).suffix in READERS}
 
 
+def is_program(source: str) -> bool:
+    """Tell if a name of `list_motions` or a path is that of a program, of which a procedure is run."""
+    file = builtin_files().get(source)
+    return Path(source if file is None else file.name).suffix.lower() in PROGRAMS
+
+
 def load_motion(
     arm: RigidArm,
     source: str | Path,
