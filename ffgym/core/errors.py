@@ -30,20 +30,25 @@ def errors_at(where: str) -> Iterator[None]:
         raise error if str(error).startswith(where) else FFGymError(f"{where}: {error}") from error
 
 
-def check_shape(name: str, value: Any, shape: Sequence[int | None]) -> Array:
-    """Return `value` as a finite float64 array of `shape`, where None stands for any length."""
+def check_shape(name: str, value: Any, shape: Sequence[int | None], *, infinite: bool = False) -> Array:
+    """Return `value` as a float64 array of `shape`, where None stands for any length; finite, or +inf if `infinite`."""
     try:
         if np.asarray(value).dtype.kind in "USc":
             raise TypeError("text and complex numbers are not numbers")
         array = np.asarray(value, dtype=np.float64)
     except (TypeError, ValueError, OverflowError) as error:
-        raise FFGymError(f"{name} must be numbers, got {value!r}.") from error
+        raise FFGymError(f"{name} must be numbers, got {' '.join(repr(value).split())}.") from error
+    if np.ma.is_masked(value):
+        raise FFGymError(f"{name} has masked entries, must have a number everywhere; fill them or leave them out.")
     wanted = tuple(shape)
-    if array.ndim != len(wanted) or any(w is not None and w != s for w, s in zip(wanted, array.shape, strict=True)):
+    if array.shape != wanted and (
+        array.ndim != len(wanted) or any(w not in (None, s) for w, s in zip(wanted, array.shape, strict=True))
+    ):
         text = "(" + ", ".join("any" if w is None else str(w) for w in wanted) + ")"
         raise FFGymError(f"{name} has shape {array.shape}, must be {text}.")
-    if not np.all(np.isfinite(array)):
-        index = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
+    finite = np.isfinite(array) | (array == np.inf) if infinite else np.isfinite(array)
+    if not finite.all():
+        index = tuple(int(i) for i in np.argwhere(~finite)[0])
         raise FFGymError(f"{name} must be finite, but entry {index} is {array[index]}.")
     return array
 

@@ -26,7 +26,8 @@ from ffgym.robot.parts import (
     WorkArea,
     point_mass_inertia,
 )
-from ffgym.robot.reading.quantity import Quantity
+from ffgym.robot.reading.quantity import Quantity, check_numbers
+from ffgym.robot.reading.rules import RULES, check_part
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -65,6 +66,7 @@ class RobotDescription:
         bodies = ["world", "base", "tool", *self.links, *(f"{link}_rotor" for link in self.links)]
         if len(set(bodies)) != len(bodies):
             raise FFGymError(f"Link names {self.links} clash with the bodies world, base, tool or <link>_rotor.")
+        self._check_numbers()
         # springs must join two bodies that there are
         bodies = ["base", *self.links, *(["tool"] if self.tool is not None else [])]
         for spring in self.springs:
@@ -87,6 +89,26 @@ class RobotDescription:
                 f"drive.resolver_period = {self.drive.resolver_period} s must be a whole multiple of "
                 f"simulation.physics_dt = {self.physics_dt} s, or 0 for a servo that knows its exact speed."
             )
+
+    def _check_numbers(self) -> None:
+        """Check that all parts are of N joints, and the numbers that no part checks by the rules of files."""
+        n = self.n_joints
+        counts = {
+            "kinematics": len(self.kinematics.axis),
+            "links": len(self.bodies.mass),
+            "drive": len(self.drive.gear_ratio),
+            "friction": self.friction.n_joints,
+            "work_area": n if self.work_area is None else len(self.work_area.home),
+        }
+        for table, count in counts.items():
+            if count != n:
+                raise FFGymError(f"{table} of robot {self.name!r} is of {count} joints, must be of {n}: {self.joints}.")
+        check_part("servo", self.servo, n)
+        for path in ("base.mass", "base.com", "simulation.physics_dt", "simulation.gravity"):
+            name = path.replace(".", "_").removeprefix("simulation_")
+            array = check_numbers(path, getattr(self, name), RULES[path], n)
+            if array.ndim:
+                object.__setattr__(self, name, array)
 
     def _check_home(self) -> None:
         """Check that home is a pose within the limits."""

@@ -5,9 +5,9 @@ from functools import cached_property
 
 import numpy as np
 
-from ffgym.core.errors import FFGymError, check_number, check_shape
+from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array, BoolArray
-from ffgym.robot.reading.rules import RULES
+from ffgym.robot.reading.rules import RULES, check_part
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -49,6 +49,7 @@ class Drive:
     is no coupling."""
 
     def __post_init__(self) -> None:
+        check_part("drive", self, np.size(self.gear_ratio))
         with np.errstate(over="ignore"):
             reflected = self.reflected_inertia
         if not np.all(np.isfinite(reflected)):
@@ -56,36 +57,23 @@ class Drive:
                 f"drive.gear_ratio = {self.gear_ratio.tolist()} gives rotors of {reflected.tolist()} kg m^2 behind the "
                 f"gearbox. Ratios are motor turns per joint turn, some hundred at most."
             )
-        self._check_torque_path()
-        object.__setattr__(
-            self, "resolver_period", check_number("drive.resolver_period", self.resolver_period, unit="s", low=0.0)
-        )
+        self._leave_out_ideal()
         if self.coupling is None:
             return
-        coupling = check_shape("drive.coupling", self.coupling, (len(self.gear_ratio), len(self.gear_ratio)))
-        if np.any(np.diag(coupling)):
+        if np.any(np.diag(self.coupling)):
             raise FFGymError(
-                f"drive.coupling has {np.diag(coupling)} on its diagonal, must be 0; see drive.gear_ratio."
+                f"drive.coupling has {np.diag(self.coupling)} on its diagonal, must be 0; see drive.gear_ratio."
             )
-        if not np.any(coupling):
+        if not np.any(self.coupling):
             object.__setattr__(self, "coupling", None)
         elif np.linalg.cond(self.matrix) > 1 / np.finfo(np.float64).eps:
-            raise FFGymError(f"drive.coupling = {coupling.tolist()} leaves joint motions that turn no motor.")
+            raise FFGymError(f"drive.coupling = {self.coupling.tolist()} leaves joint motions that turn no motor.")
 
-    def _check_torque_path(self) -> None:
-        """Check the numbers between command and torque; without effect they become None, so that equals are equal."""
+    def _leave_out_ideal(self) -> None:
+        """Make numbers between command and torque that have no effect None, so that equals are equal."""
         for name in _TORQUE_PATH:
-            if (given := getattr(self, name)) is None:
-                continue
-            ideal = _ideal(name)
-            values = np.atleast_1d(np.asarray(given, dtype=np.float64))
-            check_shape(f"drive.{name}", np.where(values == ideal, 1.0, values), (len(self.gear_ratio),))
-            if np.any(values < 0) or (ideal > 0 and np.any(values == 0)):
-                raise FFGymError(
-                    f"drive.{name} = {values.tolist()} must be {'>' if ideal > 0 else '>='} 0 on every joint; "
-                    f"{ideal:g} leaves it out."
-                )
-            object.__setattr__(self, name, None if np.all(values == ideal) else values)
+            if np.all(self._fill(name) == _ideal(name)):
+                object.__setattr__(self, name, None)
 
     @property
     def loop_lag(self) -> Array:

@@ -9,9 +9,10 @@ from typing import Any, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from ffgym.core.errors import FFGymError, check_choice
+from ffgym.core.errors import FFGymError, check_choice, check_rotation
 from ffgym.core.types import Array, BoolArray
 from ffgym.recordings.header import PositionSide, TorqueSemantics
+from ffgym.robot.reading.rules import check_part
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -72,6 +73,7 @@ class Kinematics:
     """'hinge' or 'slide', one per joint; empty is all hinges."""
 
     def __post_init__(self) -> None:
+        check_part("kinematics", self, len(np.atleast_1d(self.axis)))
         if np.any(np.abs(np.hypot.reduce(self.axis, axis=1) - 1) > 1e-6):
             raise FFGymError(f"kinematics.axis = {self.axis.tolist()} must be unit vectors.")
         if np.any(self.range[:, 0] >= self.range[:, 1]):
@@ -111,6 +113,7 @@ class Links:
     """Inertia about the centre of mass [kg m^2], order xx, yy, zz, xy, xz, yz, shape (N, 6)."""
 
     def __post_init__(self) -> None:
+        check_part("links", self, np.size(self.mass))
         for i, inertia in enumerate(self.inertia):
             _check_inertia(f"links.inertia[{i}]", inertia)
 
@@ -133,6 +136,9 @@ class Tool:
     """Inertia about the centre of mass [kg m^2], order xx, yy, zz, xy, xz, yz, shape (6,)."""
 
     def __post_init__(self) -> None:
+        check_part("flange", self, 0)
+        check_part("tool", self, 0)
+        check_rotation("flange.rotation", self.rotation)
         if self.mass > 0:
             _check_inertia("tool.inertia", self.inertia)
         elif np.any(self.inertia):
@@ -184,6 +190,9 @@ class WorkArea:
     """Normal of the plane of the test circles, any length, shape (3,)."""
 
     def __post_init__(self) -> None:
+        check_part("work_area", self, np.size(self.home))
+        if self.tool_rotation is not None:
+            check_rotation("work_area.tool_rotation", self.tool_rotation)
         if not np.any(self.normal):
             raise FFGymError("work_area.normal must not be zero; leave it out for circles parallel to the ground.")
         object.__setattr__(self, "positions", MappingProxyType(dict(self.positions)))

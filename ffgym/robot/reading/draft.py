@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ffgym.core.errors import FFGymError, check_rotation, errors_at
+from ffgym.core.errors import FFGymError, errors_at
 from ffgym.core.types import Array
 from ffgym.robot.description import RobotDescription
 from ffgym.robot.drive import Drive
@@ -71,7 +71,7 @@ def _tool(get: Mapping[str, Any]) -> Tool | None:
         return None
     body = {path.removeprefix("tool."): get[path] for path in TOOL_MASSES if path in get}
     return Tool(
-        rotation=check_rotation("flange.rotation", get["flange.rotation"]),
+        rotation=get["flange.rotation"],
         position=get.get("flange.position", np.zeros(3)),
         tcp=get["tool.tcp"],
         **(body | {"mass": float(body.get("mass", 0.0))}),
@@ -81,10 +81,9 @@ def _tool(get: Mapping[str, Any]) -> Tool | None:
 def _work_area(get: Mapping[str, Any]) -> WorkArea | None:
     if HOME not in get:
         return None
-    rotation = get.get("work_area.tool_rotation")
     return WorkArea(
         positions={path.removeprefix(_POINTS): value for path, value in get.items() if path.startswith(_POINTS)},
-        tool_rotation=None if rotation is None else check_rotation("work_area.tool_rotation", rotation),
+        tool_rotation=get.get("work_area.tool_rotation"),
         normal=get.get("work_area.normal", np.array([0.0, 0.0, 1.0])),
         home=get[HOME],
     )

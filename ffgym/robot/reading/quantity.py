@@ -200,20 +200,36 @@ def _numbers(path: str, value: Any, shape: tuple[int, ...], *, infinite: bool) -
     """Array of nested lists of numbers, finite unless `infinite`."""
     if not _only_numbers(value):
         raise FFGymError(f"{path} must be numbers, got {value!r}.")
-    check_shape(path, _without_infinity(value) if infinite else value, shape)
-    return np.array(value, dtype=np.float64)
+    return check_shape(path, value, shape, infinite=infinite)
 
 
 def _check_value(path: str, value: Any, rule: Rule, shape: tuple[int, ...], factors: Array) -> Array:
     """Check numbers and convert them to SI units, read-only."""
     array = _numbers(path, value, shape, infinite=rule.infinite)
-    if np.any(array < rule.low) or (rule.open_low and np.any(array == rule.low)):
-        raise FFGymError(f"{path} = {array.tolist()} must be {'>' if rule.open_low else '>='} {rule.low} {rule.unit}.")
-    if rule.nonzero and np.any(array == 0):
-        raise FFGymError(f"{path} = {array.tolist()} must not be 0.")
+    _check_bounds(path, array, rule)
     array *= factors
     array.flags.writeable = False
     return array
+
+
+def check_numbers(path: str, value: Any, rule: Rule, n_joints: int) -> Array:
+    """Return a read-only copy of numbers of an entry that are in SI units, on the side where they are kept.
+
+    Raises:
+        FFGymError: if they are not as the rule says.
+    """
+    array = check_shape(path, value, rule.shape_for(n_joints), infinite=rule.infinite).copy()
+    _check_bounds(path, array, rule)
+    array.flags.writeable = False
+    return array
+
+
+def _check_bounds(path: str, array: Array, rule: Rule) -> None:
+    smallest = array.min(initial=np.inf)
+    if smallest < rule.low or (rule.open_low and smallest == rule.low):
+        raise FFGymError(f"{path} = {array.tolist()} must be {'>' if rule.open_low else '>='} {rule.low} {rule.unit}.")
+    if rule.nonzero and np.any(array == 0):
+        raise FFGymError(f"{path} = {array.tolist()} must not be 0.")
 
 
 def _only_numbers(value: Any) -> bool:
@@ -221,10 +237,3 @@ def _only_numbers(value: Any) -> bool:
     if isinstance(value, list):
         return all(_only_numbers(entry) for entry in value)
     return isinstance(value, int | float) and not isinstance(value, bool)
-
-
-def _without_infinity(value: Any) -> Any:
-    """Nested lists of numbers with +inf replaced by 0, for a check that allows it."""
-    if isinstance(value, list):
-        return [_without_infinity(entry) for entry in value]
-    return 0.0 if value == np.inf else value

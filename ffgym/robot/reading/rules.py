@@ -2,13 +2,13 @@
 
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from importlib import resources
 from types import MappingProxyType
 from typing import Any
 
 from ffgym.core.errors import FFGymError
-from ffgym.robot.reading.quantity import Rule
+from ffgym.robot.reading.quantity import Rule, check_numbers
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,6 +33,21 @@ RULES: Mapping[str, Rule] = MappingProxyType(
     {f"{group}.{name}": _rule(rule) for group, rules in _TABLES["entry"].items() for name, rule in rules.items()}
 )
 """Rules of entries; optional entries may be left out."""
+
+
+def check_part(table: str, part: Any, n_joints: int) -> None:
+    """Check the numbers of a part of a description by the rules of a table of its file; its arrays become read-only.
+
+    Raises:
+        FFGymError: if one is not valid; one that is None by default may be None.
+    """
+    for field in fields(part):
+        path, value = f"{table}.{field.name}", getattr(part, field.name)
+        if path in RULES and not (value is None and field.default is None):
+            array = check_numbers(path, value, RULES[path], n_joints)
+            if array.ndim:
+                object.__setattr__(part, field.name, array)
+
 
 REQUIRED = tuple(path for path, rule in RULES.items() if not rule.optional)
 """Entries without which a robot is not complete."""
