@@ -100,6 +100,12 @@ def check_whole(name: str, value: Any, *, unit: str = "", low: int, high: int | 
     return round(number)
 
 
+def check_class(name: str, value: Any, wanted: type, instead: str) -> None:
+    """Check that `value` is of class `wanted`; `instead` says what makes one."""
+    if not isinstance(value, wanted):
+        raise FFGymError(f"{name} must be a {wanted.__name__}, got {type(value).__name__}; {instead}.")
+
+
 def check_choice(name: str, value: str, available: Sequence[str]) -> str:
     """Return `value` if it is one of `available`."""
     if value not in available:

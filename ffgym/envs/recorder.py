@@ -10,7 +10,7 @@ from ffgym.core.types import Array, IntArray
 from ffgym.recordings import Recording
 from ffgym.simulation import RECORD_DT, Sensor
 from ffgym.simulation.run import record_stride
-from ffgym.simulation.sensors import measure
+from ffgym.simulation.sensors import check_sensors, measure
 from ffgym.simulation.trace import Added, ReferenceRows, Trace, to_recording
 
 if TYPE_CHECKING:
@@ -39,8 +39,7 @@ class EpisodeRecorder:
     ) -> None:
         self._keep = None if keep is None else check_whole("keep", keep, low=0)
         self._record_dt = check_number("record_dt", record_dt, unit="s", low=0.0, open_low=True)
-        if not isinstance(sensors, Sequence) or not all(isinstance(sensor, Sensor) for sensor in sensors):
-            raise FFGymError(f"sensors = {sensors!r} must be a list of sensors, e.g. [Resolver(bits=16)].")
+        check_sensors(sensors)
         if on_episode is not None and not callable(on_episode):
             raise FFGymError(f"on_episode = {on_episode!r} must be a function of a recording.")
         self._sensors, self._on_episode = tuple(sensors), on_episode

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ffgym.core.errors import FFGymError, check_shape
+from ffgym.core.errors import FFGymError, check_class, check_shape
 from ffgym.core.types import Array
 from ffgym.paths import CartesianPath, JointPath
 from ffgym.recordings import Phase
@@ -29,6 +29,7 @@ class Reference:
     phases: tuple[Phase, ...]
 
     def __post_init__(self) -> None:
+        check_class("robot of a reference", self.robot, RobotDescription, "load_robot makes one")
         for name in ("q", "dq", "ddq"):
             check_shape(f"reference {name}", getattr(self, name), (len(self.t), self.robot.n_joints))
         dt = self.robot.servo.control_dt
@@ -93,6 +94,8 @@ def cartesian_reference(
     Raises:
         FFGymError: if the path is unreachable, near a singularity, or beyond a joint or speed limit.
     """
+    check_class("arm", arm, RigidArm, "RigidArm(robot) makes one of a description")
+    check_class("path", path, CartesianPath, "circle_test makes one")
     area = arm.robot.work_area
     if path.rotation is not None:
         if rotation is not None:
@@ -120,4 +123,5 @@ def joint_reference(robot: RobotDescription, path: JointPath) -> Reference:
     Raises:
         FFGymError: if it has another number of joints, or is beyond a joint or speed limit.
     """
+    check_class("path", path, JointPath, "joint_sine makes one")
     return Reference(name=path.name, robot=robot, t=path.t, q=path.q, dq=path.dq, ddq=path.ddq, phases=path.phases)

@@ -10,7 +10,7 @@ from typing import Any, Self, final
 
 import numpy as np
 
-from ffgym.core.errors import FFGymError, errors_at
+from ffgym.core.errors import FFGymError, check_class, errors_at
 from ffgym.core.files import is_file, read_arrays, read_bytes, read_text, write_bytes
 from ffgym.core.typed_json import parse_json
 from ffgym.core.types import Array
@@ -39,6 +39,7 @@ def write_recording(recording: Recording, path: str | os.PathLike[str]) -> None:
     Raises:
         FFGymError: if the suffix is unknown or the file cannot be written.
     """
+    check_class("recording", recording, Recording, "read_recording makes one")
     encode, _ = FORMATS[_suffix_of(path)]
     write_bytes(path, encode(recording))
 

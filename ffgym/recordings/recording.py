@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from types import MappingProxyType
-from typing import Any, final
+from typing import Any, NoReturn, final
 
 import numpy as np
 
@@ -64,6 +64,10 @@ class Recording:
                 f"{', '.join(self.header.joints)}."
             )
         return self.columns[column]
+
+    def __iter__(self) -> NoReturn:
+        """Refuse to be taken for a list of recordings."""
+        raise FFGymError("This is one recording, not a list of them: put it in one, [recording], or name a column.")
 
     def __len__(self) -> int:
         return len(self.t)
@@ -246,7 +250,7 @@ def _check_columns(columns: Mapping[str, Any], header: Header, known: Mapping[st
 
 def _as_column(name: str, value: Any) -> Array:
     try:
-        array = np.asarray(value)
+        array = np.asarray(np.ma.filled(value.astype(np.float64), np.nan) if np.ma.is_masked(value) else value)
     except ValueError as error:
         raise FFGymError(f"Column {name!r} must be numbers, one per row: {error}.") from error
     if array.dtype.kind not in "biuf" or array.ndim != 1:

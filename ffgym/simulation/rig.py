@@ -6,7 +6,7 @@ from typing import final
 
 import numpy as np
 
-from ffgym.core.errors import FFGymError
+from ffgym.core.errors import FFGymError, check_class
 from ffgym.recordings import Recording
 from ffgym.robot import ModelOptions, RigidArm, RobotDescription
 from ffgym.simulation.plant import Machine
@@ -28,6 +28,9 @@ class Rig:
     """Sensors; without any, recordings hold the exact state."""
     name: str = "nominal"
     """Name in tables."""
+
+    def __post_init__(self) -> None:
+        check_class("arm", self.arm, RigidArm, "RigidArm(robot) makes one of a description")
 
     @property
     def robot(self) -> RobotDescription:

@@ -7,13 +7,13 @@ import numpy as np
 
 from ffgym.control import FeedForwardLaw, NoCompensation, SetpointChannel, Setpoints
 from ffgym.control.corrections import difference_speeds
-from ffgym.core.errors import FFGymError, check_number, check_shape, check_whole
+from ffgym.core.errors import FFGymError, check_class, check_number, check_shape, check_whole
 from ffgym.core.types import Array
 from ffgym.paths import Reference
 from ffgym.recordings import Recording
 from ffgym.robot import ModelOptions, RigidArm, RobotDescription
 from ffgym.simulation.plant import Machine, Plant
-from ffgym.simulation.sensors import Sensor, measure
+from ffgym.simulation.sensors import Sensor, check_sensors, measure
 from ffgym.simulation.trace import Added, ReferenceRows, Trace, to_recording
 
 RECORD_DT = 0.001
@@ -75,6 +75,7 @@ def simulate(
         FFGymError: if there is nothing to simulate, robots differ, times do not fit, or a simulation becomes unstable.
     """
     robot = one_robot(runs)
+    check_sensors(sensors)
     generators = (
         seed if isinstance(seed, Sequence) else np.random.default_rng(check_whole("seed", seed, low=0)).spawn(len(runs))
     )
@@ -82,10 +83,13 @@ def simulate(
         raise FFGymError(
             f"There are {len(generators)} generators for {len(runs)} runs; give a seed, or one generator each."
         )
+    if isinstance(machine, str):
+        raise FFGymError(f"machine = {machine!r} must be a Machine or a robot; load_machine or load_robot makes one.")
     machines = list(machine) if isinstance(machine, Sequence) else [machine or robot] * len(runs)
     if len(machines) != len(runs):
         raise FFGymError(f"There are {len(machines)} machines for {len(runs)} runs; give one for all, or one each.")
-    arm = arm or RigidArm(robot)
+    arm = RigidArm(robot) if arm is None else arm
+    check_class("arm", arm, RigidArm, "RigidArm(robot) makes one of a description")
     plant = Plant(machines[0], len(runs), options=options, n_threads=n_threads)
     plant.check_controller(robot)
     plant.become(range(len(runs)), machines)
@@ -111,8 +115,12 @@ def simulate(
 
 def one_robot(runs: Sequence[Run]) -> RobotDescription:
     """Return the one robot of all references."""
+    if not isinstance(runs, Sequence):
+        raise FFGymError(f"runs must be a list of Run, got {type(runs).__name__}; put one run in a list, [run].")
     if not runs:
         raise FFGymError("There is nothing to simulate: runs is empty.")
+    for run in runs:
+        check_class("run", run, Run, "Run(reference=reference) makes one")
     robots = {id(run.reference.robot): run.reference.robot for run in runs}
     if len(robots) > 1:
         names = sorted(robot.name for robot in robots.values())

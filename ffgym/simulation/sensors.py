@@ -145,6 +145,12 @@ def _add_noise(values: Array, noise: float, rng: np.random.Generator) -> Array:
     return values + rng.normal(scale=noise, size=len(values)) if noise > 0 else values
 
 
+def check_sensors(sensors: Sequence[Sensor]) -> None:
+    """Check that sensors are a list of sensors."""
+    if not isinstance(sensors, Sequence) or not all(isinstance(sensor, Sensor) for sensor in sensors):
+        raise FFGymError(f"sensors = {sensors!r} must be a list of sensors, e.g. [Resolver(bits=16)].")
+
+
 def measure(recording: Recording, sensors: Sequence[Sensor], rng: np.random.Generator) -> Recording:
     """Measure an exact recording: hidden truth is dropped; without sensors it stays exact."""
     for sensor in sensors:

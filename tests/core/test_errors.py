@@ -52,6 +52,25 @@ def test_the_first_entry_that_is_not_finite_is_named():
         check_shape("x", [[1.0, 2.0], [np.nan, np.inf]], (2, 2))
 
 
+def test_plus_infinity_passes_where_it_may_stand_and_nothing_else_does():
+    np.testing.assert_array_equal(check_shape("x", [1.0, np.inf], (2,), infinite=True), [1.0, np.inf])
+    for bad in (np.nan, -np.inf):
+        with pytest.raises(FFGymError, match=r"x must be finite, but entry \(1,\)"):
+            check_shape("x", [np.inf, bad], (2,), infinite=True)
+
+
+def test_numbers_behind_a_mask_are_not_taken():
+    with pytest.raises(FFGymError, match="x has masked entries, must have a number everywhere"):
+        check_shape("x", np.ma.masked_array([1.0, 2.0], mask=[False, True]), (2,))
+    np.testing.assert_array_equal(check_shape("x", np.ma.masked_array([1.0, 2.0]), (2,)), [1.0, 2.0])
+
+
+def test_an_error_about_a_large_array_stays_on_one_line():
+    with pytest.raises(FFGymError, match="x must be numbers, got array") as caught:
+        check_shape("x", np.full((40, 3), "none"), (40, 3))
+    assert "\n" not in str(caught.value)
+
+
 @given(st.integers(0, 2**32 - 1))
 def test_rotations_pass_and_mirrors_and_scalings_do_not(seed):
     matrix = Rotation.random(random_state=seed).as_matrix()

@@ -1,5 +1,6 @@
 import copy
 import pickle
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 from typing import Any
@@ -11,7 +12,15 @@ from hypothesis import strategies as st
 from recording_samples import columns, header, phases, recording, recordings, refused
 
 from ffgym.core.errors import FFGymError
-from ffgym.recordings import FAMILIES, Phase, Recording
+from ffgym.recordings import (
+    FAMILIES,
+    Phase,
+    Recording,
+    contour_errors,
+    motor_error_rms,
+    path_errors,
+    write_recording,
+)
 
 
 def with_phases(*borders: float, n_rows: int = 5) -> Recording:
@@ -36,6 +45,26 @@ def test_columns_are_read_only_copies() -> None:
         rec.t[0] = 1.0
     with pytest.raises(TypeError):
         rec.columns["timestamp"] = table["timestamp"]  # type: ignore[index]
+
+
+def test_masked_samples_are_missing_ones() -> None:
+    table = {name: np.ma.masked_array(values, mask=[0, 1, 0, 0, 0]) for name, values in columns().items()}
+    tcp = [name for name in table if name.startswith("tcp.")]
+    seen = Recording({**columns(), **{name: table[name] for name in tcp}}, header())
+    assert [np.flatnonzero(np.isnan(seen[name])).tolist() for name in tcp] == [[1]] * len(tcp)
+    with refused("Column 'motor.position.j1' row 1 is nan, must be finite"):
+        Recording({**columns(), "motor.position.j1": table["motor.position.j1"]}, header())
+
+
+@pytest.mark.parametrize("use", [path_errors, contour_errors, motor_error_rms, lambda r: write_recording(r, "a.npz")])
+def test_a_list_in_place_of_a_recording_is_named(use: Callable[[Any], object]) -> None:
+    with refused("recording must be a Recording, got list; read_recording makes one"):
+        use([recording()])
+
+
+def test_a_recording_in_place_of_a_list_says_so() -> None:
+    with refused("This is one recording, not a list of them: put it in one"):
+        list(recording())
 
 
 @pytest.mark.parametrize(

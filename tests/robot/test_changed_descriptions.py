@@ -80,7 +80,7 @@ def test_a_number_of_the_robot_itself_is_refused_by_name(fields, message):
 def test_a_gear_ratio_of_0_and_a_tool_that_is_not_turned_but_stretched_are_refused():
     with pytest.raises(FFGymError, match=r"drive.gear_ratio = .* must not be 0"):
         changed("drive.gear_ratio", lambda x: 0 * x)
-    with pytest.raises(FFGymError, match="flange.rotation = .* is not a rotation matrix"):
+    with pytest.raises(FFGymError, match=r"flange.rotation = .* is not a rotation matrix"):
         replace(SIX.tool, rotation=2 * np.eye(3))
 
 

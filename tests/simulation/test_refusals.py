@@ -5,8 +5,10 @@ import pytest
 
 from ffgym.control import DynamicLuGreEuler, DynamicLuGreExact, NoCompensation, StaticLuGre
 from ffgym.core.errors import FFGymError
+from ffgym.diagnosis import example_logs, friction_torques, identify_controller
+from ffgym.paths import cartesian_reference, circle_test, load_motion
 from ffgym.robot import ModelOptions
-from ffgym.simulation import LaserTracker, Resolver, Run, simulate
+from ffgym.simulation import LaserTracker, Resolver, Run, SimulatedRig, SpeedLadder, plan_session, simulate
 from ffgym.simulation.plant import Plant
 from ffgym.studies import circle_references
 
@@ -56,6 +58,38 @@ def test_a_bad_part_is_refused_when_it_is_built(irb4600, name):
 def test_a_bad_option_of_a_simulation_is_refused(arm, run, options, message):
     with pytest.raises(FFGymError, match=message):
         simulate([run], arm=arm, **options)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        (lambda run, arm: {"runs": run}, r"runs must be a list of Run, got Run; put one run in a list, \[run\]"),
+        (lambda run, arm: {"runs": [run.reference]}, "run must be a Run, got Reference"),
+        (lambda run, arm: {"arm": arm.robot}, "arm must be a RigidArm, got RobotDescription"),
+        (lambda run, arm: {"machine": "two_link"}, "machine = 'two_link' must be a Machine or a robot"),
+        (lambda run, arm: {"sensors": Resolver(bits=16)}, r"sensors = Resolver.* must be a list of sensors"),
+        (lambda run, arm: {"sensors": [Resolver]}, r"sensors = .* must be a list of sensors"),
+    ],
+)
+def test_what_is_given_in_place_of_runs_arms_machines_and_sensors_is_named(arm, run, given, message):
+    with pytest.raises(FFGymError, match=message):
+        simulate(**{"runs": [run]} | given(run, arm))
+
+
+@pytest.mark.parametrize(
+    "use",
+    [
+        lambda robot: plan_session(robot, [SpeedLadder()]),
+        lambda robot: load_motion(robot, "square"),
+        lambda robot: cartesian_reference(robot, circle_test((1.2, 0.0, 1.0), 0.1)),
+        lambda robot: SimulatedRig(arm=robot),
+        lambda robot: friction_torques(robot, example_logs()[:1]),
+        lambda robot: identify_controller(example_logs()[:1], robot),
+    ],
+)
+def test_a_description_in_place_of_an_arm_is_named(irb4600, use):
+    with pytest.raises(FFGymError, match=r"arm must be a RigidArm, got RobotDescription; RigidArm\(robot\) makes one"):
+        use(irb4600)
 
 
 @pytest.mark.parametrize("torque", [np.nan, np.inf, 1e11])

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ffgym.core.errors import check_class
 from ffgym.core.types import Array
 from ffgym.diagnosis.identification.servo_equation import ServoLog, why_no_torque, with_angles
 from ffgym.diagnosis.identification.servo_gains import ServoFit, fit_servo, search_response
@@ -68,6 +69,7 @@ def identify_controller(
             servo=None,
             no_torque=reason,
         )
+    check_class("arm", arm, RigidArm, "RigidArm(robot) makes one of a description")
     logs = [ServoLog.of(each, arm, feedforward=feedforward) for each in recordings]
     if not np.any([log.moves for log in logs]):
         identify_response(recordings, arm, n_threads=n_threads, progress=progress)  # says what is wrong

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ffgym.control import DynamicLuGreExact
-from ffgym.core.errors import FFGymError, check_choice, check_number
+from ffgym.core.errors import FFGymError, check_choice, check_class, check_number, check_whole
 from ffgym.core.measures import rms
 from ffgym.core.types import Array
 from ffgym.diagnosis.identification.arm_share import NAME as ARM_SHARE
@@ -96,28 +96,30 @@ def identify_friction(
     """
     if not torques:
         raise FFGymError("There are no recordings to identify friction from.")
+    for torque in torques:
+        check_class("torque", torque, FrictionTorque, "friction_torques makes them of recordings")
     robot = torques[0].signals.robot
     wanted = [check_choice("joint", joint, robot.joints) for joint in (joints or robot.joints)]
     given = stribeck_velocity or {}
     if stiffness_spread is not None:
         check_number("stiffness_spread", stiffness_spread, low=0.0, high=1.0)
-    for joint in given:
+    for joint, velocity in given.items():
         check_choice("joint", joint, robot.joints)
+        check_number(f"stribeck_velocity of {joint}", velocity, unit="rad/s", low=0.0, open_low=True)
     # a generator for each joint, so that one does not depend on which others are asked for
     found = []
-    generators = np.random.default_rng(seed).spawn(robot.n_joints)
+    generators = np.random.default_rng(check_whole("seed", seed, low=0)).spawn(robot.n_joints)
     for j, (name, rng) in enumerate(zip(robot.joints, generators, strict=True)):
         if progress is not None:
             progress(j, robot.n_joints)
         own = torques if name in wanted else []
-        velocity = given.get(name)
         found.append(
             identify_joint(
                 own,
                 robot,
                 j,
                 rng,
-                stribeck_velocity=velocity,
+                stribeck_velocity=given.get(name),
                 stiffness_spread=stiffness_spread,
                 n_resamples=n_resamples,
                 level=level,

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ffgym.core.errors import check_class
 from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.identification.signals import Signals, signals_of
 from ffgym.diagnosis.settings import settings
@@ -97,6 +98,7 @@ def friction_torque(arm: RigidArm, recording: Recording, low_pass: LowPass | Non
             which the record does not say, and its first rows do not count.
         low_pass: filter of angles and torque; None is one at `sampling.motion_cutoff`.
     """
+    check_class("arm", arm, RigidArm, "RigidArm(robot) makes one of a description")
     limits = settings().friction
     signals = signals_of(arm.robot, recording, low_pass or LowPass(cutoff=settings().sampling.motion_cutoff))
     drive = arm.robot.drive

@@ -19,7 +19,7 @@ import numpy as np
 import scipy
 
 from ffgym.control import SetpointResponse
-from ffgym.core.errors import FFGymError
+from ffgym.core.errors import FFGymError, check_class
 from ffgym.core.measures import rms
 from ffgym.core.types import Array
 from ffgym.diagnosis.identification.setpoint_model import MOVES, NUISANCES, ResponseModel, SetpointLog
@@ -93,6 +93,7 @@ def identify_response(
     """
     if not recordings:
         raise FFGymError("There are no recordings; record set-points and motor angles of a motion of some seconds.")
+    check_class("arm", arm, RigidArm, "RigidArm(robot) makes one of a description")
     model = ResponseModel(
         arm=arm, logs=tuple(SetpointLog.of(each, arm.robot) for each in recordings), n_threads=n_threads
     )

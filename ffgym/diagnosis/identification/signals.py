@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import scipy
 
+from ffgym.core.errors import check_class
 from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.sampling import estimate_noise_above_band
 from ffgym.logs.preparation import LowPass as LowPass
@@ -71,6 +72,7 @@ def signals_of(robot: RobotDescription, recording: Recording, low_pass: LowPass 
         FFGymError: if robot and recording do not fit, the recording does not say what its torque is or when it acts, or
             it is sampled unevenly, too slowly or too shortly for the filter.
     """
+    check_class("recording", recording, Recording, "read_recording makes one")
     low_pass = low_pass or LowPass()
     q, dq, ddq = read_joint_motion(robot, recording, low_pass)
     torque = low_pass(read_acting_torque(robot, recording), recording.dt)

@@ -7,7 +7,7 @@ from weakref import WeakSet
 
 import numpy as np
 
-from ffgym.core.errors import FFGymError
+from ffgym.core.errors import check_class
 from ffgym.core.types import Array, BoolArray
 from ffgym.logs.quality.cells import (
     BURST,
@@ -257,8 +257,7 @@ def condition(recording: Recording, *, period: float | None = None) -> Recording
         recording: the log.
         period: of the even clock that an uneven one is brought to [s]; None is the median of its intervals.
     """
-    if not isinstance(recording, Recording):
-        raise FFGymError(f"recording must be a Recording, got {type(recording).__name__}; read_recording makes one.")
+    check_class("recording", recording, Recording, "read_recording makes one")
     if len(recording) < _SHORTEST or recording in _IN_ORDER:
         return recording
     with np.errstate(over="ignore", invalid="ignore"):  # a bit that flipped in an exponent is repaired here

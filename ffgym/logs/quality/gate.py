@@ -6,7 +6,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from ffgym.core.errors import FFGymError, check_choice
+from ffgym.core.errors import check_choice, check_class
 from ffgym.logs.quality import agreement, cells, coverage, plausible, rows, tool, torque, torque_timing, values
 from ffgym.logs.quality.check import SEVERITY, STAGE_ROWS, Check, Finding, QualityReport
 from ffgym.logs.quality.conditioning import condition
@@ -57,8 +57,7 @@ def check_quality(
     Raises:
         FFGymError: if an argument is of another type, or a use is unknown.
     """
-    if not isinstance(recording, Recording):
-        raise FFGymError(f"recording must be a Recording, got {type(recording).__name__}; read_recording makes one.")
+    check_class("recording", recording, Recording, "read_recording makes one")
     made = condition(recording)
     log = CheckedLog(made, robot)
     findings = _found(log, accept)

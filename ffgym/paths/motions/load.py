@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ffgym.core.errors import FFGymError, check_choice, check_number, check_shape, errors_at
+from ffgym.core.errors import FFGymError, check_choice, check_class, check_number, check_shape, errors_at
 from ffgym.core.files import read_text
 from ffgym.core.toml import parse_toml
 from ffgym.paths.circles import DWELL
@@ -166,6 +166,7 @@ def load_motion(
     Raises:
         FFGymError: if there is no such motion or file, it has no procedure `entry`, or the robot cannot make it.
     """
+    check_class("arm", arm, RigidArm, "RigidArm(robot) makes one of a description")
     how = {"entry": entry, "inputs": inputs or None, "cycles": cycles if cycles != 1 else None}
     program = {name: value for name, value in how.items() if value is not None}
     path = Path(source)

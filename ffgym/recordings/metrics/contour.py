@@ -6,7 +6,7 @@ from typing import Self
 import numpy as np
 import scipy
 
-from ffgym.core.errors import FFGymError, check_number
+from ffgym.core.errors import FFGymError, check_class, check_number
 from ffgym.core.measures import rms
 from ffgym.core.types import Array, IntArray
 from ffgym.recordings import Phase, Recording
@@ -98,6 +98,7 @@ def contour_errors(recording: Recording) -> list[ContourError]:
     Phases in which the TCP was never seen are left out. Errors as `Contour.of`; a recording that is all
     standstill is refused.
     """
+    check_class("recording", recording, Recording, "read_recording makes one")
     moving = ~recording.mask(kind="standstill")
     contour = Contour.of(recording)
     if not moving[contour.rows].any():

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ffgym.core.errors import FFGymError, check_shape
+from ffgym.core.errors import FFGymError, check_class, check_shape
 from ffgym.core.measures import rms
 from ffgym.core.types import Array, BoolArray
 from ffgym.recordings import Phase, Recording
@@ -57,6 +57,7 @@ def path_errors(recording: Recording) -> list[PathError]:
     Raises:
         FFGymError: if the recording has no TCP, no standstill before its first circle, or no circle.
     """
+    check_class("recording", recording, Recording, "read_recording makes one")
     circles = recording.phases_of("circle")
     if not circles:
         raise FFGymError(f"Recording {recording.header.segment!r} has no phase of kind 'circle' to score.")
@@ -173,6 +174,7 @@ def motor_error_rms(recording: Recording) -> Array:
     Raises:
         FFGymError: if the recording is all standstill.
     """
+    check_class("recording", recording, Recording, "read_recording makes one")
     moving = ~recording.mask(kind="standstill")
     if not moving.any():
         raise FFGymError(

@@ -9,7 +9,7 @@ from typing import final
 import numpy as np
 
 from ffgym.control import FeedForwardLaw, NoCompensation
-from ffgym.core.errors import FFGymError, check_number, check_whole
+from ffgym.core.errors import FFGymError, check_class, check_number, check_whole
 from ffgym.paths import Reference
 from ffgym.recordings import Recording
 from ffgym.robot import RigidArm, RobotDescription
@@ -56,10 +56,13 @@ def plan_session(arm: RigidArm, protocols: Sequence[Protocol], *, start: float =
     Raises:
         FFGymError: if there is no protocol, or the robot cannot make one of the motions.
     """
+    check_class("arm", arm, RigidArm, "RigidArm(robot) makes one of a description")
     if not protocols:
         raise FFGymError("There is nothing to record: name a protocol. ffgym record --list shows them.")
     motions: list[SessionMotion] = []
+    check_number("start", start, unit="s")
     for protocol in protocols:
+        check_class("protocol", protocol, Protocol, "e.g. SpeedLadder()")
         for scheduled in protocol.schedule(arm):
             begin = start if not motions else round(motions[-1].end + scheduled.pause, _DIGITS)
             motions.append(SessionMotion(reference=scheduled.reference, protocol=protocol.name, start=begin))

@@ -178,6 +178,20 @@ def test_one_direction_only_is_told(axis, exact):
     assert joint.stribeck.offset == 0.0
 
 
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"stribeck_velocity": {"j1": -1.0}}, r"stribeck_velocity of j1 = -1.0 rad/s is out of range"),
+        ({"seed": -1}, "seed = -1.0 is out of range"),
+        ({"torques": ["log"]}, "torque must be a FrictionTorque, got str; friction_torques makes them of recordings"),
+    ],
+)
+def test_an_option_that_makes_no_sense_is_refused_by_name(wrong, exact, options, message):
+    torques = friction_torques(wrong, exact[0][:1])
+    with pytest.raises(FFGymError, match=message):
+        identify_friction(**{"torques": torques} | options)
+
+
 def test_same_seed_gives_the_same_bits_and_joints_can_be_chosen(wrong, exact):
     torques = friction_torques(wrong, measured([*exact[0], *exact[1][:2]]))
     once, again = (identify_friction(torques, seed=3, n_resamples=8) for _ in range(2))
