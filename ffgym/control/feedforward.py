@@ -144,11 +144,20 @@ class CausalLaw(FeedForwardLaw):
         memory = self.initial_memory(windows[0])
         torque = np.zeros_like(reference.q)
         if memory.shape[-1] == 0:  # without memory all samples are computed at once
-            torque[1:] = self.step(np.zeros((len(torque) - 1, 0)), windows)[0]
+            torque[1:] = self._step(np.zeros((len(torque) - 1, 0)), windows)[0]
             return torque
         for k in range(len(torque) - 1):
-            torque[k + 1], memory = self.step(memory, windows[k])
+            torque[k + 1], memory = self._step(memory, windows[k])
         return torque
+
+    def _step(self, memory: Array, window: Window) -> tuple[Array, Array]:
+        """Step, and check that the law returns torque and memory, and the torque of every motor."""
+        found = self.step(memory, window)
+        if not isinstance(found, tuple) or len(found) != 2:
+            raise FFGymError(f"step of law {self.name!r} must return torque and memory, got {type(found).__name__}.")
+        if np.shape(found[0]) != (wanted := (*window.q.shape[:-2], self.n_joints)):
+            raise FFGymError(f"Torque of a step of law {self.name!r} has shape {np.shape(found[0])}, must be {wanted}.")
+        return found
 
     def torques_along(self, references: Sequence[Reference]) -> list[Array]:
         """Step along several references side by side; each gets the bits that it would get alone."""
@@ -171,7 +180,7 @@ class CausalLaw(FeedForwardLaw):
         torques = [np.zeros_like(reference.q) for reference in references]
         for k in range(lengths[0]):
             going = int((lengths > k).sum())
-            torque, memory = self.step(memory[:going], _side_by_side(windows[:going], k))
+            torque, memory = self._step(memory[:going], _side_by_side(windows[:going], k))
             for row, i in enumerate(longest_first[:going]):
                 torques[i][k + 1] = torque[row]
         return torques

@@ -17,6 +17,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array, BoolArray
 from ffgym.effects.along import torques_along
 from ffgym.effects.effect import Effect, TorqueEffect
@@ -60,9 +61,12 @@ def step(
     later: list[Array] = []
 
     def ask(effect: TorqueEffect, state: State) -> Torques:
-        added, memory = effect.torques(state, memories[len(later)], dt)
-        later.append(memory)
-        return added
+        found = effect.torques(state, memories[len(later)], dt)
+        if not isinstance(found, tuple) or len(found) != 2 or not isinstance(found[0], Torques):
+            got = type(found).__name__
+            raise FFGymError(f"torques of effect {effect.name!r} must return Torques and the memory, got {got}.")
+        later.append(found[1])
+        return found[0]
 
     return _sum(effects, state, ask, present), later
 

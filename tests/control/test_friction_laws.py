@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.integrate import solve_ivp
 
-from ffgym.control import DynamicLuGreEuler, DynamicLuGreExact, NoCompensation, StaticLuGre, Window
+from ffgym.control import CausalLaw, DynamicLuGreEuler, DynamicLuGreExact, NoCompensation, StaticLuGre, Window
 from ffgym.core.errors import FFGymError
 from ffgym.paths import joint_reference, joint_sine
 from ffgym.studies import circle_references
@@ -200,6 +200,34 @@ def test_static_law_reads_the_motor_speed_of_the_reference(motions):
     reference = motions["40 mm/s"]
     law = StaticLuGre(reference.robot.friction)
     np.testing.assert_array_equal(law.torque(reference), law.at_speed(reference.dq * reference.robot.drive.gear_ratio))
+
+
+class OwnLaw(CausalLaw):
+    """A law that returns whatever it is told to."""
+
+    name = "own"
+    n_joints = 1
+
+    def __init__(self, answer):
+        self.answer = answer
+
+    def step(self, memory, window):
+        return self.answer(memory, window.motor_dq[..., 1, :])
+
+
+@pytest.mark.parametrize(
+    ("answer", "message"),
+    [
+        (lambda memory, speed: speed, "step of law 'own' must return torque and memory, got ndarray"),
+        (lambda memory, speed: None, "step of law 'own' must return torque and memory, got NoneType"),
+        (lambda memory, speed: (speed[..., None], memory), r"of a step of law 'own' has shape \(\d+, 1, 1\), must be"),
+        (lambda memory, speed: (0.0, memory), r"of a step of law 'own' has shape \(\), must be \(\d+, 1\)"),
+    ],
+)
+def test_a_step_that_does_not_return_torque_and_memory_is_refused(one_axis, answer, message):
+    reference = joint_reference(one_axis, joint_sine([0.5], 1.0, 0.5))
+    with pytest.raises(FFGymError, match=message):
+        OwnLaw(answer).torque(reference)
 
 
 def test_no_compensation_adds_nothing(motions):

@@ -11,6 +11,7 @@ import pytest
 
 from ffgym.agents.elastic import elastic_law
 from ffgym.agents.model import model_law
+from ffgym.core.errors import FFGymError
 from ffgym.core.measures import rms
 from ffgym.core.types import Array
 from ffgym.diagnosis.log import assemble_log
@@ -20,7 +21,7 @@ from ffgym.effects.effect import FrictionEffect
 from ffgym.effects.parameters import parameter
 from ffgym.effects.state import number
 from ffgym.effects.together import find_rest
-from ffgym.paths import joint_reference, multisine
+from ffgym.paths import joint_reference, joint_sine, multisine
 from ffgym.simulation import Run, simulate
 from ffgym.simulation.plant import Machine
 
@@ -67,6 +68,14 @@ def test_a_new_variable_of_the_state_is_one_entry_for_plant_replay_and_feedforwa
         rms(replay(log, one).torque[:, 0] - plain.joint_array("motor.effort")) for one in (nominal, machine)
     )
     assert with_it < 0.3 * without
+
+
+@pytest.mark.parametrize("answer", [None, np.zeros((1, 1)), (np.zeros((1, 1)), np.zeros((1, 1, 0)))])
+def test_an_effect_that_does_not_return_torques_and_memory_is_named(one_axis, monkeypatch, answer):
+    monkeypatch.setattr(Churning, "torques", lambda self, state, memory, dt: answer)
+    run = Run(reference=joint_reference(one_axis, joint_sine([0.5], 1.0, 0.1)))
+    with pytest.raises(FFGymError, match="torques of effect 'churning' must return Torques and the memory, got "):
+        simulate([run], machine=Machine(robot=one_axis, effects=(Churning.on(one_axis, share=1.0),)), n_threads=1)
 
 
 def test_variables_of_a_state_follow_from_those_above_them_alone():
