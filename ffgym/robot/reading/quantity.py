@@ -213,21 +213,25 @@ def _check_value(path: str, value: Any, rule: Rule, shape: tuple[int, ...], fact
 
 
 def check_numbers(path: str, value: Any, rule: Rule, n_joints: int) -> Array:
-    """Return a read-only copy of numbers of an entry that are in SI units, on the side where they are kept.
+    """Return numbers of an entry that are in SI units, on the side where they are kept, as a read-only array.
 
     Raises:
         FFGymError: if they are not as the rule says.
     """
-    array = check_shape(path, value, rule.shape_for(n_joints), infinite=rule.infinite).copy()
+    array = check_shape(path, value, rule.shape_for(n_joints), infinite=rule.infinite)
     _check_bounds(path, array, rule)
-    array.flags.writeable = False
+    if array.flags.writeable:
+        array = array.copy()
+        array.flags.writeable = False
     return array
 
 
 def _check_bounds(path: str, array: Array, rule: Rule) -> None:
     smallest = array.min(initial=np.inf)
     if smallest < rule.low or (rule.open_low and smallest == rule.low):
-        raise FFGymError(f"{path} = {array.tolist()} must be {'>' if rule.open_low else '>='} {rule.low} {rule.unit}.")
+        sign, each = ">" if rule.open_low else ">=", " on every joint" if "N" in rule.shape else ""
+        out = "" if rule.neutral is None else f"; {rule.neutral:g} leaves it out"
+        raise FFGymError(f"{path} = {array.tolist()} must be {sign} {rule.low} {rule.unit}{each}{out}.")
     if rule.nonzero and np.any(array == 0):
         raise FFGymError(f"{path} = {array.tolist()} must not be 0.")
 

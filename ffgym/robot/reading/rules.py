@@ -2,7 +2,7 @@
 
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from importlib import resources
 from types import MappingProxyType
 from typing import Any
@@ -35,6 +35,10 @@ RULES: Mapping[str, Rule] = MappingProxyType(
 """Rules of entries; optional entries may be left out."""
 
 
+_IN_PYTHON = {**RULES, "servo.position_gain": replace(RULES["servo.position_gain"], open_low=False)}
+"""Rules of descriptions that are made in Python, whose motors may have no servo."""
+
+
 def check_part(table: str, part: Any, n_joints: int) -> None:
     """Check the numbers of a part of a description by the rules of a table of its file; its arrays become read-only.
 
@@ -44,7 +48,7 @@ def check_part(table: str, part: Any, n_joints: int) -> None:
     for field in fields(part):
         path, value = f"{table}.{field.name}", getattr(part, field.name)
         if path in RULES and not (value is None and field.default is None):
-            array = check_numbers(path, value, RULES[path], n_joints)
+            array = check_numbers(path, value, _IN_PYTHON[path], n_joints)
             if array.ndim:
                 object.__setattr__(part, field.name, array)
 
