@@ -14,7 +14,7 @@ from typing import final
 
 import numpy as np
 
-from ffgym.core.errors import FFGymError
+from ffgym.core.errors import FFGymError, check_number, check_shape
 from ffgym.core.types import Array
 from ffgym.robot.parts import Servo
 
@@ -181,7 +181,12 @@ def limit_correction(limits: CorrectionLimits, wanted: Array, dt: float) -> Arra
     """Follow wanted corrections (T, N), zero at first, within limits; equal to them where they are within.
 
     Where limits are exceeded, the correction follows as fast as they allow.
+
+    Raises:
+        FFGymError: if a correction is no number, there is another number of joints than of limits, or `dt` is not > 0.
     """
+    wanted = check_shape("wanted corrections", wanted, (None, len(limits.size)))
+    check_number("dt", dt, unit="s", low=0.0, open_low=True)
     if all(not excess.any() for excess in limits.find_excess(wanted, dt).values()):
         return wanted.copy()
     position = np.zeros_like(wanted)

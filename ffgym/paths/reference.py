@@ -30,6 +30,7 @@ class Reference:
 
     def __post_init__(self) -> None:
         check_class("robot of a reference", self.robot, RobotDescription, "load_robot makes one")
+        check_shape("reference t", self.t, (None,))
         for name in ("q", "dq", "ddq"):
             check_shape(f"reference {name}", getattr(self, name), (len(self.t), self.robot.n_joints))
         dt = self.robot.servo.control_dt

@@ -78,3 +78,16 @@ def test_what_a_channel_sends_begins_at_rest_though_it_leads(irb4600: RobotDescr
     sent = channel.send(irb4600.servo, torque)
     assert not sent[0].any()
     assert np.all(sent[5:] > 0)
+
+
+@pytest.mark.parametrize(
+    ("wanted", "dt", "message"),
+    [
+        (np.full((5, 2), np.nan), DT, r"wanted corrections must be finite, but entry \(0, 0\) is nan"),
+        (np.zeros((2, 5)), DT, r"wanted corrections has shape \(2, 5\), must be \(any, 2\)"),
+        (np.zeros((5, 2)), 0.0, r"dt = 0.0 s is out of range"),
+    ],
+)
+def test_corrections_that_are_no_numbers_are_refused_before_limits_are_held(wanted, dt, message):
+    with pytest.raises(FFGymError, match=message):
+        limit_correction(CorrectionLimits.even(2, size=0.1), wanted, dt)

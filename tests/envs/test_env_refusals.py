@@ -57,6 +57,7 @@ ARGUMENTS = {
         ({"preview": 1.5}, "preview = 1.5 must be a whole number"),
         ({"horizon": 0}, "horizon = 0.0 control steps is out of range"),
         ({"horizon": -3}, "horizon = -3"),
+        ({"horizon": 10**30}, r"horizon = 1e\+30 control steps is out of range"),
         ({"horizon": 2.5}, "horizon = 2.5 must be a whole number"),
         (
             {"reward": "best"},

@@ -1,5 +1,7 @@
 """Every bad argument of simulation, laws, plant and sensors is one clear error."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -107,6 +109,11 @@ def test_a_law_that_is_a_class_and_a_reference_that_is_none_are_refused(run):
         Run(reference=None)
     with pytest.raises(FFGymError, match="runs is empty"):
         simulate([])
+
+
+def test_a_reference_with_a_time_that_is_no_number_is_refused(run):
+    with pytest.raises(FFGymError, match=r"reference t must be finite, but entry \(0,\) is nan"):
+        replace(run.reference, t=np.append(np.nan, run.reference.t[1:]))
 
 
 def test_a_circle_with_too_few_samples_is_refused_with_the_fastest_speed(arm):
