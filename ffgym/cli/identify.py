@@ -126,6 +126,9 @@ def read_logs(config: Identify, robot: RobotDescription, *, known: bool = True) 
     apart = [recording for path in config.validate for recording in _read(path, config.columns, robot)]
     named = [recording for path in config.logs for recording in _read(path, config.columns, robot)]
     given = [recording for recording in named if not any(recording.equals(other) for other in apart)]
+    for i, recording in enumerate(given):
+        if any(recording.equals(other) for other in given[:i]):
+            raise FFGymError(f"Log {recording.header.segment!r} is given twice, and would count twice. Name it once.")
     made = condition_alike([*given, *apart])
     if not given:
         raise FFGymError("All logs are for validation, so none is left to identify from.")
