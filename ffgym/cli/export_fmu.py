@@ -6,6 +6,7 @@ from ffgym.cli.code_options import ExportFmu
 from ffgym.cli.export import load_machine_or_robot, prepare_motion
 from ffgym.cli.laws import check_laws
 from ffgym.cli.outputs import claim_new_folder, claim_outputs, need_extra, print_places, provenance, write_numbers
+from ffgym.core.errors import FFGymError
 from ffgym.deployment import write_fmus
 from ffgym.deployment.code.compiler import need_compiler
 from ffgym.robot import ModelOptions, RigidArm, physics_fingerprint
@@ -16,6 +17,8 @@ def run(config: ExportFmu) -> None:
     """Check, simulate, compile, validate, compare, write, print."""
     claim_new_folder(config.out)
     claim_outputs({"--json": config.json}, inputs=(config.robot, config.path, config.parameters, config.feedforward))
+    if not config.fmi:
+        raise FFGymError("Name a version of the standard or both: --fmi 2.0 3.0.")
     check_laws([config.feedforward], "--feedforward")
     need_extra("An FMU", "fmpy", extra="fmu")
     need_compiler("An FMU", optional=False)

@@ -73,6 +73,7 @@ def test_a_table_of_a_law_is_written(folder, capsys):
         (["table", "--plan", "absent.npz"], "absent.npz"),
         (["table", "one_axis", "sine", "--plan", "absent.npz"], "no effect with --plan"),
         (["fmu", "one_axis", "absent"], "motion"),
+        (["fmu", "one_axis", "sine", "--fmi"], "Name a version of the standard or both: --fmi 2.0 3.0."),
         (["fmu", "one_axis", "sine", "--feedforward", "none"], "does not run sample by sample"),
         (["policy", "absent"], "trained policy"),
         (["policy", "ppo_elastic", "--robot", "one_axis", "--motion", "sine"], "6 motors"),
