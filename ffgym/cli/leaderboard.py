@@ -43,7 +43,7 @@ def run(config: Leaderboard) -> None:
     registry = replace(REGISTRY, files=tuple(dict.fromkeys(files)))
     entrants, plants, splits = _entrants(config, registry), _plants(config), _splits(config)
     check_whole("--seeds", config.seeds, low=1, high=1000)
-    claim_outputs({"--json": config.json, "--page": config.page})
+    claim_outputs({"--json": config.json, "--page": config.page}, inputs=(config.adaptation, *files))
     beside = None if config.json is None else os.path.dirname(os.path.realpath(config.json))
     if config.out is not None and beside == os.path.realpath(config.out):
         raise FFGymError(f"--json {config.json}: lies among the result files of --out; choose another folder.")

@@ -19,6 +19,7 @@ def new(config: NewRobot) -> None:
     """Read the arm, write the table."""
     out, joints = config.out, config.joints or None
     claim_new(out, "a description", force=config.force)
+    claim_outputs({"--out": out}, inputs=(config.arm,))
     arm = read_arm(config.arm, joints, looks=config.looks)
     model = Path(os.path.relpath(config.arm.resolve(), out.resolve().parent)).as_posix()
     text = template(out.stem, arm, model, joints=joints, tool_frame=config.tool_frame, looks=config.looks)
@@ -51,7 +52,7 @@ def fill(config: FillRobot) -> None:
 
 def check(config: CheckRobot) -> None:
     """Compute, write, print."""
-    claim_outputs({"--report": config.report, "--json": config.json})
+    claim_outputs({"--report": config.report, "--json": config.json}, inputs=(config.robot,))
     draft = load_draft(config.robot)
     result, fingerprint = check_robot(draft), None
     if not draft.missing:

@@ -123,7 +123,7 @@ def rehearse_plan(config: RehearseTrial) -> None:
     made = read_trial_plan(config.trial)
     check_laws([config.feedforward], "--feedforward")
     claim_new_folder(out)
-    claim_outputs({"--json": config.json}, inputs=(config.machine, config.parameters))
+    claim_outputs({"--json": config.json}, inputs=(config.trial / PLAN, config.machine, config.parameters))
     rig = make_rig(config.machine)
     if rig.robot.joints != load_robot(made.robot).joints:
         raise FFGymError(f"{config.machine} has other joints than {made.robot}, for which the trial was planned.")

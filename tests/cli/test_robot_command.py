@@ -86,7 +86,8 @@ def test_a_table_that_is_there_is_not_written_over_unless_forced(folder, capsys)
         (["check", "one_axis", "--json", "a", "--report", "a"], "they need two files"),
         (["check", "one_axis", "--json", "absent/a.json"], "does not exist"),
         (["check", "arm.toml", "--json", "arm.xml"], "--json arm.xml: the name must end in .json"),
-        (["check", "arm.toml", "--report", "arm.toml"], "--report arm.toml: the name must end in .html"),
+        (["check", "arm.toml", "--report", "arm.xml"], "--report arm.xml: the name must end in .html"),
+        (["check", "arm.toml", "--report", "arm.toml"], "--report arm.toml: is read by this command and would be lost"),
     ],
 )
 def test_what_cannot_be_done_is_one_line_and_leaves_nothing(folder, capsys, arguments, message):
@@ -145,3 +146,13 @@ def test_check_of_a_draft_says_what_fill_would_do(folder, capsys):
     assert "drive.gear_ratio" in numbers["missing"]
     assert numbers["gravity"]["motor_worst"] is None
     assert numbers["gravity"]["worst"][1] > 100
+
+
+@pytest.mark.parametrize(
+    ("link", "command"),
+    [("arm.toml", ["new", "arm.xml", "--force", "--out"]), ("arm.json", ["check", "arm.xml", "--json"])],
+)
+def test_what_is_read_is_not_written_over(folder, link, command, capsys):
+    (folder / link).symlink_to("arm.xml")
+    assert "is read by this command and would be lost" in refusal(capsys, *command, link)
+    assert (folder / "arm.xml").read_text() == ARM

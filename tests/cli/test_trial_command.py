@@ -162,6 +162,7 @@ def test_logs_of_another_tool_are_read_by_a_column_map(inside, tmp_path):
         (["rehearse", "trial/programs", "--machine", "one_axis"], "holds no plan.json"),
         (["rehearse", "trial", "--machine", "one_axis"], "exists already"),
         (["rehearse", "trial", "--machine", "two_link", "--out", "new"], "other joints than one_axis"),
+        (["rehearse", "trial", "--machine", "one_axis", "--out", "new", "--json", "trial/plan.json"], "would be lost"),
         (["read", "trial"], "There are no logs to read"),
         (["read", "trial", "sine.toml"], "None of the logs can be read"),
         (["read", "trial", "trial/logs", "--without", "99"], "Run 99 to leave out is not in the plan"),
