@@ -5,17 +5,16 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from ffgym.core.effort import announce
 from ffgym.core.files import filled_folder
 from ffgym.diagnosis.diagnosis_file import diagnosis_document
 from ffgym.diagnosis.identification import friction_torques, identify_friction
 from ffgym.improvement.gain import HELD_OUT_RADII, ControlGain, contenders, held_out_positions, measure_gain
 from ffgym.improvement.rounds import Diagnose, ImprovementRound, Plan, Stage, improve_in_rounds
 from ffgym.paths import SPEEDS
-from ffgym.paths.circles import circle_test_duration
 from ffgym.recordings.io import read_folder
 from ffgym.robot import RigidArm
 from ffgym.simulation import Rig
+from ffgym.studies import circle_references
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -85,7 +84,7 @@ def improve(
         FFGymError: if something cannot be recorded, diagnosed, run or written, or another process fills the folder.
     """
     places = held_out_positions(rig.robot) if positions is None else positions
-    announce(len(places) * sum(circle_test_duration(speed, radii) for speed in speeds if speed > 0), "plan all")
+    circle_references(rig.arm, places, speeds, radii)  # circles that cannot be run are refused before anything moves
     with filled_folder(folder):
         rounds = improve_in_rounds(rig, plan, folder, diagnose, stage)
     # the nominal robot with friction identified from the recordings of the first round

@@ -21,6 +21,10 @@ from tests.cli.errors import read_error
         (["--out", "folder", "--rig", "workcell:nowhere"], "Unknown workcell"),
         (["--out", "folder", "--rig", "one_axis"], "no work area with two positions"),
         (["--out", "folder", "--json", "numbers.txt"], "must end in .json"),
+        (["--out", "folder", "--positions", "p9"], "Unknown position 'p9'"),
+        (["--out", "folder", "--speeds-mm-s", "0"], "speed = 0.0 m/s is out of range"),
+        (["--out", "folder", "--speeds-mm-s"], "must be at least one, and all different"),
+        (["--out", "folder", "--radii-mm", "-1"], "radius"),
     ],
 )
 def test_what_cannot_be_run_is_refused_before_anything_is_recorded(arguments, says, tmp_path, monkeypatch, capsys):
