@@ -89,6 +89,7 @@ def test_every_selection_that_was_run_is_printed_and_the_page_names_all_plants(t
         (["--address", "auto"], "choose the executor 'ray'"),
         (["--page", "nowhere/page.html"], "does not exist"),
         (["--json", "numbers.txt"], "must end in .json"),
+        (["--adaptation", "curve.json", "--json", "curve.json"], "is read by this command and would be lost"),
     ],
 )
 def test_bad_input_ends_with_one_line_that_names_it(arguments, reason, tmp_path, monkeypatch, capsys):
