@@ -257,7 +257,8 @@ class Verify:
 class NewRound:
     """Draw a round: commit to the seed of its machines and motions by a hash, and reveal it afterwards.
 
-    Publish the file of --out before submissions are made, and that of --secret after the last one.
+    Publish the file of --out before submissions are made, and that of --secret after the last one. A round whose secret
+    is there already is kept, and its hash is written again.
     """
 
     out: Path = Path("round.json")

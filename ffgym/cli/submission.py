@@ -85,14 +85,29 @@ def verify(config: Verify) -> None:
 
 
 def new_round(config: NewRound) -> None:
-    """Draw, write, print."""
+    """Draw, write, print; a round whose secret is there already is kept, as nobody could restore it."""
     claim_outputs({"--out": config.out, "--secret": config.secret})
     drawn = draw_round(machines=config.machines, motions=config.motions, series=config.series, kinds=config.kinds)
-    write_json(config.secret, drawn.list_revealed())
+    if config.secret.exists():
+        drawn = _keep_round(config, drawn)
+    else:
+        write_json(config.secret, drawn.list_revealed())
     write_json(config.out, drawn.list_published())
     print(f"commitment: {drawn.commitment}")
     print(f"publish now: {config.out}")
     print(f"publish after the round, and keep to yourself until then: {config.secret}")
+
+
+def _keep_round(config: NewRound, drawn: Round) -> Round:
+    """Read the round that was drawn before in place of a new one, which must differ by its seed alone."""
+    kept = read_round(config.secret)
+    if replace(drawn, seed=kept.seed, salt=kept.salt) != kept:
+        raise FFGymError(
+            f"--secret {config.secret}: holds the seed of a round of other machines or motions. Choose another file "
+            f"for the new round, or move this one away."
+        )
+    print(f"{config.secret} holds a round, which is kept; to draw another, choose another --secret")
+    return kept
 
 
 def find_round(config: Verify) -> Round | None:

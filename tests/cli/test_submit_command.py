@@ -113,6 +113,19 @@ def test_a_committed_round_is_run_after_it_was_revealed_and_its_seed_repeats_it(
     assert again.draw_motions(load_robot(ROBOT).work_area)[0].kind == "square"
 
 
+def test_the_secret_of_a_round_is_never_written_over(small, capsys):
+    size = ["--machines", "2", "--motions", "1", "--out", "kept.json", "--secret", "kept_secret.json"]
+    assert main(["leaderboard", "round", *size]) == 0
+    published, secret = ((small / name).read_bytes() for name in ("kept.json", "kept_secret.json"))
+    (small / "kept.json").unlink()
+    assert main(["leaderboard", "round", *size]) == 0
+    assert "holds a round, which is kept" in capsys.readouterr().out
+    assert [(small / name).read_bytes() for name in ("kept.json", "kept_secret.json")] == [published, secret]
+    assert main(["leaderboard", "round", *size, "--motions", "2"]) == 1
+    assert "holds the seed of a round of other machines or motions" in capsys.readouterr().err
+    assert (small / "kept_secret.json").read_bytes() == secret
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [
