@@ -1,4 +1,4 @@
-"""Descriptions can be copied and sent to other processes, and stay read-only."""
+"""Descriptions and arms can be copied and sent to other processes, and stay read-only."""
 
 import copy
 import pickle
@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ffgym.core.errors import FFGymError
-from ffgym.robot import ModelOptions, builtin_robots, compile_model, load_robot, physics_fingerprint
+from ffgym.robot import ModelOptions, RigidArm, builtin_robots, compile_model, load_robot, physics_fingerprint
 
 
 @pytest.mark.parametrize("make", [copy.deepcopy, lambda robot: pickle.loads(pickle.dumps(robot))])
@@ -25,6 +25,15 @@ def test_a_copy_of_a_description_is_the_same_robot(name, make):
         np.testing.assert_array_equal(other.position("p1"), robot.position("p1"))
         with pytest.raises(TypeError):
             other.work_area.positions["p1"] = None
+
+
+@pytest.mark.parametrize("make", [copy.deepcopy, lambda arm: pickle.loads(pickle.dumps(arm))])
+def test_a_copy_of_an_arm_moves_as_the_arm_does(make):
+    arm = RigidArm(load_robot("two_link"))
+    other = make(arm)
+    q = np.array([[0.3, -0.7]])
+    np.testing.assert_array_equal(other.mass_matrix(q), arm.mass_matrix(q))
+    np.testing.assert_array_equal(other.holding_torque(q), arm.holding_torque(q))
 
 
 def test_an_environment_with_a_description_as_argument_can_be_made_again(one_axis):

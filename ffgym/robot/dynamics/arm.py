@@ -92,6 +92,9 @@ class RigidArm:
         self._rows = np.repeat(np.arange(self._n), self._model.M_rownnz)
         self._columns = self._model.M_colind
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return RigidArm, (self.robot, self._model)  # a batch of the engine cannot be copied or pickled
+
     def tcp_position(self, q: Array) -> Array:
         """TCP position [m], shape (T, 3), at joint angles `q` [rad]; ten times as fast as `tcp_pose`."""
         self._tcp_id()
