@@ -39,10 +39,10 @@ def joint_sine(
         raise FFGymError("amplitude is empty, must hold one amplitude in rad for each joint.")
     middle = np.zeros_like(amplitude) if centre is None else check_shape("centre", centre, amplitude.shape)
     omega = 2 * np.pi * check_number("frequency", frequency, unit="Hz", low=0.0, open_low=True)
-    check_below_nyquist(np.array([frequency]), check_number("dt", dt, unit="s", low=0.0, open_low=True))
     duration = check_number("duration", duration, unit="s", low=0.0, open_low=True)
 
     def evaluate(tau: Array) -> tuple[Array, Array, Array]:
+        check_below_nyquist(np.array([frequency]), dt)  # a sample time beyond the motion is named before
         phase = omega * tau[:, None]
         return (
             middle + amplitude * np.sin(phase),
