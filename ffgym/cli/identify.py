@@ -116,7 +116,8 @@ def read_logs(config: Identify, robot: RobotDescription, *, known: bool = True) 
     """Read the recordings that a command names, or with a column map files of other tools, and condition them.
 
     Args:
-        config: names logs to identify from, and to validate with; those that are both are for validation.
+        config: names logs to identify from, and to validate with; those that are both are for validation, and those
+            that are named twice count once.
         robot: the robot that they are of.
         known: whether the description says enough for the quality gate to judge by it, masses and limits that is.
 
@@ -125,10 +126,12 @@ def read_logs(config: Identify, robot: RobotDescription, *, known: bool = True) 
     """
     apart = [recording for path in config.validate for recording in _read(path, config.columns, robot)]
     named = [recording for path in config.logs for recording in _read(path, config.columns, robot)]
-    given = [recording for recording in named if not any(recording.equals(other) for other in apart)]
-    for i, recording in enumerate(given):
-        if any(recording.equals(other) for other in given[:i]):
-            raise FFGymError(f"Log {recording.header.segment!r} is given twice, and would count twice. Name it once.")
+    given: list[Recording] = []
+    for recording in named:
+        if any(recording.equals(other) for other in given):
+            print(f"Log {recording.header.segment!r} is given twice; it counts once.")
+        elif not any(recording.equals(other) for other in apart):
+            given.append(recording)
     made = condition_alike([*given, *apart])
     if not given:
         raise FFGymError("All logs are for validation, so none is left to identify from.")

@@ -145,6 +145,17 @@ def test_logs_of_other_tools_need_a_column_map_and_no_other_step(logs, foreign, 
         assert message in read_error(capsys)
 
 
+def test_a_log_that_is_given_twice_counts_once_and_is_told(logs, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    quick = ["--robot", "one_axis", "--resamples", "2"]
+    assert main(["identify", logs["j1"], *quick, "--out", "once.toml"]) == 0
+    assert "counts once" not in capsys.readouterr().out
+    assert main(["identify", logs["j1"], logs["j1"], *quick, "--out", "twice.toml"]) == 0
+    assert "is given twice; it counts once." in capsys.readouterr().out
+    once, twice = friction_in("once.toml"), friction_in("twice.toml")
+    assert all(np.array_equal(once[name], twice[name]) for name in once)
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -152,7 +163,6 @@ def test_logs_of_other_tools_need_a_column_map_and_no_other_step(logs, foreign, 
         (["{ladder}", "--robot", "one_axis", "--validate", "{ladder}"], "none is left to identify from"),
         (["{ladder}", "--robot", "one_axis", "--out", "parameters.json"], r"must end in \.toml"),
         (["absent.npz", "--robot", "one_axis"], "absent.npz"),
-        (["{ladder}", "{ladder}", "--robot", "one_axis"], "is given twice, and would count twice"),
         (["{ladder}", "--robot", "one_axis", "--joints", "j9"], "Unknown joint 'j9'"),
         (["{ladder}", "--robot", "one_axis", "--cutoff-hz", "600"], "must lie below 500 Hz"),
         (["{ladder}", "--robot", "one_axis", "--resamples", "1"], "resamples"),
