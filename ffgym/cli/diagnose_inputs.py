@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from ffgym.core.errors import FFGymError
-from ffgym.core.files import read_text, write_text
+from ffgym.core.files import check_there, read_text, write_text
 from ffgym.diagnosis.nominal import EXAMPLE_ROBOT, example_logs, fit_nominal
 from ffgym.diagnosis.nuisance import ParameterPrior
 from ffgym.diagnosis.thinning import thin
@@ -100,8 +100,7 @@ def identify_nominal(draft: RobotDraft, reference: str | Path, recordings: Seque
 
 
 def _read(path: Path, columns: str | None, robot: RobotDescription) -> Sequence[Recording | Stored]:
-    if not path.exists():
-        raise FFGymError(f"{path}: there is no such log. Check the path; it is relative to {Path.cwd()}.")
+    check_there(path)
     if columns is None:
         return [_open(file) for file in (recording_files(path) if path.is_dir() else [path])]
     if path.is_dir() and (made := load_columns(columns)).is_for_recordings:

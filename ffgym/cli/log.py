@@ -16,7 +16,7 @@ from ffgym.cli.outputs import (
 )
 from ffgym.cli.progress import progress_bar
 from ffgym.core.errors import FFGymError, check_choice
-from ffgym.core.files import write_text
+from ffgym.core.files import check_there, write_text
 from ffgym.envs.machines import load_described_robot
 from ffgym.logs import TextLayout, read_contents, read_logs
 from ffgym.logs.draft import draft, listing
@@ -44,6 +44,7 @@ def columns(config: ListColumns) -> None:
         names_row=config.names_row,
         units_row=config.units_row,
     )
+    check_there(config.log)
     contents = read_contents(config.log, layout)
     maps = fitting_maps(contents)
     if config.out is not None:

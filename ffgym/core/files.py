@@ -99,6 +99,16 @@ def _is_special(path: str | os.PathLike[str]) -> bool:
     return not (stat.S_ISREG(mode) or stat.S_ISDIR(mode))
 
 
+def check_there(path: str | os.PathLike[str]) -> None:
+    """Check that a file or folder of this name is there, whatever its name says of its format.
+
+    Raises:
+        FFGymError: if there is neither.
+    """
+    if not os.path.lexists(path):
+        raise FFGymError(f"{path}: no such file or folder. Check the path; it is relative to {Path.cwd()}.")
+
+
 def is_file(path: str | os.PathLike[str]) -> bool:
     """Tell if there is a file; a name that is too long, or leads to itself, is that of none."""
     try:

@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from ffgym.core.errors import FFGymError, errors_at
+from ffgym.core.files import check_there
 from ffgym.logs.column_map import ColumnMap, load_columns
 from ffgym.logs.convert import recordings_of
 from ffgym.logs.drive_units import with_drive_units
@@ -53,6 +54,7 @@ def read_logs(
     Raises:
         FFGymError: if the file cannot be read, or does not fit the map.
     """
+    check_there(path)
     if columns is None:
         if robot is not None:
             raise FFGymError("robot belongs to a column map; a recording says itself whose it is.")

@@ -55,7 +55,7 @@ def logs(tmp_path_factory):
     [
         (["logs"], "--robot ROBOT"),
         (["--fit"], "--robot ROBOT"),
-        (["nowhere", "--robot", "one_axis"], "there is no such log"),
+        (["nowhere", "--robot", "one_axis"], "nowhere: no such file or folder"),
         (["logs", "--robot", "nobody"], "Unknown robot 'nobody'"),
         (["logs", "--robot", "workcell:thesis"], "has no description"),
         (["--columns", "map.toml"], "--columns has no effect on the example logs"),

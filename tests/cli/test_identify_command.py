@@ -163,6 +163,7 @@ def test_a_log_that_is_given_twice_counts_once_and_is_told(logs, tmp_path, monke
         (["{ladder}", "--robot", "one_axis", "--validate", "{ladder}"], "none is left to identify from"),
         (["{ladder}", "--robot", "one_axis", "--out", "parameters.json"], r"must end in \.toml"),
         (["absent.npz", "--robot", "one_axis"], "absent.npz"),
+        (["absent", "--robot", "one_axis"], "absent: no such file or folder"),
         (["{ladder}", "--robot", "one_axis", "--joints", "j9"], "Unknown joint 'j9'"),
         (["{ladder}", "--robot", "one_axis", "--cutoff-hz", "600"], "must lie below 500 Hz"),
         (["{ladder}", "--robot", "one_axis", "--resamples", "1"], "resamples"),

@@ -101,4 +101,8 @@ def test_what_cannot_be_run_is_one_line_and_writes_nothing(folder, capsys):
     assert "may hold your work" in refusal(capsys, "columns", "trace.csv", "--out", "map.toml")
     assert "must end in .toml" in refusal(capsys, "columns", "trace.csv", "--out", "map.txt")
     assert "no such file" in refusal(capsys, "columns", "absent.npz")
+    assert "absent: no such file or folder" in refusal(capsys, "columns", "absent")
+    assert "absent: no such file or folder" in refusal(
+        capsys, "convert", "absent", "--columns", "map.toml", "--out", "x.npz"
+    )
     assert sorted(folder.iterdir()) == before
